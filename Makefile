@@ -98,6 +98,7 @@ lint: .venv/for-all
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python ci/density.py
 
 develop: .venv/for-all
 	ci/build-in-place $(BIN)/python

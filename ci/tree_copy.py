@@ -242,10 +242,9 @@ class TreeCopy:
             environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
             environment["REFDEM_SECONDS"] = str(Path(nest) / "seconds")
             Path(environment["REFDEM_SECONDS"]).write_text(json.dumps(seconds or {}))
+            capture: tuple[str, ...] = ()
             if self.is_sanitized:
                 capture = ("--capture=sys",)
-            else:
-                capture = ()
             command = [
                 sys.executable,
                 *COMMAND,

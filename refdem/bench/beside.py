@@ -22,12 +22,8 @@ class Beside:
         self.reasons: list[str | None] = []
 
     def __enter__(self) -> "Beside":
-        command = [
-            str(self._python),
-            "-P",
-            "-m",
-            "refdem.bench.turns",
-        ]  # -P: what is installed there, not a checkout that we stand in
+        # -P: what is installed there, not a checkout that we stand in.
+        command = [str(self._python), "-P", "-m", "refdem.bench.turns"]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -45,7 +41,7 @@ class Beside:
         self.reasons = self._asked(msgspec.json.encode(places).decode())
 
     def seconds(self, number: int) -> float:
-        """The time of one place now."""
+        """Seconds that the other installation takes for a place now, by its number."""
         return float(self._asked(str(number)))
 
     def _asked(self, line: str) -> Any:

@@ -46,20 +46,26 @@ def compared(now: Record, then: Record) -> list[Change]:
             continue
         a = rounds_of(now, curve, levels)
         b = rounds_of(then, other, levels)
-        errors = {point.level: point.error for point in other.points}
-        worst = max(
-            (
-                p.error / errors[p.level]
-                for p in curve.points
-                if p.level in levels and errors[p.level] > 0
-            ),
-            default=1.0,
-        )
         factor = math.exp(statistics.median(a) - statistics.median(b))
-        found.append(
-            Change(key=curve.key, factor=factor, verdict=verdict(a, b), error_factor=worst)
+        change = Change(
+            key=curve.key,
+            factor=factor,
+            verdict=verdict(a, b),
+            error_factor=_largest_growth(curve, other, levels),
         )
+        found.append(change)
     return found
+
+
+def _largest_growth(now: Curve, then: Curve, levels: set[float]) -> float:
+    """The largest factor by which the error at a level has grown; 1 where no error was above 0."""
+    before = {point.level: point.error for point in then.points}
+    factors = [
+        point.error / before[point.level]
+        for point in now.points
+        if point.level in levels and before[point.level] > 0
+    ]
+    return max(factors, default=1.0)
 
 
 def compared_in_turns(record: Record) -> list[Change]:
@@ -73,11 +79,8 @@ def compared_in_turns(record: Record) -> list[Change]:
         pairs = ratios_of(curve)
         if pairs:
             factor = math.exp(statistics.median(pairs))
-            found.append(
-                Change(
-                    key=curve.key, factor=factor, verdict=verdict_of_pairs(pairs), error_factor=None
-                )
-            )
+            told = verdict_of_pairs(pairs)
+            found.append(Change(key=curve.key, factor=factor, verdict=told, error_factor=None))
     return found
 
 
@@ -86,11 +89,13 @@ def ratios_of(curve: Curve) -> list[float]:
     chosen = [
         point for point in curve.points if point.beside and min(*point.beside, *point.rounds) > 0
     ]
+    # Rounds that every level has on both sides.
     count = min((min(len(point.rounds), len(point.beside)) for point in chosen), default=0)
-    return [
-        statistics.fmean(math.log(point.rounds[k] / point.beside[k]) for point in chosen)
-        for k in range(count)
-    ]
+    found = []
+    for k in range(count):
+        logarithms = [math.log(point.rounds[k] / point.beside[k]) for point in chosen]
+        found.append(statistics.fmean(logarithms))
+    return found
 
 
 def verdict_of_pairs(pairs: Sequence[float]) -> str:
@@ -112,11 +117,13 @@ def _common(curve: Curve, other: Curve) -> set[float]:
 def rounds_of(record: Record, curve: Curve, levels: set[float]) -> list[float]:
     """The mean over levels of log(seconds / yardstick), round by round."""
     chosen = [point.rounds for point in curve.points if point.level in levels]
-    return [
-        statistics.fmean(math.log(times[number] / yard) for times in chosen)
-        for number, yard in enumerate(record.yardstick)
-        if all(number < len(times) and times[number] > 0 for times in chosen)
-    ]
+    found = []
+    for number, yard in enumerate(record.yardstick):
+        has_all = all(number < len(times) and times[number] > 0 for times in chosen)
+        if has_all:
+            logarithms = [math.log(times[number] / yard) for times in chosen]
+            found.append(statistics.fmean(logarithms))
+    return found
 
 
 def verdict(now: Sequence[float], then: Sequence[float]) -> str:
@@ -138,12 +145,12 @@ def false_alarm_rate(record: Record) -> float | None:
     """Part of comparisons of a code with itself that call it slower or faster: every split of its
     rounds in two; None below 8 rounds.
     """
-    alarms = total = 0
+    alarms = 0
+    total = 0
     for curve in record.curves:
-        if curve.points:
-            series = rounds_of(record, curve, {point.level for point in curve.points})
-        else:
-            series = []
+        if not curve.points:
+            continue
+        series = rounds_of(record, curve, {point.level for point in curve.points})
         half = len(series) // 2
         if half < 4:
             continue

@@ -38,9 +38,8 @@ class Cost:
     @property
     def ratio(self) -> float:
         """How many times as dear as the reference: the median of the rounds."""
-        return statistics.median(
-            own / other for own, other in zip(self.rounds, self.beside, strict=True)
-        )
+        pairs = zip(self.rounds, self.beside, strict=True)
+        return statistics.median(own / other for own, other in pairs)
 
 
 def costs(
@@ -53,12 +52,12 @@ def costs(
             for boundary in ("periodic", "walls"):
                 progress(f"{n} spheres, {law}, {boundary}")
                 instance = discovery.case("granular-gas").at(n=str(n), boundary=boundary, **given)
-                gas = Gas(
-                    instance, float(2.0 ** np.floor(np.log2(instance.scales.tau / STEPS_PER_TAU)))
-                )
-                found += _of_gas(
-                    gas, law, [crowd for crowd in crowds() if crowd.refusal(gas) is None], rounds
-                )
+                # The step is a power of two: exact in every code.
+                longest = instance.scales.tau / STEPS_PER_TAU
+                step = float(2.0 ** np.floor(np.log2(longest)))
+                gas = Gas(instance, step)
+                able = [crowd for crowd in crowds() if crowd.refusal(gas) is None]
+                found += _of_gas(gas, law, able, rounds)
     return found
 
 
@@ -72,7 +71,8 @@ def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost
     taken: dict[Crowd, list[float]] = {crowd: [] for crowd in able}
     for _ in range(rounds):
         for crowd in able:
-            taken[crowd].append(1e9 * crowd.seconds(gas, steps[crowd]) / steps[crowd] / n)
+            seconds = crowd.seconds(gas, steps[crowd])
+            taken[crowd].append(1e9 * seconds / steps[crowd] / n)
     own = next(taken[crowd] for crowd in able if crowd.is_reference)
     if gas.periodic:
         boundary = "periodic"
@@ -82,17 +82,12 @@ def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost
 
 
 def table(found: Sequence[Cost]) -> Table:
-    """A line a code and gas."""
+    """The costs as a table: a line for each code in each gas."""
     header = ("gas", "code", "ns a body and step", "least to most", "times the reference", "note")
-    rows = [
-        (
-            f"{cost.n} {cost.law}, {cost.boundary}",
-            cost.name,
-            two(statistics.median(cost.rounds)),
-            f"{two(min(cost.rounds))} to {two(max(cost.rounds))}",
-            two(cost.ratio),
-            cost.note,
-        )
-        for cost in found
-    ]
+    rows = []
+    for cost in found:
+        gas = f"{cost.n} {cost.law}, {cost.boundary}"
+        median = two(statistics.median(cost.rounds))
+        extremes = f"{two(min(cost.rounds))} to {two(max(cost.rounds))}"
+        rows.append((gas, cost.name, median, extremes, two(cost.ratio), cost.note))
     return Table("Cost of a body and step in a gas of spheres", header, rows)

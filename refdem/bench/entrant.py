@@ -36,10 +36,9 @@ class Entrant:
             asked = self.instance.problem
         else:
             asked = problem
-        if self.method.control == "exact":
-            control: dict[str, Any] = {}
-        else:
-            control = {self.method.control: level}
+        control: dict[str, Any] = {}
+        if self.method.control != "exact":
+            control[self.method.control] = level
         return Request(problem=asked, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:

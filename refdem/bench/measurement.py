@@ -8,6 +8,7 @@ import statistics
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import chain
 from time import perf_counter
 
 from refdem.bench.entrant import Entrant
@@ -49,28 +50,30 @@ class Measured:
         """Seconds that the first set-up cost beyond the median of later ones: compilation, imports,
         tables.
         """
-        later = [cost.setup for costs in self.rounds.values() for cost in costs]
-        if later:
-            return max(
-                0.0,
-                max((c.setup for c in self.first.values()), default=0.0) - statistics.median(later),
-            )
-        return 0.0
+        later = [cost.setup for cost in chain.from_iterable(self.rounds.values())]
+        if not later:
+            return 0.0
+        dearest_first = max((cost.setup for cost in self.first.values()), default=0.0)
+        return max(0.0, dearest_first - statistics.median(later))
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""
-        return [
-            Point(
+        found = []
+        for level, errors in self.errors.items():
+            shown = [errors[name] for name in names & errors.keys()]
+            costs = self.rounds.get(level, [])
+            if not shown or not costs:
+                continue
+            point = Point(
                 level=level,
-                error=max(errors[name] for name in names & errors.keys()),
-                rounds=[cost.seconds for cost in self.rounds[level]],
-                setup=statistics.median(cost.setup for cost in self.rounds[level]),
+                error=max(shown),
+                rounds=[cost.seconds for cost in costs],
+                setup=statistics.median(cost.setup for cost in costs),
                 steps=self.first[level].steps,
                 beside=self.beside.get(level, []),
             )
-            for level, errors in self.errors.items()
-            if names & errors.keys() and self.rounds.get(level)
-        ]
+            found.append(point)
+        return found
 
 
 def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
@@ -118,7 +121,9 @@ def interleaved(
     `other` times the same place of another installation, by its number, right before or right
     after: in turns. None where it cannot.
     """
-    places = [(measured, level) for measured in entrants for level in measured.errors]
+    places: list[tuple[Measured, float]] = []
+    for measured in entrants:
+        places += [(measured, level) for level in measured.errors]
     yardstick = []
     with _no_collection():
         for number in range(rounds):
@@ -138,10 +143,12 @@ def interleaved(
 
 
 def _timed(measured: Measured, level: float) -> Cost:
+    """What a run at this level costs now."""
     return median_cost(lambda: measured.entrant.run(level)[1], measured.first[level].seconds)
 
 
 def _beside(measured: Measured, level: float, other: Other | None, place: int) -> None:
+    """Keeps the seconds that the other installation takes for the same place now."""
     if other:
         seconds = other(place)
     else:
@@ -154,11 +161,14 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
     """The cost of one run; of short ones, which took `first` seconds once, the run with the median
     time.
     """
+    # 1e-7 s: what a clock does not resolve counts as so much.
+    least = max(first, 1e-7)
     if first > SHORT:
         inner = 1
     else:
-        inner = min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
-    with repeated(min(MOST_REPEATS, int(BRIEF / max(first, 1e-7)) + 1)):
+        inner = min(MOST_INNER, int(SHORT / least) + 1)
+    repeats = min(MOST_REPEATS, int(BRIEF / least) + 1)
+    with repeated(repeats):
         costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)
     return costs[inner // 2]
 

@@ -29,8 +29,10 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 
 
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
+    """Bytes by which the fine run lifts the peak of this process; None if a run fails."""
+    engine: Engine
     if is_peer:
-        engine: Engine = next(peer for peer in peers() if peer.name == name)
+        engine = next(peer for peer in peers() if peer.name == name)
     else:
         engine = discovery.engine(name)
     try:

@@ -41,6 +41,7 @@ def reach(points: Sequence[Point], target: float) -> Reach | None:
 
 
 def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -> float:
+    """Seconds of one round at which the line between two points has the error `target`."""
     after = points[meets]
     if meets == 0:
         return after.rounds[number]
@@ -49,6 +50,7 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
     late = after.rounds[number]
     if not (after.error > 0 and early < late):
         return late
+    # How far along the line, in logarithms, from the point before to the one that meets it.
     part = math.log(before.error / target) / math.log(before.error / after.error)
     return early * (late / early) ** part
 
@@ -70,7 +72,10 @@ def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: flo
     seen = _truncating(points)
     if not seen or claimed < 1:
         return None
-    return seen[-1][1].error / ((1 + duration / tau) * (seen[-1][1].level / tau) ** claimed)
+    _, finest = seen[-1]
+    growth_in_time = 1 + duration / tau
+    step_in_tau = finest.level / tau
+    return finest.error / (growth_in_time * step_in_tau**claimed)
 
 
 def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
@@ -81,30 +86,37 @@ def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
     else:
         last = 0.0
     still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
-    clear = max(ROUND_OFF, 0.0 if still_falling else CLEAR * floor)
-    return [(a, b) for a, b in pairwise(points) if 0 < b.error < a.error < 0.3 and b.error > clear]
+    # While errors still fall, the last of them is no floor.
+    if still_falling:
+        clear = ROUND_OFF
+    else:
+        clear = max(ROUND_OFF, CLEAR * floor)
+    return [
+        (coarse, fine)
+        for coarse, fine in pairwise(points)
+        if 0 < fine.error < coarse.error < 0.3 and fine.error > clear
+    ]
 
 
 def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
     """Seconds against sizes; the exponent is the median over all pairs of sizes of the slope in
     logarithms (Theil and Sen).
     """
-    pairs = [
-        (a, b)
-        for a, b in combinations(zip(sizes, times, strict=True), 2)
-        if a[0] != b[0] and min(a[1], b[1]) > 0
-    ]
-    slopes = [math.log(b[1] / a[1]) / math.log(b[0] / a[0]) for a, b in pairs]
-    return Growth(
-        by=by,
-        sizes=list(sizes),
-        seconds=list(times),
-        exponent=statistics.median(slopes) if slopes else None,
-    )
+    slopes = []
+    for first, second in combinations(zip(sizes, times, strict=True), 2):
+        size, time = first
+        other_size, other_time = second
+        if size != other_size and min(time, other_time) > 0:
+            slopes.append(math.log(other_time / time) / math.log(other_size / size))
+    if slopes:
+        exponent = statistics.median(slopes)
+    else:
+        exponent = None
+    return Growth(by=by, sizes=list(sizes), seconds=list(times), exponent=exponent)
 
 
 def per_step(points: Sequence[Point]) -> float | None:
     """Seconds a step at the finest level; None where steps are not counted."""
-    if points and points[-1].steps:
-        return seconds(points[-1]) / points[-1].steps
-    return None
+    if not points or not points[-1].steps:
+        return None
+    return seconds(points[-1]) / points[-1].steps

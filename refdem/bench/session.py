@@ -4,8 +4,9 @@ It reads no stored run; truth, which no engine touches, may be kept.
 """
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import msgspec
@@ -25,7 +26,7 @@ from refdem.campaign import plan, worker
 from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.specification import Entry, Specification
 from refdem.core.case import Instance
-from refdem.core.engine import Engine
+from refdem.core.engine import Engine, Method
 from refdem.core.truth import SampledTruth
 from refdem.errors import RefdemError, UsageError
 
@@ -60,18 +61,21 @@ class Bench:
         )
         engines, _ = plan.engines(specification)
         measured = [self._of(instance, engines) for instance, _ in plan.instances(specification)]
-        if not any(entrant.errors for found in measured for entrant in found):
-            reasons = dict.fromkeys(entrant.refusal for found in measured for entrant in found)
+        everything = list(chain.from_iterable(measured))
+        if not any(one.errors for one in everything):
+            reasons = dict.fromkeys(one.refusal for one in everything)
             raise UsageError("nothing could be run: " + "; ".join(reasons))
-        everything = [entrant for found in measured for entrant in found]
         yardstick = self._timed(everything)
-        compared = {
-            found[0].entrant.instance.label: sorted(_common(found)) for found in measured if found
-        }
-        curves = [
-            self._curve(entrant, set(compared[entrant.entrant.instance.label]))
-            for entrant in everything
-        ]
+        # The quantities that are compared, by instance.
+        compared = {}
+        for found in measured:
+            if found:
+                label = found[0].entrant.instance.label
+                compared[label] = sorted(_common(found))
+        curves = []
+        for one in everything:
+            quantities = set(compared[one.entrant.instance.label])
+            curves.append(self._curve(one, quantities))
         return Record(
             refdem=refdem.__version__,
             rounds=self.rounds,
@@ -89,34 +93,39 @@ class Bench:
         """
         self.progress(f"{instance.label}: refining")
         found = []
-        for engine, is_peer in [(e, False) for e in engines] + [(p, True) for p in self._peers()]:
-            silent = is_peer or engine.is_reference
-            for method in engine.methods:
-                if (
-                    self.method and not is_peer and method.name != self.method
-                ) or method.answers != instance.problem.kind:
-                    continue
-                refusal = engine.refuses(instance.problem, method) or ""
-                chosen: tuple[float, ...] = ()
-                if not refusal:
-                    chosen = levels(instance, method, most_steps=self.most_steps)
-                if refusal and silent:
-                    continue
-                entrant = Entrant(instance, engine, method, chosen, is_peer)
-                found.append(
-                    Measured(
-                        entrant,
-                        refusal=refusal
-                        or ("" if chosen else f"more than {self.most_steps:g} steps"),
-                    )
-                )
+        for engine in engines:
+            wanted = [method for method in engine.methods if self.method in ("", method.name)]
+            found += self._entered(instance, engine, wanted, is_peer=False)
+        for peer in self._peers():
+            found += self._entered(instance, peer, peer.methods, is_peer=True)
         able = [measured for measured in found if not measured.refusal]
-        truth = sampled_truth(instance, [measured.entrant for measured in able])
         refused = [measured for measured in found if measured.refusal]
-        return [
-            *(refined(measured.entrant, truth, longest=self.longest) for measured in able),
-            *refused,
-        ]
+        truth = sampled_truth(instance, [measured.entrant for measured in able])
+        known = [refined(measured.entrant, truth, longest=self.longest) for measured in able]
+        return [*known, *refused]
+
+    def _entered(
+        self, instance: Instance, engine: Engine, methods: Sequence[Method], *, is_peer: bool
+    ) -> list[Measured]:
+        """The methods of an engine that answer problems of this kind, with the levels they run
+        at, or why they do not run.
+        """
+        is_silent = is_peer or engine.is_reference
+        found = []
+        for method in methods:
+            if method.answers != instance.problem.kind:
+                continue
+            refusal = engine.refuses(instance.problem, method) or ""
+            if refusal and is_silent:
+                continue
+            chosen: tuple[float, ...] = ()
+            if not refusal:
+                chosen = levels(instance, method, most_steps=self.most_steps)
+            if not refusal and not chosen:
+                refusal = f"more than {self.most_steps:g} steps"
+            entrant = Entrant(instance, engine, method, chosen, is_peer)
+            found.append(Measured(entrant, refusal=refusal))
+        return found
 
     def _timed(self, everything: list[Measured]) -> list[float]:
         """All rounds, alone or in turns; the yardstick of each."""
@@ -126,16 +135,18 @@ class Bench:
 
         if self.beside is None:
             return interleaved(everything, self.rounds, told)
+        places: list[Place] = []
+        for measured in everything:
+            places += [place(measured, level) for level in measured.errors]
         with Beside(self.beside) as other:
-            other.begin(
-                [place(measured, level) for measured in everything for level in measured.errors]
-            )
-            return interleaved(
-                everything,
-                self.rounds,
-                told,
-                lambda k: None if other.reasons[k] else other.seconds(k),
-            )
+            other.begin(places)
+
+            def seconds_beside(number: int) -> float | None:
+                if other.reasons[number]:
+                    return None
+                return other.seconds(number)
+
+            return interleaved(everything, self.rounds, told, seconds_beside)
 
     def _peers(self) -> list[Engine]:
         if self.with_peers:
@@ -167,14 +178,21 @@ class Bench:
         constant = precision.constant(
             points, claimed=claimed, tau=scales.tau, duration=scales.duration
         )
-        limit, limited = stability_limit(entrant) if self.with_stability else (None, "")
+        limit: float | None = None
+        limited = ""
+        if self.with_stability:
+            limit, limited = stability_limit(entrant)
+        if claimed:
+            order_seen = precision.order(points)
+        else:
+            order_seen = None
         return msgspec.structs.replace(
             bare,
             points=points,
             reached=[precision.reach(points, target) for target in TARGETS],
             compiled=measured.compiled,
             order_claimed=claimed,
-            order_seen=precision.order(points) if claimed else None,
+            order_seen=order_seen,
             constant_seen=constant,
             limit=limit,
             limited=limited,
@@ -185,55 +203,57 @@ class Bench:
         """Time against steps, and against the parameter asked for at the finest level."""
         entrant = measured.entrant
         level = next(reversed(measured.errors))
-        counted = [
-            (cost.steps, precision.seconds_of(measured.rounds[h]))
-            for h, cost in measured.first.items()
-            if cost.steps
-        ]
-        stepped = entrant.method.control == "step" and len(counted) > 1
-        if stepped:
-            found = [precision.growth("steps", *zip(*counted, strict=True))]
-        else:
-            found = []
+        found = []
+        steps = []
+        seconds = []
+        for h, cost in measured.first.items():
+            if cost.steps:
+                steps.append(cost.steps)
+                seconds.append(precision.seconds_of(measured.rounds[h]))
+        if entrant.method.control == "step" and len(steps) > 1:
+            found.append(precision.growth("steps", steps, seconds))
         for name, values in self.grow.items():
             sizes = []
             times = []
             for value in values:
-                grown = entrant.instance.case.at(**(dict(entrant.instance.p.given) | {name: value}))
-                if entrant.engine.refuses(grown.problem, entrant.method) is None:
-                    one = Measured(
-                        Entrant(grown, entrant.engine, entrant.method, (level,), entrant.is_peer)
-                    )
-                    try:
-                        one.errors, one.first = {level: {}}, {level: one.entrant.run(level)[1]}
-                    except RefdemError:
-                        continue  # the finest step of one size need not fit the samples of another
-                    one.rounds = {level: []}
-                    interleaved([one], self.rounds)
+                time = self._seconds_grown(entrant, level, {name: value})
+                if time is not None:
                     sizes.append(float(value))
-                    times.append(precision.seconds_of(one.rounds[level]))
+                    times.append(time)
             if sizes:
                 found.append(precision.growth(name, sizes, times))
         return found
 
+    def _seconds_grown(
+        self, entrant: Entrant, level: float, changed: Mapping[str, str]
+    ) -> float | None:
+        """Seconds of a run with a parameter changed, at the same level; None if it cannot run."""
+        given = dict(entrant.instance.p.given)
+        grown = entrant.instance.case.at(**(given | dict(changed)))
+        if entrant.engine.refuses(grown.problem, entrant.method) is not None:
+            return None
+        other = Entrant(grown, entrant.engine, entrant.method, (level,), entrant.is_peer)
+        try:
+            _, first = other.run(level)
+        except RefdemError:
+            # The finest step of one size need not fit the samples of another.
+            return None
+        one = Measured(other, errors={level: {}}, first={level: first}, rounds={level: []})
+        interleaved([one], self.rounds)
+        return precision.seconds_of(one.rounds[level])
+
     def _with_memory(self, measured: list[Measured], curves: list[Curve]) -> list[Curve]:
         """The curves with the peak memory of their finest runs."""
-        if self.with_memory:
-            places = [k for k, found in enumerate(measured) if found.errors]
-        else:
-            places = []
+        if not self.with_memory:
+            return curves
+        places = [k for k, found in enumerate(measured) if found.errors]
         asked = []
         for k in places:
             entrant = measured[k].entrant
             run = list(measured[k].errors)
-            asked.append(
-                (
-                    entrant.engine.address,
-                    entrant.is_peer,
-                    entrant.request(run[0]),
-                    entrant.request(run[-1]),
-                )
-            )
+            coarsest = entrant.request(run[0])
+            finest = entrant.request(run[-1])
+            asked.append((entrant.engine.address, entrant.is_peer, coarsest, finest))
         for k, peak in zip(places, peaks(asked), strict=True):
             curves[k] = msgspec.structs.replace(curves[k], memory=peak)
         return curves
@@ -248,18 +268,19 @@ def place(measured: Measured, level: float) -> Place:
 
 def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
     """The certified samples; raises UsageError if there are none to measure errors against."""
-    delays = tuple(
-        sorted({delay for e in entrants for level in e.levels if (delay := e.method.delay(level))})
-    )
+    delays: set[float] = set()
+    for entrant in entrants:
+        delays |= {entrant.method.delay(level) for level in entrant.levels}
+    # A method that is late by nothing needs no samples of its own.
+    delays.discard(0.0)
     if delays:
         truth = None
     else:
         truth = kept_truth(instance)
     if truth is None:
-        truth = msgspec.msgpack.decode(
-            worker.sampled_truth(instance.case.id, dict(instance.p.given), delays),
-            type=SampledTruth,
-        )
+        given = dict(instance.p.given)
+        packed = worker.sampled_truth(instance.case.id, given, tuple(sorted(delays)))
+        truth = msgspec.msgpack.decode(packed, type=SampledTruth)
     if truth.until < min(2, len(instance.times)):
         raise UsageError(
             f"{instance.label} has no certified truth to measure errors against: {truth.reason}"
@@ -271,7 +292,9 @@ def _common(found: list[Measured]) -> set[str]:
     """Names of the quantities that every run of an instance shows; all that any shows if there are
     none.
     """
-    shown = [set(errors) for measured in found for errors in measured.errors.values()]
-    if shown:
-        return set.intersection(*shown) or set.union(*shown)
-    return set()
+    shown: list[set[str]] = []
+    for measured in found:
+        shown += [set(errors) for errors in measured.errors.values()]
+    if not shown:
+        return set()
+    return set.intersection(*shown) or set.union(*shown)

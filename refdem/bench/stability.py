@@ -31,7 +31,10 @@ def stability_limit(entrant: Entrant) -> tuple[float | None, str]:
     high = 2 * low
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if _is_stable(entrant, middle) else (low, middle)
+        if _is_stable(entrant, middle):
+            low = middle
+        else:
+            high = middle
     return low, ""
 
 

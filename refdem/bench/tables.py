@@ -29,6 +29,7 @@ def tables(record: Record, label: str) -> list[Table]:
     curves = [curve for curve in record.curves if curve.label == label]
     able = [curve for curve in curves if curve.points]
     goals = tuple(f"to {target:.0e}".replace("e-0", "e-") for target in TARGETS)
+    timed = ("method", *goals, "least error", "set-up of a run", "compile or first set-up")
     seen = (
         "method",
         "order",
@@ -38,58 +39,43 @@ def tables(record: Record, label: str) -> list[Table]:
         "memory",
         "largest stable step / (2/omega)",
     )
+    refused = [(_name(curve), curve.refusal) for curve in curves if curve.refusal]
     found = [
-        Table(
-            "Time to an error",
-            ("method", *goals, "least error", "set-up of a run", "compile or first set-up"),
-            [_times(curve) for curve in able],
-        ),
+        Table("Time to an error", timed, [_times(curve) for curve in able]),
         Table("Faster than the best peer by", ("method", *goals), _ratios(able)),
         Table("What else was seen", seen, [_more(curve) for curve in able]),
-        Table(
-            "Not run",
-            ("method", "reason"),
-            [(_name(curve), curve.refusal) for curve in curves if curve.refusal],
-        ),
+        Table("Not run", ("method", "reason"), refused),
     ]
     return [table for table in found if table.rows]
 
 
 def changes(found: Sequence[Change]) -> Table:
-    """A comparison of two records."""
-    rows = [
-        (
-            change.key[0],
-            " ".join(change.key[1:]),
-            f"{change.factor:.2f}",
-            change.verdict,
-            two(change.error_factor),
-        )
-        for change in found
-    ]
-    return Table(
-        "Against the other code",
-        ("case", "method", "time now / then", "verdict", "error now / then, at most"),
-        rows,
-    )
+    """A comparison of two records as a table: a row a curve that both have."""
+    header = ("case", "method", "time now / then", "verdict", "error now / then, at most")
+    rows = []
+    for change in found:
+        case, *method = change.key
+        factor = f"{change.factor:.2f}"
+        rows.append((case, " ".join(method), factor, change.verdict, two(change.error_factor)))
+    return Table("Against the other code", header, rows)
 
 
 def _name(curve: Curve) -> str:
-    return f"{curve.engine} {curve.method}" + (
-        " (reference)" if curve.is_reference else " (peer)" if curve.is_peer else ""
-    )
+    """Engine and method, and whether the engine is the reference or a peer."""
+    name = f"{curve.engine} {curve.method}"
+    if curve.is_reference:
+        return f"{name} (reference)"
+    if curve.is_peer:
+        return f"{name} (peer)"
+    return name
 
 
 def _times(curve: Curve) -> tuple[str, ...]:
+    """The cells of a curve: time to each error, least error, and what sets a run up."""
     least = min(point.error for point in curve.points)
     setup = statistics.median(point.setup for point in curve.points)
-    return (
-        _name(curve),
-        *(_reached(reach) for reach in curve.reached),
-        two(least),
-        duration(setup),
-        duration(curve.compiled),
-    )
+    reached = [_reached(reach) for reach in curve.reached]
+    return (_name(curve), *reached, two(least), duration(setup), duration(curve.compiled))
 
 
 def _reached(reach: Reach | None) -> str:
@@ -103,63 +89,70 @@ def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
     """Time of the fastest peer over that of every other method, at each error; in brackets the
     extremes of the rounds.
     """
-    best = [
-        _fastest([curve.reached[k] for curve in curves if curve.is_peer])
-        for k in range(len(TARGETS))
-    ]
+    peers = [curve for curve in curves if curve.is_peer]
+    best = []
+    for k in range(len(TARGETS)):
+        best.append(_fastest([peer.reached[k] for peer in peers]))
     if not any(best):
         return []
-    return [
-        (_name(c), *(_ratio(peer, own) for peer, own in zip(best, c.reached, strict=True)))
-        for c in curves
-        if not c.is_peer
-    ]
+    rows = []
+    for curve in curves:
+        if not curve.is_peer:
+            pairs = zip(best, curve.reached, strict=True)
+            rows.append((_name(curve), *(_ratio(peer, own) for peer, own in pairs)))
+    return rows
 
 
 def _fastest(reached: Sequence[Reach | None]) -> Reach | None:
-    return min(
-        (reach for reach in reached if reach is not None),
-        key=lambda reach: reach.seconds,
-        default=None,
-    )
+    """The fastest of those that get there; None if nobody does."""
+    able = [reach for reach in reached if reach is not None]
+    return min(able, key=lambda reach: reach.seconds, default=None)
 
 
 def _ratio(peer: Reach | None, own: Reach | None) -> str:
+    """How many times as fast as the peer a method is, with the extremes of the rounds."""
     if peer is None:
         if own:
             return "no peer gets there"
         return NONE
     if own is None:
         return "not reached"
-    return (
-        f"{two(peer.seconds / own.seconds)}x ({two(peer.least / own.most)} to"
-        f" {two(peer.most / own.least)})"
-    )
+    median = two(peer.seconds / own.seconds)
+    least = two(peer.least / own.most)
+    most = two(peer.most / own.least)
+    return f"{median}x ({least} to {most})"
 
 
 def _more(curve: Curve) -> tuple[str, ...]:
+    """The cells of a curve: order, error constant, time a step, growth, memory, stability."""
+    orders = NONE
     if curve.order_seen is not None:
         orders = f"{curve.order_seen:.2f} (claimed {curve.order_claimed})"
-    else:
-        orders = NONE
     if curve.control == "step":
-        step = per_step(curve.points)
+        seconds_per_step = per_step(curve.points)
     else:
-        step = None
+        seconds_per_step = None
+    if seconds_per_step is None:
+        step = NONE
+    else:
+        step = duration(seconds_per_step)
     grows = "; ".join(map(_growth, curve.growth)) or NONE
     if curve.memory is None:
         memory = NONE
     else:
         memory = f"{two(curve.memory / 2**20)} MiB"
-    limit = curve.limited or (NONE if curve.limit is None else f"{curve.limit:.3f}")
+    if curve.limit is None:
+        limit = NONE
+    else:
+        limit = f"{curve.limit:.3f}"
     return (
         _name(curve),
         orders,
         two(curve.constant_seen),
-        NONE if step is None else duration(step),
+        step,
         grows,
         memory,
-        limit,
+        curve.limited or limit,
     )
 
 
@@ -174,18 +167,20 @@ def _growth(growth: Growth) -> str:
 
 def two(value: float | None) -> str:
     """Two significant digits; a dash if there is none."""
-    if value is None or not math.isfinite(value):
-        if value is None:
-            return NONE
+    if value is None:
+        return NONE
+    if not math.isfinite(value):
         return str(value)
+    rounded = f"{value:.1e}"
     if 1e-3 <= abs(value) < 1e6 or value == 0:
-        return f"{float(f'{value:.1e}'):.4g}"
-    return f"{value:.1e}".replace("e-0", "e-")
+        return f"{float(rounded):.4g}"
+    return rounded.replace("e-0", "e-")
 
 
 def duration(value: float) -> str:
     """A time with two significant digits and its unit."""
-    unit, name = next(((unit, name) for unit, name in UNITS if value >= unit), UNITS[-1])
+    # The largest unit that the value reaches, else the smallest of all.
+    unit, name = next((pair for pair in UNITS if value >= pair[0]), UNITS[-1])
     return f"{two(value / unit)} {name}"
 
 
@@ -206,10 +201,9 @@ def introduction(record: Record) -> str:
 
 def chart_rows(record: Record, label: str) -> list[tuple[Curve, float, float]]:
     """(curve, seconds, error) of every point of an instance."""
-    return [
-        (c, seconds(point), point.error)
-        for c in record.curves
-        if c.label == label
-        for point in c.points
-        if seconds(point) > 0
-    ]
+    rows = []
+    for curve in record.curves:
+        if curve.label == label:
+            timed = [(seconds(point), point.error) for point in curve.points]
+            rows += [(curve, time, error) for time, error in timed if time > 0]
+    return rows

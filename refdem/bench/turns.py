@@ -30,17 +30,18 @@ class Place(msgspec.Struct, frozen=True):
 
     def runnable(self) -> tuple[Engine, Request]:
         """The engine as it is here, and the request; raises RefdemError if there is none."""
+        engine: Engine | None
         if self.is_peer:
-            found = next((p for p in peers() if p.name == self.engine), None)
+            engine = next((peer for peer in peers() if peer.name == self.engine), None)
         else:
-            found = discovery.engine(self.engine)
-        if found is None:
+            engine = discovery.engine(self.engine)
+        if engine is None:
             raise RefdemError(f"{self.engine} is not installed there")
-        return found, Request.from_json(bytes(self.request))
+        return engine, Request.from_json(bytes(self.request))
 
 
 def serve(lines: TextIO, answers: TextIO) -> None:
-    """Answers until the lines end."""
+    """Loads the places that the first line asks for, then times one for every line that follows."""
 
     def say(value: Any) -> None:
         answers.write(msgspec.json.encode(value).decode() + "\n")
@@ -64,6 +65,7 @@ def serve(lines: TextIO, answers: TextIO) -> None:
 
 
 def _seconds(engine: Engine, request: Request, first: float) -> float:
+    """The seconds of a run now; `first` is what it took once."""
     return median_cost(lambda: engine.run(request)[1], first).seconds
 
 

@@ -110,42 +110,38 @@ class Campaign:
         ) as schedule:
             asked = [(instance, self._delays(instance, engines)) for instance, _ in instances]
             truths = self._truths(schedule, asked, engines)
-            tasks = [
-                task
-                for (instance, only), truth in zip(instances, truths, strict=True)
-                for engine in engines
-                for task in plan.judged(
-                    plan.tasks(self.specification, instance, only, engine, truth, truth.reason)
-                )
-            ]
-            wanted = [(n, variant) for n, task in enumerate(tasks) for variant in task.variants]
-            self._run(schedule, tasks, [(n, v) for n, v in wanted if not v.goes_on], "runs")
-            self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs that go on")
+            tasks: list[Task] = []
+            for (instance, only), truth in zip(instances, truths, strict=True):
+                for engine in engines:
+                    planned = plan.tasks(
+                        self.specification, instance, only, engine, truth, truth.reason
+                    )
+                    tasks += plan.judged(planned)
+            first = []
+            later = []
+            for n, task in enumerate(tasks):
+                first += [(n, variant) for variant in task.variants if not variant.goes_on]
+                later += [(n, variant) for variant in task.variants if variant.goes_on]
+            self._run(schedule, tasks, first, "runs")
+            self._run(schedule, tasks, later, "runs that go on")
         records = self._records(tasks)
-        cases = {
-            i.label: sheets.case_sheet(i, truth)
-            for (i, _), truth in zip(instances, truths, strict=True)
-        }
-        return [*(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
+        cases = {}
+        for (instance, _), truth in zip(instances, truths, strict=True):
+            cases[instance.label] = sheets.case_sheet(instance, truth)
+        return [*map(sheets.engine_sheet, engines), *cases.values(), *records]
 
     def _delays(self, instance: Instance, engines: list[Engine]) -> tuple[float, ...]:
         """By how much [s] the velocities of some method lag at one of its levels."""
-        staggered = [
-            engine
-            for engine in engines
-            if any(m.velocity_time != "synchronous" for m in engine.methods)
-        ]
-        trials = [
-            trial
-            for engine in staggered
-            for trial, _ in plan.trials(self.specification, instance, engine)
-        ]
-        levels = (
-            (trial.method, level)
-            for trial in trials
-            for level in order_levels(instance, trial.levels)
-        )
-        return tuple(sorted({delay for method, level in levels if (delay := method.delay(level))}))
+        delays: set[float] = set()
+        for engine in engines:
+            if all(method.velocity_time == "synchronous" for method in engine.methods):
+                continue
+            for trial, _ in plan.trials(self.specification, instance, engine):
+                levels = order_levels(instance, trial.levels)
+                delays |= {trial.method.delay(level) for level in levels}
+        # Samples that are late by nothing are those of every run.
+        delays.discard(0.0)
+        return tuple(sorted(delays))
 
     def _truths(
         self,
@@ -181,9 +177,8 @@ class Campaign:
             request = self._request(tasks[n], n, variant)
             if request is not None:
                 requests[n, variant] = request
-                keys.setdefault(
-                    request.key(tasks[n].engine.name, self._fingerprint(tasks[n])), []
-                ).append((n, variant))
+                key = request.key(tasks[n].engine.name, self._fingerprint(tasks[n]))
+                keys.setdefault(key, []).append((n, variant))
         jobs = []
         for key, places in keys.items():
             if self.use_store:
@@ -321,9 +316,8 @@ class Campaign:
                 for variant in task.variants
                 if (n, variant) in self.runs
             }
-            found.append(
-                judging.record(task, self._version(task.engine), runs, deviations[task.engine.name])
-            )
+            version = self._version(task.engine)
+            found.append(judging.record(task, version, runs, deviations[task.engine.name]))
         return found
 
 

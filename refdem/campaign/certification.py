@@ -50,7 +50,7 @@ class Wanted:
 
     @property
     def job(self) -> tuple[str, dict[str, str], tuple[str, ...]]:
-        """What a worker needs."""
+        """The case, its parameters and its times, as a worker needs them."""
         return self.instance.case.id, self.instance.p.given, tuple(str(t) for t in self.times)
 
 
@@ -89,13 +89,14 @@ def _refuse_twins(found: list[Wanted], path: Path) -> None:
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The instances of the campaign main whose sampled truth is kept: of the cases that sets.toml
-    names so (and of these cases only).
+    """The instances of the campaigns main and gate whose sampled truth is kept: of the cases that
+    sets.toml names so (and of these cases only).
     """
     only = set(cases)
     kept = document_of(folder / "sets.toml").get(SAMPLED, [])
     wanted = {case for case in kept if not only or case in only}
-    every = {instance.label: instance for instance, _ in plan.instances(named("main"))}
+    asked = [*plan.instances(named("main")), *plan.instances(named("gate"))]
+    every = {instance.label: instance for instance, _ in asked}
     return [
         one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)
     ]
@@ -147,7 +148,7 @@ def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
 
 @dataclass
 class Certification:
-    """One rebuilding of the store.
+    """One rebuilding of the certified store: what is stale is proved again.
 
     A line that is there is kept while what it was asked, and all code that had a part in it, are
     the same (its `job`); then the store of finished work is asked, so that a killed run resumes;
@@ -302,14 +303,12 @@ def stale(folder: Path) -> list[str]:
         one.label: job_digest("samples", one.label, (one.case.id, one.p.given))
         for one in judged_instances(folder)
     }
-    kept = {
-        one.label: one
-        for path in sorted((folder / "samples").glob("*.jsonl"))
-        for one in samples.kept(path.parent, path.stem)
-    }
+    kept: dict[str, str] = {}
+    for path in sorted((folder / "samples").glob("*.jsonl")):
+        kept |= {one.label: one.job for one in samples.kept(path.parent, path.stem)}
     found += [
         f"samples of {label}"
-        for label, one in kept.items()
-        if label in asked and one.job != asked[label]
+        for label, job in kept.items()
+        if label in asked and job != asked[label]
     ]
     return found + [f"samples of {label}" for label in sorted(set(asked) ^ set(kept))]

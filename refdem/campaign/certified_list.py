@@ -53,20 +53,28 @@ def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCas
 
 
 def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
-    """The line of one case."""
-    said = [one.witnessed for one in sets if one.witnessed]
-    radii = [Fraction(value.radius) for one in sets for value in one.values]
+    """What the store has of one case, from its sets."""
+    testimonies = [one.witnessed for one in sets if one.witnessed]
+    radii: list[Fraction] = []
+    for one in sets:
+        radii += [Fraction(value.radius) for value in one.values]
+    witnesses = sorted({testimony["by"] for testimony in testimonies})
+    own_witnesses = sorted({one.witness for one in sets})
+    if radii:
+        digits = _digits(max(radii))
+    else:
+        digits = None
     source = digest_of(name)
     return CertifiedCase(
         case=name,
         sets=len(sets),
         values=len(radii),
-        digits=_digits(max(radii)) if radii else None,
+        digits=digits,
         methods=sorted({one.method for one in sets}),
-        witness="; ".join(sorted({by["by"] for by in said})) or NONE,
-        witnessed=sum(by["values"] for by in said),
-        agreed=min((by["digits"] for by in said), default=None),
-        own_witness="; ".join(sorted({one.witness for one in sets})),
+        witness="; ".join(witnesses) or NONE,
+        witnessed=sum(testimony["values"] for testimony in testimonies),
+        agreed=min((testimony["digits"] for testimony in testimonies), default=None),
+        own_witness="; ".join(own_witnesses),
         stale=sum(one.source != source for one in sets),
     )
 
@@ -81,9 +89,9 @@ def _digits(radius: Fraction) -> int | None:
 def in_all(found: list[CertifiedCase]) -> str:
     """The sentence below the table."""
     kept = [one for one in found if one.sets]
-    sets, proved, witnessed = (
-        sum(getattr(one, name) for one in kept) for name in ("sets", "values", "witnessed")
-    )
+    sets = sum(one.sets for one in kept)
+    proved = sum(one.values for one in kept)
+    witnessed = sum(one.witnessed for one in kept)
     return (
         f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a"
         " witness when they were proved"

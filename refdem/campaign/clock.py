@@ -13,7 +13,7 @@ from refdem.campaign.clock_probes import (
     times,
 )
 from refdem.core.engine import Engine, Method
-from refdem.core.finding import Finding
+from refdem.core.finding import Finding, Outcome
 from refdem.core.problem import COUNT, Motion, Request
 from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError, UnsupportedError
@@ -73,10 +73,14 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
                     f"{method.name} {_miscount(late, asked.stride)}, with steps of"
                     f" {asked.signed_step!r} s: {COUNT}"
                 )
+    if worst <= BOUND:
+        outcome: Outcome = "pass"
+    else:
+        outcome = "fail"
     return Finding(
         check="smoke",
         quantity=QUANTITY,
-        outcome="pass" if worst <= BOUND else "fail",
+        outcome=outcome,
         sentence=says,
         value=worst,
         bound=BOUND,
@@ -140,7 +144,8 @@ def _miscount(late: Array, stride: int) -> str:
         steps = "1 step"
     else:
         steps = f"{count} steps"
-    return (
-        f"has taken {steps} too {'many' if late[sample] > 0 else 'few'} at sample {sample} of"
-        f" {SAMPLES}"
-    )
+    if late[sample] > 0:
+        side = "many"
+    else:
+        side = "few"
+    return f"has taken {steps} too {side} at sample {sample} of {SAMPLES}"

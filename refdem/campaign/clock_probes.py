@@ -31,6 +31,8 @@ Between them every clock that compares or divides times miscounts in at least on
 backwards, in double precision, and a summed clock in single precision too:
 tests/campaign/test_clock_probes.py runs those clocks.
 """
+GRAVITY = -9.75
+"""Along y [m/s^2], in the scene that falls."""
 DELAY = 16
 """The first sample is so many intervals after time zero."""
 
@@ -60,19 +62,11 @@ def request(scene: Scene, method: str, interval: float, stride: int, direction: 
 
 def clock_scenes() -> Iterator[ClockScene]:
     """Scenes whose state tells the time, from what most programs can say to what only some can."""
-    yield ClockScene(
-        name="flight",
-        scene=Scene.of([Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))]),
-        passed=lambda run: (run.position[:, 0, 0] - run.position[0, 0, 0]) / -3.0,
-    )
-    gravity = -9.75
-    yield ClockScene(
-        name="fall",
-        scene=Scene.of(
-            [Body(mass=2.0, velocity=(0.0, 1.0, 0.0))], [UniformGravity(g=(0.0, gravity, 0.0))]
-        ),
-        passed=lambda run: (run.velocity[:, 0, 1] - run.velocity[0, 0, 1]) / gravity,
-    )
+    flying = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))
+    yield ClockScene(name="flight", scene=Scene.of([flying]), passed=_flown)
+    thrown = Body(mass=2.0, velocity=(0.0, 1.0, 0.0))
+    weight = UniformGravity(g=(0.0, GRAVITY, 0.0))
+    yield ClockScene(name="fall", scene=Scene.of([thrown], [weight]), passed=_fallen)
     yield ClockScene(
         name="spring",
         scene=Scene.of([Body(mass=2.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=2.0)]),
@@ -85,6 +79,18 @@ def clock_scenes() -> Iterator[ClockScene]:
     )
 
 
+def _flown(run: Trajectory) -> Array:
+    """Time (T,) [s] in which a point at -3 m/s along x has come to its places."""
+    way = run.position[:, 0, 0] - run.position[0, 0, 0]
+    return np.asarray(way / -3.0)
+
+
+def _fallen(run: Trajectory) -> Array:
+    """Time (T,) [s] in which gravity along y has made the changes of the velocity."""
+    gained = run.velocity[:, 0, 1] - run.velocity[0, 0, 1]
+    return np.asarray(gained / GRAVITY)
+
+
 def _phase(run: Trajectory) -> Array:
     """Phase (T,) of x = cos t, v = -sin t from the first sample on."""
     phase = np.unwrap(np.arctan2(-run.velocity[:, 0, 0], run.position[:, 0, 0]))
@@ -94,5 +100,7 @@ def _phase(run: Trajectory) -> Array:
 def _turn(run: Trajectory) -> Array:
     """Angle (T,) [rad] about z from the first sample on, at 1 rad/s."""
     attitude = run.attitude[:, 0]
-    angle = np.unwrap(2.0 * np.arctan2(attitude[:, 3], attitude[:, 0]), period=4 * np.pi)
+    # A quaternion knows its angle up to 4 pi.
+    known = 2.0 * np.arctan2(attitude[:, 3], attitude[:, 0])
+    angle = np.unwrap(known, period=4 * np.pi)
     return np.asarray(angle - angle[0])

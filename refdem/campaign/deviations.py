@@ -32,26 +32,27 @@ def applied(record: Record, deviations: list[Deviation]) -> Record:
     """The record with failing findings excused where a deviation covers them, and covered findings
     that hold made stale.
     """
-    return msgspec.structs.replace(
-        record, findings=tuple(_applied(record, finding, deviations) for finding in record.findings)
-    )
+    findings = tuple(_applied(record, finding, deviations) for finding in record.findings)
+    return msgspec.structs.replace(record, findings=findings)
 
 
 def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> Finding:
+    """The finding as the first deviation that covers it makes it; as it is if none does."""
     deviation = next((d for d in deviations if d.covers(record, finding)), None)
     if deviation is None or finding.outcome not in ("pass", "fail") or finding.value is None:
         return finding
-    why = one_line(deviation.reason + (f" ({deviation.link})" if deviation.link else ""))
+    if deviation.link:
+        reason = f"{deviation.reason} ({deviation.link})"
+    else:
+        reason = deviation.reason
+    why = one_line(reason)
     if finding.outcome == "pass":
         says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
         return msgspec.structs.replace(finding, outcome="stale", sentence=says)
     inside = deviation.low <= finding.value <= deviation.high
-    if inside:
-        side = "inside"
-    else:
-        side = "outside"
+    side, outcome = ("inside", "expected") if inside else ("outside", "fail")
     says = (
         f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g},"
         f" {deviation.high:.3g}]: {why}"
     )
-    return msgspec.structs.replace(finding, outcome="expected" if inside else "fail", sentence=says)
+    return msgspec.structs.replace(finding, outcome=outcome, sentence=says)

@@ -75,7 +75,7 @@ class Elsewhere(Engine):
         self.waiting: list[str] = []
 
     def missing(self) -> str | None:
-        """None: nothing runs here."""
+        """None: the program runs elsewhere and need not be here."""
         return None
 
     def version(self) -> str:
@@ -87,7 +87,7 @@ class Elsewhere(Engine):
         return self.name
 
     def refusal(self, problem: Motion, method: Method) -> str | None:
-        """As the description says."""
+        """What the description of the program refuses, with its reason; else None."""
         return self.described.refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -111,10 +111,8 @@ class Elsewhere(Engine):
                 )
             written(request, folder)
         if (folder / REFUSED).is_file():
-            raise UnsupportedError(
-                one_line((folder / REFUSED).read_text(errors="replace").strip()[-200:])
-                or f"the program wrote {REFUSED}"
-            )
+            said = (folder / REFUSED).read_text(errors="replace").strip()
+            raise UnsupportedError(one_line(said[-200:]) or f"the program wrote {REFUSED}")
         if not (folder / "trajectory.csv").is_file():
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
@@ -132,7 +130,8 @@ def written(request: Request, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "request.txt").write_text(request_text(request))
         (folder / "request.json").write_bytes(request.to_json())
-        if (file := request.bodies_file) is not None:
+        file = request.bodies_file
+        if file is not None:
             (folder / bodies_file.NAME).write_bytes(file)
     except OSError as error:
         raise StoreError(
@@ -152,17 +151,19 @@ def exported(
     to come.
     """
     engines = {path: discovery.engine(str(path)) for path in tomls}
-    versions = {
-        engine.name: engine.version() if engine.missing() is None else "unknown"
-        for engine in engines.values()
-    }
+    versions = {}
+    for engine in engines.values():
+        is_here = engine.missing() is None
+        versions[engine.name] = engine.version() if is_here else "unknown"
     manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
-    if (folder / MANIFEST).exists() and msgspec.structs.replace(
-        read(folder), versions=versions
-    ) != manifest:
-        raise UsageError(
-            f"{folder} holds the export of other cases, programs or levels; choose an empty folder"
-        )
+    if (folder / MANIFEST).exists():
+        # Another version of a program may go on with the same export.
+        before = msgspec.structs.replace(read(folder), versions=versions)
+        if before != manifest:
+            raise UsageError(
+                f"{folder} holds the export of other cases, programs or levels; choose an empty"
+                " folder"
+            )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, engine in engines.items():
@@ -193,10 +194,10 @@ def read(folder: Path) -> Manifest:
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
     if not manifest.case or not manifest.versions:
-        raise UsageError(
-            f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to"
-            " judge; export again"
-        )
+        lacking = "case"
+        if manifest.case:
+            lacking = "program"
+        raise UsageError(f"{path} names no {lacking}, so there is nothing to judge; export again")
     for name in manifest.versions:
         if not NAME.fullmatch(name):
             raise UsageError(
@@ -219,15 +220,10 @@ def _campaign(
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            engines.append(
-                Elsewhere(
-                    discovery.engine(str(folder / f"{name}.toml")),
-                    manifest.versions[name],
-                    folder,
-                    writes=writes,
-                )
-            )
-            here.enter_context(discovery.engine_here(engines[-1]))
+            described = discovery.engine(str(folder / f"{name}.toml"))
+            engine = Elsewhere(described, manifest.versions[name], folder, writes=writes)
+            engines.append(engine)
+            here.enter_context(discovery.engine_here(engine))
         specification = Specification(
             name=f"judgement of {', '.join(names)}",
             case=manifest.case,

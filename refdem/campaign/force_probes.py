@@ -24,7 +24,7 @@ LATER = 2.0
 
 
 def force_probes() -> tuple[Probe, ...]:
-    """All of them."""
+    """The probes of forces: springs, friction, drives, a rod, contacts with spheres and a wall."""
     return (
         _diagonal_spring(),
         _slide(),
@@ -140,13 +140,12 @@ def _dumbbell() -> Probe:
         return {"position": position, "velocity": velocity, "rod_force": np.full(len(t), tension)}
 
     start = expected(np.zeros(1))
+    places = map(_vector, start["position"][0])
+    speeds = map(_vector, start["velocity"][0])
+    masses = (first_mass, second_mass)
     bodies = [
-        Body(
-            mass=mass,
-            position=_vector(start["position"][0, n]),
-            velocity=_vector(start["velocity"][0, n]),
-        )
-        for n, mass in enumerate((first_mass, second_mass))
+        Body(mass=mass, position=place, velocity=speed)
+        for mass, place, speed in zip(masses, places, speeds, strict=True)
     ]
     scene = Scene.of(bodies, [Rod(a=1, b=0, length=length)])
     return Probe(
@@ -188,22 +187,24 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
         closing, closed = (speed * x for x in _closing(t, rate))
         starts = np.stack([front_start, back_start])
         # Relative to the centre of mass the closing velocity falls from `speed` to -speed.
-        position = (
-            starts + t[:, None, None] * moving + (closed[:, None] * shares)[..., None] * along
-        )
+        approach = (closed[:, None] * shares)[..., None] * along
+        position = starts + t[:, None, None] * moving + approach
         velocity = moving + (closing[:, None] * shares)[..., None] * along
         return {"position": position, "velocity": velocity}
 
     start = expected(np.zeros(1))
-    bodies = [
-        Body(
-            mass=mass,
-            position=_vector(start["position"][0, n]),
-            velocity=_vector(start["velocity"][0, n]),
-            shape=Sphere(radius=radius),
-        )
-        for n, (mass, radius) in enumerate(((front_mass, front_radius), (back_mass, back_radius)))
-    ]
+    front_place, back_place = map(_vector, start["position"][0])
+    front_speed, back_speed = map(_vector, start["velocity"][0])
+    front = Body(
+        mass=front_mass,
+        position=front_place,
+        velocity=front_speed,
+        shape=Sphere(radius=front_radius),
+    )
+    back = Body(
+        mass=back_mass, position=back_place, velocity=back_speed, shape=Sphere(radius=back_radius)
+    )
+    bodies = [front, back]
     scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
     shows = "masses, radii and the direction of the contact force"
     return Probe(name=name, shows=shows, scene=scene, expected=expected)
@@ -243,6 +244,6 @@ def _floor() -> Probe:
 
 
 def _vector(values: Array) -> Vector:
-    """Three numbers of an array."""
+    """The three numbers of an array (3,), as scenes take them."""
     x, y, z = values.tolist()
     return x, y, z

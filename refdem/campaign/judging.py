@@ -28,14 +28,9 @@ def record(
     findings = _findings(task, runs)
     if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
-        findings.append(
-            Finding(
-                check="record",
-                quantity="decided",
-                outcome="error",
-                sentence=f"Nothing was decided: {reasons}",
-            )
-        )
+        says = f"Nothing was decided: {reasons}"
+        findings.append(Finding(check="record", quantity="decided", outcome="error", sentence=says))
+    costs = [run.cost for run in runs.values() if run.cost]
     found = Record(
         case=instance.case.id,
         label=instance.label,
@@ -46,7 +41,7 @@ def record(
         is_reference=task.engine.is_reference,
         runs=tuple(run.key for run in runs.values()),
         findings=tuple(findings),
-        seconds=sum(run.cost.seconds for run in runs.values() if run.cost),
+        seconds=sum(cost.seconds for cost in costs),
     )
     return applied(found, deviations)
 
@@ -68,14 +63,8 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     """The findings of a task: how its runs failed, then what its checks say."""
     if task.refusal is not None:
-        return [
-            Finding(
-                check="run",
-                quantity="scene",
-                outcome="unsupported",
-                sentence=f"Not supported: {task.refusal}.",
-            )
-        ]
+        says = f"Not supported: {task.refusal}."
+        return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=says)]
     outcomes = {
         v: Outcome(run.trajectory, run.cost)
         for v, run in runs.items()
@@ -84,11 +73,9 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
     refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
     permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}
-    findings = _failures(
-        task,
-        {v: failure for v, failure in failed.items() if v not in permitted or not outcomes},
-        ran=bool(outcomes),
-    )
+    # What may be refused is told only where nothing ran at all.
+    told = {v: failure for v, failure in failed.items() if v not in permitted or not outcomes}
+    findings = _failures(task, told, ran=bool(outcomes))
     # What these show is shown beside the rest: without them a check judges what is left.
     unshown = {variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")}
     for check in task.checks:

@@ -86,13 +86,11 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
         return [kill for kill in self.kills if not kill.killed]
 
     def idle(self) -> list[str]:
-        """Checks that killed nothing."""
-        killing = {
-            name.split("/")[0]
-            for kill in self.kills
-            for name in (*kill.also, kill.check)
-            if kill.killed
-        }
+        """The checks that saw no fault, named for it or not."""
+        killing: set[str] = set()
+        for kill in self.kills:
+            if kill.killed:
+                killing |= {name.split("/")[0] for name in (*kill.also, kill.check)}
         return [name for name in discovery.names("checks") if name not in killing]
 
 
@@ -113,7 +111,7 @@ class Trial:
 
     @property
     def drawn(self) -> range:
-        """The seeds."""
+        """The seeds that are drawn."""
         return range(self.first, self.first + self.seeds)
 
     @cached_property
@@ -125,7 +123,7 @@ class Trial:
         return tuple(fault for fault in every if fault.inside is None)
 
     def matrix(self) -> Matrix:
-        """The whole of it."""
+        """Every fault at every seed, and the alarms of the engine without a fault."""
         kills = []
         alarms = []
         near = dict[str, float]()
@@ -136,13 +134,9 @@ class Trial:
         for record, setting, seed in self._sound():
             for finding in record.findings:
                 if finding.outcome in WRONG:
+                    name = record.id(finding)
                     alarms.append(
-                        Alarm(
-                            id=record.id(finding),
-                            setting=setting,
-                            seed=seed,
-                            sentence=finding.sentence,
-                        )
+                        Alarm(id=name, setting=setting, seed=seed, sentence=finding.sentence)
                     )
                 if finding.margin is not None:
                     near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
@@ -183,7 +177,12 @@ class Trial:
             checks = _needed(fault)
         engine = fault.carrier(self.engine)
         known = dict[Variant, Run]()
-        for levels in range(FEWEST if not checks or checks[0] in ORDERS else 1, fault.levels + 1):
+        # An order needs some levels; other checks may see a fault at the first.
+        if not checks or checks[0] in ORDERS:
+            fewest = FEWEST
+        else:
+            fewest = 1
+        for levels in range(fewest, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):
                 break
@@ -199,17 +198,20 @@ class Trial:
         checks: Iterable[str],
         known: dict[Variant, Run] | None = None,
     ) -> Record:
+        """The record at so many levels; an engine of one's own runs the first method that does not
+        refuse.
+        """
         if self.engine is not None:
-            method = next(
-                (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None),
-                engine.methods[0].name,
-            )
+            able = (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None)
+            method = next(able, engine.methods[0].name)
         return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
         """Records of the engine without any fault, on every setting that a fault uses."""
-        used = dict.fromkeys(setting for fault in self.faults for setting in fault.on)
-        work = [(seed, name) for seed in self.drawn for name in used]
+        used: dict[str, None] = {}
+        for fault in self.faults:
+            used |= dict.fromkeys(fault.on)
+        work = list(product(self.drawn, used))
         for done, (seed, name) in enumerate(work, 1):
             instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()
@@ -229,7 +231,11 @@ class Trial:
         if (setting, seed) not in self._truths:
             drawn = SETTINGS[setting]
             instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
-            self._truths[setting, seed] = instance, truth_of(instance) if drawn.proved else WITHHELD
+            if drawn.proved:
+                truth = truth_of(instance)
+            else:
+                truth = WITHHELD
+            self._truths[setting, seed] = (instance, truth)
         return self._truths[setting, seed]
 
 
@@ -239,7 +245,7 @@ def _named(fault: Fault, record: Record) -> list[Finding]:
 
 
 def _killed(named: list[Finding]) -> bool:
-    """One of them is wrong."""
+    """Whether one of the findings says that something is wrong."""
     return any(f.outcome in WRONG for f in named)
 
 
@@ -247,7 +253,10 @@ def _needed(fault: Fault) -> tuple[str, ...]:
     """The one check that must see the fault; the cheapest where only a broken contract is to be
     seen.
     """
-    return ("error" if fault.sees[0] == "run" else fault.sees[0],)
+    check, _ = fault.sees
+    if check == "run":
+        check = "error"
+    return (check,)
 
 
 def _beyond(named: list[Finding]) -> float | None:

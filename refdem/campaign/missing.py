@@ -29,16 +29,18 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
 
     What follows from an error or a refusal is said there and makes no finding of its own.
     """
-    seen = {record.id(finding) for record in records for finding in record.findings}
+    seen: set[str] = set()
+    for record in records:
+        seen |= {record.id(finding) for finding in record.findings}
     gone: dict[Place, list[str]] = {}
     for name in sorted(set(wanted)):
         if name not in seen:
             place, check, quantity = parts(name)
             gone.setdefault(place, []).append(f"{check}/{quantity}")
-    changed = [
-        _with_gone(record, gone.pop((record.label, record.engine, record.method), []), owner)
-        for record in records
-    ]
+    changed = []
+    for record in records:
+        missed = gone.pop((record.label, record.engine, record.method), [])
+        changed.append(_with_gone(record, missed, owner))
     vanished = [_vanished(place, names, owner) for place, names in gone.items()]
     return [*changed, *vanished]
 
@@ -46,13 +48,11 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
 def with_lost(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
     """The records, in which what `wanted` (ids) has decided and nobody decided now is lost."""
     asked = set(wanted)
-    return [
-        msgspec.structs.replace(
-            record,
-            findings=tuple(_lost(record, finding, asked, owner) for finding in record.findings),
-        )
-        for record in records
-    ]
+    found = []
+    for record in records:
+        findings = tuple(_lost(record, finding, asked, owner) for finding in record.findings)
+        found.append(msgspec.structs.replace(record, findings=findings))
+    return found
 
 
 def _lost(record: Record, finding: Finding, asked: set[str], owner: str) -> Finding:
@@ -70,10 +70,11 @@ def _with_gone(record: Record, gone: list[str], owner: str) -> Record:
     for finding in record.findings:
         explained = [name for name in left if _explains(finding, name)]
         left = [name for name in left if name not in explained]
-        found.append(_folded(finding, explained, owner) if explained else finding)
-    return msgspec.structs.replace(
-        record, findings=(*found, *(_absent(name, owner) for name in left))
-    )
+        if explained:
+            finding = _folded(finding, explained, owner)
+        found.append(finding)
+    found += [_absent(name, owner) for name in left]
+    return msgspec.structs.replace(record, findings=tuple(found))
 
 
 def _explains(finding: Finding, name: str) -> bool:

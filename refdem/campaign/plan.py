@@ -5,6 +5,7 @@ need.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -38,7 +39,7 @@ class Task:
 
     @property
     def method(self) -> Method:
-        """The method."""
+        """The method that runs the instance."""
         return self.trial.method
 
     @cached_property
@@ -46,8 +47,11 @@ class Task:
         """The union of what the checks need, without repetition, bases before what goes on from
         them.
         """
-        wanted = dict.fromkeys(v for check in self.checks for v in check.needs(self.trial))
-        return tuple(dict.fromkeys([*(v.base for v in wanted if v.goes_on), *wanted]))
+        wanted: dict[Variant, None] = {}
+        for check in self.checks:
+            wanted |= dict.fromkeys(check.needs(self.trial))
+        bases = [variant.base for variant in wanted if variant.goes_on]
+        return tuple(dict.fromkeys([*bases, *wanted]))
 
 
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
@@ -67,16 +71,15 @@ def instances(specification: Specification) -> list[tuple[Instance, tuple[str, .
 
 def _admitted(selection: Selection) -> list[Instance]:
     """Every case, at the parameters that the selection asks for, that it admits."""
-    cases = [
-        case
-        for name in discovery.names("cases")
-        if not isinstance(case := discovery.case(name), Selection)
-    ]
-    every = [case.at(**given) for case in cases for given in selection.parameters(case)]
     judges = discovery.check(selection.check).judges
-    found = {
-        i.label: i for i in every if isinstance(i.problem, judges) and selection.admits(i) is None
-    }
+    found: dict[str, Instance] = {}
+    for case in map(discovery.case, discovery.names("cases")):
+        if isinstance(case, Selection):
+            continue
+        for given in selection.parameters(case):
+            instance = case.at(**given)
+            if isinstance(instance.problem, judges) and selection.admits(instance) is None:
+                found[instance.label] = instance
     return list(found.values())
 
 
@@ -96,20 +99,19 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
             raise EngineMissingError(f"engine {name} is not installed here; {reason}")
         else:
             missing[name] = reason
-    if specification.method and not asked:
-        having = [
-            engine
-            for engine in found
-            if any(m.name == specification.method for m in engine.methods)
-        ]
-        every = {method.name for engine in found for method in engine.methods}
-        if not having:
-            raise UsageError(
-                f"no engine has a method {specification.method!r};"
-                f" {nearest(specification.method, every)}"
-            )
-        return having, missing
-    return found, missing
+    wanted = specification.method
+    if not wanted or asked:
+        return found, missing
+    having = []
+    every: set[str] = set()
+    for engine in found:
+        own = {method.name for method in engine.methods}
+        every |= own
+        if wanted in own:
+            having.append(engine)
+    if not having:
+        raise UsageError(f"no engine has a method {wanted!r}; {nearest(wanted, every)}")
+    return having, missing
 
 
 def trials(
@@ -121,15 +123,12 @@ def trials(
     Methods for other kinds of questions are left out; an engine that has none for this kind refuses
     by its first.
     """
+    methods = list(engine.methods)
     if specification.method:
         methods = [engine.method(specification.method)]
-    else:
-        methods = list(engine.methods)
-    methods = [method for method in methods if method.answers == instance.problem.kind] or methods[
-        :1
-    ]
+    answering = [method for method in methods if method.answers == instance.problem.kind]
     found = []
-    for method in methods:
+    for method in answering or methods[:1]:
         refusal = engine.refuses(instance.problem, method)
         levels: tuple[float, ...] = ()
         if refusal is None:
@@ -182,11 +181,11 @@ def tasks(
 ) -> list[Task]:
     """One task a method: its trial with truth, and the checks that apply."""
     excluded = instance.case.exclude_for(instance.p)
-    names = [
-        n
-        for n in discovery.names("checks")
-        if (not only or n in only) and (not specification.checks or n in specification.checks)
-    ]
+    names = discovery.names("checks")
+    if only:
+        names = [name for name in names if name in only]
+    if specification.checks:
+        names = [name for name in names if name in specification.checks]
     found = []
     for bare, refusal in trials(specification, instance, engine):
         trial = replace(bare, truth=truth, truth_reason=reason)
@@ -199,9 +198,8 @@ def tasks(
                 chosen.append(check)
             else:
                 left_out[name] = why
-        if (
-            chosen or refusal is not None or not only
-        ):  # the one check of a selection may leave a method out
+        # The one check of a selection may leave a method out.
+        if chosen or refusal is not None or not only:
             is_selection = bool(only or specification.checks)
             found.append(Task(engine, trial, refusal, tuple(chosen), left_out, is_selection))
     return found
@@ -224,13 +222,10 @@ def request(
     problem = task.trial.instance.problem
     if ulps:
         problem = problem.perturbed(ulps)
-    control = task.method.control
-    plain = Request(
-        problem=problem,
-        method=task.method.name,
-        step=variant.level if control == "step" else None,
-        tolerance=variant.level if control == "tolerance" else None,
-    )
+    control: dict[str, Any] = {}
+    if task.method.control != "exact":
+        control[task.method.control] = variant.level
+    plain = Request(problem=problem, method=task.method.name, **control)
     if variant.change == "none":
         return plain
     if variant.change == "repeated":
@@ -248,21 +243,18 @@ def _of_motion(
     """The request of a variant that only a motion has."""
     if variant.change == "denser_output":
         count = variant.amount * (len(problem.times) - 1)
-        return plain.with_scene(
-            problem.scene,
-            np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount),
-        )
+        interval = problem.interval / variant.amount
+        denser = np.arange(count + 1, dtype=np.float64) * interval
+        return plain.with_scene(problem.scene, denser)
     if variant.change in symmetry.NAMES:
         shown, motion = symmetry.picture(task.trial.instance, variant.change)
         if plain.step is None:
             step = None
         else:
             step = plain.step * shown.units[2]
-        return replace(
-            plain,
-            problem=motion if problem is task.trial.instance.problem else shown.applied(problem),
-            step=step,
-        )
+        if problem is not task.trial.instance.problem:
+            motion = shown.applied(problem)
+        return replace(plain, problem=motion, step=step)
     if base is None:
         raise UsageError(f"variant {variant} goes on from a run that is not there")
     if variant.change == "reversed":
@@ -270,8 +262,13 @@ def _of_motion(
     else:
         sign = 1.0
     end = base.end()
-    state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
-    state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+    length = np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+    state = {
+        **end,
+        "velocity": sign * end["velocity"],
+        "omega": sign * end["omega"],
+        "attitude": end["attitude"] / length,
+    }
     if variant.change == "reversed":
         times = problem.times
     else:

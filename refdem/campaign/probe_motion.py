@@ -52,10 +52,10 @@ def _stepped(scene: Scene, state: State, h: float) -> State:
     second = _rate(scene, _ahead(state, first, h / 2))
     third = _rate(scene, _ahead(state, second, h / 2))
     fourth = _rate(scene, _ahead(state, third, h))
-    new = [
-        x + h / 6 * (a + 2 * b + 2 * c + d)
-        for x, a, b, c, d in zip(state, first, second, third, fourth, strict=True)
-    ]
+    new = []
+    for x, a, b, c, d in zip(state, first, second, third, fourth, strict=True):
+        # y + h/6 (k1 + 2 k2 + 2 k3 + k4).
+        new.append(x + h / 6 * (a + 2 * b + 2 * c + d))
     position, velocity, attitude, momentum = new
     attitude = attitude / np.linalg.norm(attitude, axis=-1, keepdims=True)
     return position, velocity, attitude, momentum

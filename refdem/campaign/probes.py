@@ -60,25 +60,20 @@ class Probe:
 
 def probes() -> tuple[Probe, ...]:
     """All of them: flight, fall, turning, forces, contact."""
-    return (
-        *_flights(),
-        *_falls(),
-        *_spins(),
-        *(_wobble(axis) for axis in range(3)),
-        *_forces(),
-        _knock(),
-    )
+    wobbles = [_wobble(axis) for axis in range(3)]
+    return (*_flights(), *_falls(), *_spins(), *wobbles, *_forces(), _knock())
 
 
 def _straight(*bodies: Body) -> Callable[[Array], Expected]:
     """Every body goes on as it started."""
-    position, velocity = (
-        np.array([getattr(b, name) for b in bodies]) for name in ("position", "velocity")
-    )
-    return lambda t: {
-        "position": position + t[:, None, None] * velocity,
-        "velocity": velocity + 0 * t[:, None, None],
-    }
+    position = np.array([body.position for body in bodies])
+    velocity = np.array([body.velocity for body in bodies])
+
+    def expected(t: Array) -> Expected:
+        s = t[:, None, None]
+        return {"position": position + s * velocity, "velocity": velocity + 0 * s}
+
+    return expected
 
 
 def _flights() -> tuple[Probe, ...]:
@@ -91,9 +86,8 @@ def _flights() -> tuple[Probe, ...]:
     other = Body(mass=5.0, position=(40.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
 
     def flight(name: str, shows: str, *bodies: Body, start: float = 0.0) -> Probe:
-        return Probe(
-            name=name, shows=shows, scene=Scene.of(bodies), expected=_straight(*bodies), start=start
-        )
+        scene = Scene.of(bodies)
+        return Probe(name=name, shows=shows, scene=scene, expected=_straight(*bodies), start=start)
 
     return (
         flight("line", "the x axis, metres and seconds", line),
@@ -127,8 +121,9 @@ def _falls() -> tuple[Probe, ...]:
             expected=expected,
         )
 
-    return fall("fall in a plane", (2.0, 3.0, 0.0), (0.0, -9.8, 0.0)), fall(
-        "fall in space", (2.0, 0.0, 3.0), (1.0, 0.0, -9.8)
+    return (
+        fall("fall in a plane", velocity=(2.0, 3.0, 0.0), g=(0.0, -9.8, 0.0)),
+        fall("fall in space", velocity=(2.0, 0.0, 3.0), g=(1.0, 0.0, -9.8)),
     )
 
 
@@ -154,9 +149,9 @@ def _spins() -> tuple[Probe, ...]:
         rate = float(np.linalg.norm(omega))
 
         def expected(t: Array) -> Expected:
-            turn = np.column_stack(
-                [np.cos(rate * t / 2), np.outer(np.sin(rate * t / 2), omega / rate)]
-            )
+            # The quaternion (cos a/2, n sin a/2) of the angle a = |omega| t about n.
+            half = rate * t / 2
+            turn = np.column_stack([np.cos(half), np.outer(np.sin(half), omega / rate)])
             return {
                 "position": place + t[:, None, None] * drift,
                 "velocity": drift + 0 * t[:, None, None],
@@ -168,20 +163,15 @@ def _spins() -> tuple[Probe, ...]:
 
     upright = (1.0, 0.0, 0.0, 0.0)
     tipped = (HALF, HALF, 0.0, 0.0)
+    quarter = np.array([0.0, 0.0, np.pi / 2])
+    about_x = np.array([1.5, 0.0, 0.0])
+    about_z = np.array([0.0, 0.0, 1.5])
+    of_units = "radians, and the order and sign of the quaternion"
+    of_axes = "omega in space axes, and the side from which turns act"
     return (
-        spin(
-            "quarter turn",
-            "radians, and the order and sign of the quaternion",
-            np.array([0.0, 0.0, np.pi / 2]),
-            upright,
-        ),
-        spin("turn about x", "the order of the quaternion", np.array([1.5, 0.0, 0.0]), upright),
-        spin(
-            "tipped body",
-            "omega in space axes, and the side from which turns act",
-            np.array([0.0, 0.0, 1.5]),
-            tipped,
-        ),
+        spin("quarter turn", of_units, quarter, upright),
+        spin("turn about x", "the order of the quaternion", about_x, upright),
+        spin("tipped body", of_axes, about_z, tipped),
     )
 
 
@@ -215,10 +205,12 @@ def _wobble(axis: int) -> Probe:
 
 def _along(x: Array, v: Array) -> Expected:
     """One body's position and velocity from those along x, each (T,)."""
-    return {
-        name: np.pad(values[:, None, None], ((0, 0), (0, 0), (0, 2)))
-        for name, values in (("position", x), ("velocity", v))
-    }
+    return {"position": _on_x(x[:, None]), "velocity": _on_x(v[:, None])}
+
+
+def _on_x(values: Array) -> Array:
+    """Vectors (T, N, 3) along x of these sizes (T, N)."""
+    return np.pad(values[..., None], ((0, 0), (0, 0), (0, 2)))
 
 
 def _forces() -> tuple[Probe, ...]:
@@ -240,7 +232,14 @@ def _forces() -> tuple[Probe, ...]:
         }
 
     def circle(t: Array) -> Expected:
-        return {"position": np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])[:, None]}
+        place = np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])
+        return {"position": place[:, None]}
+
+    def swinging(t: Array) -> Expected:
+        return _along(np.cos(2 * t), -2 * np.sin(2 * t))
+
+    def rubbed(t: Array) -> Expected:
+        return _along(t - t * t / 4, 1 - t / 2)
 
     spring = Spring(a=0, stiffness=8.0)
     slider = Slider(a=0, friction=0.25, normal_force=4.0)
@@ -249,31 +248,13 @@ def _forces() -> tuple[Probe, ...]:
     start = Body(mass=2.0, position=(1.0, 0.0, 0.0))
     thrown = Body(mass=2.0, velocity=(1.0, 0.0, 0.0))
     planet = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
+    rod = Rod(a=0, length=2.0)
+    field = CentralField(gm=4.0)
     return (
-        force(
-            "spring",
-            "sign and unit of stiffness",
-            start,
-            [spring],
-            lambda t: _along(np.cos(2 * t), -2 * np.sin(2 * t)),
-        ),
-        force(
-            "friction",
-            "sign and unit of dry friction",
-            thrown,
-            [slider],
-            lambda t: _along(t - t * t / 4, 1 - t / 2),
-        ),
-        force(
-            "hanging rod",
-            "sign and unit of the rod's force",
-            bob,
-            [Rod(a=0, length=2.0), pull],
-            hanging,
-        ),
-        force(
-            "circle", "sign and unit of the central field", planet, [CentralField(gm=4.0)], circle
-        ),
+        force("spring", "sign and unit of stiffness", start, [spring], swinging),
+        force("friction", "sign and unit of dry friction", thrown, [slider], rubbed),
+        force("hanging rod", "sign and unit of the rod's force", bob, [rod, pull], hanging),
+        force("circle", "sign and unit of the central field", planet, [field], circle),
     )
 
 
@@ -287,14 +268,11 @@ def _knock() -> Probe:
     stiffness = 400.0
 
     def expected(t: Array) -> Expected:
+        # The reduced mass is 1 kg, so that the contact turns at sqrt(k).
         phase = np.minimum(np.sqrt(stiffness) * t, np.pi)
         first = (1 + np.cos(phase)) / 2
         second = (1 - np.cos(phase)) / 2
-        return {
-            "velocity": np.pad(
-                np.stack([first, second], axis=1)[..., None], ((0, 0), (0, 0), (0, 2))
-            )
-        }
+        return {"velocity": _on_x(np.stack([first, second], axis=1))}
 
     scene = Scene.of([left, right], [Contact(law="linear", stiffness=stiffness)])
     return Probe(

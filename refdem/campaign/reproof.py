@@ -68,11 +68,14 @@ def sample(sets: Iterable[CertifiedSet], *, each: int, seed: str) -> list[Certif
     strata: dict[tuple[str, str], list[CertifiedSet]] = {}
     for one in sets:
         strata.setdefault((one.case, one.method), []).append(one)
-    chosen = [sorted(group, key=lambda one: _lot(one, seed))[:each] for group in strata.values()]
-    return [one for group in chosen for one in group]
+    chosen: list[CertifiedSet] = []
+    for group in strata.values():
+        chosen += sorted(group, key=lambda one: _lot(one, seed))[:each]
+    return chosen
 
 
 def _lot(one: CertifiedSet, seed: str) -> str:
+    """The place of a set in the draw, which the seed and its label decide."""
     return hashlib.sha256(f"{seed}\0{one.label}".encode()).hexdigest()
 
 
@@ -80,20 +83,16 @@ def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -
     """What a new proof, or the witness, says otherwise than the store; each set at its earliest
     times.
     """
-    work = {}
-    for one in sets:
-        times = sorted({value.t for value in one.values if value.t is not None})[:EARLIEST]
-        given = given_of(one)
-        work[one.label] = (
-            one,
-            Job(one.label, proved_set, (one.case, given, tuple(map(str, times))), computes=True),
-        )
+    known = {one.label: one for one in sets}
+    work = []
+    for label, one in known.items():
+        times = sorted({value.t for value in one.values if value.t is not None})
+        asked = (one.case, given_of(one), tuple(map(str, times[:EARLIEST])))
+        work.append(Job(label, proved_set, asked, computes=True))
     with Schedule(jobs, LONGEST) as schedule:
-        for done, (job, result) in enumerate(
-            schedule.results([job for _, job in work.values()]), 1
-        ):
+        for done, (job, result) in enumerate(schedule.results(work), 1):
             progress("prove again", done, len(work))
-            yield from _differences(work[job.key][0], result)
+            yield from _differences(known[job.key], result)
 
 
 def given_of(one: CertifiedSet) -> dict[str, str]:
@@ -101,12 +100,14 @@ def given_of(one: CertifiedSet) -> dict[str, str]:
     its own, even at their defaults.
     """
     declared = discovery.case(one.case).at().p.declared
-    known = {name: text for name, text in one.parameters.items() if name in declared}
-    return {
-        name: text
-        for name, text in known.items()
-        if declared[name].parsed(text) != declared[name].parsed(declared[name].default)
-    }
+    found = {}
+    for name, text in one.parameters.items():
+        parameter = declared.get(name)
+        if parameter is None:
+            continue
+        if parameter.parsed(text) != parameter.parsed(parameter.default):
+            found[name] = text
+    return found
 
 
 def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:

@@ -146,12 +146,10 @@ def written(specification: Specification, records: list[Record]) -> list[str]:
     """Writes the lists of the engines that ran and says, a line each, what changed; raises
     UsageError where a run broke.
     """
-    broken = [
-        record.id(finding)
-        for record in records
-        for finding in record.findings
-        if finding.outcome == "error"
-    ]
+    broken: list[str] = []
+    for record in records:
+        errors = [finding for finding in record.findings if finding.outcome == "error"]
+        broken += map(record.id, errors)
     if broken:
         raise UsageError(
             f"{len(broken)} findings are errors, first {broken[0]}; the lists stay as they are:"

@@ -213,7 +213,7 @@ class Schedule:
             self._pool.join()
 
     def _begun(self, job: Job) -> Any:
-        """The future of a job."""
+        """The future of a job that is handed to a worker process."""
         limit = job.timeout or self._timeout
         if job.computes:
             return self._pool.schedule(limited, args=(limit, job.function, *job.arguments))
@@ -268,11 +268,13 @@ def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> by
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     before, most = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    # A process that is ended so leaves no core file.
+    _, most_core = resource.getrlimit(resource.RLIMIT_CORE)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, most_core))
     end = math.ceil(used.ru_utime + used.ru_stime + limit)
-    resource.setrlimit(
-        resource.RLIMIT_CPU, (end if most == resource.RLIM_INFINITY else min(end, most), most)
-    )
+    if most != resource.RLIM_INFINITY:
+        end = min(end, most)
+    resource.setrlimit(resource.RLIMIT_CPU, (end, most))
     try:
         return guarded(function, *arguments)
     finally:

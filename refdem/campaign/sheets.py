@@ -19,6 +19,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
     case = instance.case
     scales = instance.scales
     settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
+    scene = _shown(msgspec.json.decode(encoded(instance.problem.document())))
     return CaseSheet(
         case=case.id,
         label=instance.label,
@@ -28,9 +29,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         source=case.source,
         parameters=instance.p.texts(),
         units={p.name: p.unit for p in instance.p.declared.values()},
-        scene=msgspec.json.format(
-            msgspec.json.encode(_shown(msgspec.json.decode(encoded(instance.problem.document()))))
-        ).decode(),
+        scene=msgspec.json.format(msgspec.json.encode(scene)).decode(),
         scales={"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass},
         quantities={q.name: q.unit for q in instance.quantities.values()},
         truth_method=truth.method,
@@ -69,21 +68,24 @@ def engine_sheet(engine: Engine) -> EngineSheet:
 
 def claims(method: Method) -> str:
     """A method's claims in one line."""
-    words = [
-        method.summary,
-        {"step": f"order {method.order}", "tolerance": "tolerance control", "exact": "exact"}[
-            method.control
-        ],
-    ]
+    accuracy = {
+        "step": f"order {method.order}",
+        "tolerance": "tolerance control",
+        "exact": "exact",
+    }
+    words = [method.summary, accuracy[method.control]]
     words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
     for name in sorted(method.conserves):
         broken = ", ".join(sorted(method.broken_with.get(name, ())))
-        words.append(f"keeps {name}" + (f" (not with {broken})" if broken else ""))
-    words += [
-        word
-        for word, holds in (("symplectic", method.symplectic), ("reversible", method.reversible))
-        if holds
-    ]
+        if broken:
+            exception = f" (not with {broken})"
+        else:
+            exception = ""
+        words.append(f"keeps {name}{exception}")
+    if method.symplectic:
+        words.append("symplectic")
+    if method.reversible:
+        words.append("reversible")
     if method.summed_clock:
         words.append("its clock is a plain sum of steps, off by up to u t each")
     if method.constant != 1:

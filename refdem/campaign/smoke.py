@@ -15,7 +15,7 @@ from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
 from refdem.core.engine import Engine, Method
-from refdem.core.finding import Finding
+from refdem.core.finding import Finding, Outcome
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.errors import UnsupportedError
@@ -155,10 +155,13 @@ def _first_sample(
     names: tuple[str, ...] = ("position", "attitude")
     if method.velocity_time == "synchronous":
         names = STATE
-    off, name = max(
-        (_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n)
-        for n in names
-    )
+    distances = []
+    for column in names:
+        first = getattr(trajectory, column)[0]
+        is_attitude = column == "attitude"
+        distance = _largest(first, getattr(bodies, column), signless=is_attitude)
+        distances.append((distance, column))
+    off, name = max(distances)
     says = (
         f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in"
         f" {name}"
@@ -172,11 +175,9 @@ def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
     """
     off = np.abs(seen - expected)
     if signless:
-        off = np.where(
-            off.max(axis=-1, keepdims=True) < np.abs(seen + expected).max(axis=-1, keepdims=True),
-            off,
-            np.abs(seen + expected),
-        )
+        other = np.abs(seen + expected)
+        is_nearer = off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True)
+        off = np.where(is_nearer, off, other)
     return float(off.max() / max(1.0, np.abs(expected).max()))
 
 
@@ -207,21 +208,28 @@ def _compared(
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:
-        at = int(np.argmax(np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)))
+        by_sample = np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)
+        at = int(np.argmax(by_sample))
         says += (
             f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be"
             f" {_text(expected[at])}"
         )
         suspected = suspicion(right, came, name, probe.times - probe.start)
-        says += f"; {suspected}" if suspected else f"; look at how the adapter says {probe.shows}"
+        hint = suspected or f"look at how the adapter says {probe.shows}"
+        says += f"; {hint}"
     return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
 
 
 def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
+    """The finding of the smoke test: a pass if the value is within the bound."""
+    if value <= bound:
+        outcome: Outcome = "pass"
+    else:
+        outcome = "fail"
     return Finding(
         check="smoke",
         quantity=quantity,
-        outcome="pass" if value <= bound else "fail",
+        outcome=outcome,
         sentence=says,
         value=value,
         bound=bound,

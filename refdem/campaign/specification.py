@@ -118,11 +118,10 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
             " .toml"
         )
     found = toml_as(Specification, path, "a campaign", {"name": path.stem})
-    inside = [
-        entry
-        for name in found.include
-        for entry in named(str(path.with_name(f"{name}.toml")), above=(*above, path)).case
-    ]
+    inside: list[Entry] = []
+    for part in found.include:
+        beside = path.with_name(f"{part}.toml")
+        inside += named(str(beside), above=(*above, path)).case
     entries = inside + [entry for entry in found.case if entry not in inside]
     if not entries:
         raise UsageError(f"{path} has no case; expected at least one [[case]] with an id")

@@ -4,6 +4,7 @@ what should have come.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product, starmap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,14 @@ class Suspect:
 
 
 def _of(name: str, change: Callable[[Array], Array]) -> Slip:
-    """A slip in one column."""
-    return lambda right: {name: change(right[name])} if name in right else {}
+    """A slip that changes one column, and nothing where there is no such column."""
+
+    def slip(right: Expected) -> Expected:
+        if name not in right:
+            return {}
+        return {name: change(right[name])}
+
+    return slip
 
 
 def _a_row_before(values: Array) -> Array:
@@ -70,6 +77,7 @@ def _reordered(name: str, order: str) -> Suspect:
 
 
 ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
+COLUMNS = ("position", "velocity", "omega")
 SUSPECTS = (
     Suspect("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
     Suspect(
@@ -95,7 +103,7 @@ SUSPECTS = (
     ),
     Suspect("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
     Suspect("its velocity has the other sign", _of("velocity", np.negative)),
-    *(_reordered(name, order) for name in ("position", "velocity", "omega") for order in ORDERS),
+    *starmap(_reordered, product(COLUMNS, ORDERS)),
     Suspect("its bodies come in the other order", _in_all(lambda values: values[:, ::-1])),
     Suspect("every row is that of the sample before", _in_all(_a_row_before)),
     Suspect("every row is that of the sample after", _in_all(_a_row_after)),
@@ -123,9 +131,8 @@ def _is_near(seen: Array, expected: Array, name: str) -> bool:
     off = np.abs(seen - expected)
     if name == "attitude":
         other = np.abs(seen + expected)
-        off = np.where(
-            off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True), off, other
-        )
+        is_nearer = off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True)
+        off = np.where(is_nearer, off, other)
     scale = max(1.0, float(np.abs(expected).max()))
     return bool(off.max() <= NEAR * scale)
 
@@ -134,19 +141,17 @@ def _displaced(right: Expected, seen: Expected, name: str, since: Array) -> str:
     """A point other than the centre of mass, by the displacement in body axes that explains what
     came; empty if none does.
     """
-    if name not in ("position", "velocity") or not {
-        "attitude",
-        "omega",
-        "position",
-        "velocity",
-    } <= set(right):
+    needed = {"attitude", "omega", "position", "velocity"}
+    if name not in ("position", "velocity") or not needed <= set(right):
         return ""
     off = seen[name] - right[name]
     for says, arms in _arms(right, name, since):
-        shifts = [
-            np.linalg.lstsq(arms[:, body].reshape(-1, 3), off[:, body].ravel(), rcond=None)[0]
-            for body in range(off.shape[1])
-        ]
+        # Of each body the displacement that explains most, by least squares over the samples.
+        shifts = []
+        for body in range(off.shape[1]):
+            rows = arms[:, body].reshape(-1, 3)
+            shift, *_ = np.linalg.lstsq(rows, off[:, body].ravel(), rcond=None)
+            shifts.append(shift)
         made = np.einsum("tnij,nj->tni", arms, np.array(shifts))
         if np.abs(off - made).max() <= np.abs(off).max() / POINT_FACTOR:
             x, y, z = np.round(shifts[0], 3) + 0.0

@@ -2,12 +2,12 @@
 made anew in workers.
 """
 
-import contextlib
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version as installed
+from typing import BinaryIO
 
 import msgspec
 
@@ -37,23 +37,24 @@ def sampled_truths(
 ) -> list[SampledTruth]:
     """The sampled truth of every instance, in order; what nobody is judged by is not proved."""
     keys = [truth_key(instance, delays) for instance, delays in instances]
-    found = {key: truth for key in keys if (truth := store.truth(key)) is not None}
+    found: dict[str, SampledTruth] = {}
+    missing: dict[str, Asked] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
-        if key not in found and not delays and (kept := kept_truth(instance)) is not None:
-            found[key] = kept
-    missing = {}
-    for key, asked in zip(keys, instances, strict=True):
-        if key in found:
-            continue
-        if is_judged(asked[0]):
-            missing[key] = asked
+        known = store.truth(key)
+        # Kept truths have the samples of the case itself, none that are late.
+        if known is None and not delays:
+            known = kept_truth(instance)
+        if known is None and not is_judged(instance):
+            known = no_truth(UNASKED)
+        if known is None:
+            missing[key] = (instance, delays)
         else:
-            found[key] = no_truth(UNASKED)
-    with contextlib.ExitStack() as stack:
-        files = {key: stack.enter_context(tempfile.TemporaryFile()) for key in missing}
+            found[key] = known
+    with tempfile.TemporaryFile() as told:
+        os.ftruncate(told.fileno(), worker.COUNT_BYTES * len(missing))
+        place = f"/proc/{os.getpid()}/fd/{told.fileno()}"
         jobs = [
-            _job(key, *asked, told=f"/proc/{os.getpid()}/fd/{files[key].fileno()}")
-            for key, asked in missing.items()
+            _job(key, *asked, told=(place, row)) for row, (key, asked) in enumerate(missing.items())
         ]
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             if isinstance(result, Failure):
@@ -62,13 +63,28 @@ def sampled_truths(
                 found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
                 store.put_truth(job.key, found[job.key])
             progress("truths", done, len(jobs))
-        certified = {key: os.fstat(file.fileno()).st_size for key, file in files.items()}
-    found |= _parts(schedule, missing, {k: n for k, n in certified.items() if n}, found)
+        certified = _counts(told, missing)
+    found |= _parts(schedule, missing, certified, found)
     return [found[key] for key in keys]
 
 
+def _counts(told: BinaryIO, keys: Iterable[str]) -> dict[str, int]:
+    """How many times each proof has certified; those that certified none are left out."""
+    found = {}
+    for row, key in enumerate(keys):
+        written = os.pread(told.fileno(), worker.COUNT_BYTES, worker.COUNT_BYTES * row)
+        count = int.from_bytes(written, "little")
+        if count > 0:
+            found[key] = count
+    return found
+
+
 def _job(
-    key: str, instance: Instance, delays: tuple[float, ...], most: int | None = None, told: str = ""
+    key: str,
+    instance: Instance,
+    delays: tuple[float, ...],
+    most: int | None = None,
+    told: tuple[str, int] | None = None,
 ) -> Job:
     """The proof of an instance, or of its first samples."""
     arguments = (instance.case.id, instance.p.given, delays, most, told)
@@ -119,7 +135,10 @@ def _of_case(instance: Instance) -> str:
         return own
     module = type(instance.case).__module__
     package = discovery.package_of("cases", instance.case.id)
-    return fingerprint.of_module(module) + (fingerprint.of_package(package) if package else "")
+    digest = fingerprint.of_module(module)
+    if package:
+        digest += fingerprint.of_package(package)
+    return digest
 
 
 def no_truth(reason: str) -> SampledTruth:

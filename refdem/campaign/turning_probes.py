@@ -50,7 +50,7 @@ FLAT_LEVER = (0.5, -0.25, 0.0)
 
 
 def turning_probes() -> tuple[Probe, ...]:
-    """All of them."""
+    """The probes of bodies that turn: thrown, pulled by springs, and on a ball joint."""
     return (*_tumbles(), *_pulled(), *_swung())
 
 
@@ -69,7 +69,7 @@ def _integrated(
 
 
 def _tumbles() -> tuple[Probe, ...]:
-    """Thrown bodies that tumble."""
+    """Bodies that are thrown and tumble, in a plane and in space, one and two of them."""
     down_z = UniformGravity(g=(0.0, 0.0, -9.75))
     askew = UniformGravity(g=(2.0, -1.0, 3.0))
     flat = UniformGravity(g=(3.0, -9.75, 0.0))
@@ -77,22 +77,15 @@ def _tumbles() -> tuple[Probe, ...]:
         "position and velocity of the centre of mass, the attitude's side and order, omega's and"
         " the inertia's axes"
     )
+    whose = "which number belongs to which body"
+    back = "time that runs backwards"
     return (
         _integrated("flat throw", own, [FLAT], [flat]),
         _integrated("tumble", own, [TUMBLING], []),
         _integrated("tumbling throw", own, [TUMBLING], [down_z]),
-        _integrated(
-            "two tumbling", "which number belongs to which body", [TUMBLING, OTHER], [askew]
-        ),
-        _integrated(
-            "two in the other order",
-            "which number belongs to which body",
-            [OTHER, TUMBLING],
-            [askew],
-        ),
-        _integrated(
-            "tumble backwards", "time that runs backwards", [TUMBLING], [down_z], backwards=True
-        ),
+        _integrated("two tumbling", whose, [TUMBLING, OTHER], [askew]),
+        _integrated("two in the other order", whose, [OTHER, TUMBLING], [askew]),
+        _integrated("tumble backwards", back, [TUMBLING], [down_z], backwards=True),
     )
 
 
@@ -110,10 +103,9 @@ def _pulled() -> tuple[Probe, ...]:
     points = [
         Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)
     ]
+    ends = "both ends of a spring, and its length"
     return (
-        _integrated(
-            "spring between points", "both ends of a spring, and its length", points, [at_centres]
-        ),
+        _integrated("spring between points", ends, points, [at_centres]),
         _integrated("spring off the centre in a plane", anchored, [FLAT], [flat_to_wall]),
         _integrated("spring off the centre", anchored, [TUMBLING], [to_wall]),
         _integrated("spring between two bodies", anchored, [TUMBLING, OTHER], [between]),
@@ -129,14 +121,20 @@ def _swung() -> tuple[Probe, ...]:
     attitude = np.array([0.8, 0.0, 0.0, 0.6])
     rate = 2.0
     turn_body = np.array([[0.28, -0.96, 0.0], [0.96, 0.28, 0.0], [0.0, 0.0, 1.0]])
-    arm = -turn_body @ anchor  # from the pivot to the centre
+    # From the pivot to the centre.
+    arm = -turn_body @ anchor
 
     def expected(t: Array) -> dict[str, Array]:
         c = np.cos(rate * t)
         s = np.sin(rate * t)
-        swung = np.column_stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1], 0 * t])
-        turned = np.column_stack([np.cos(rate * t / 2), 0 * t, 0 * t, np.sin(rate * t / 2)])
-        velocity = rate * np.column_stack([-swung[:, 1], swung[:, 0], 0 * t])
+        nothing = 0 * t
+        # The arm turned by the angle rate t about z, and omega x arm.
+        x = c * arm[0] - s * arm[1]
+        y = s * arm[0] + c * arm[1]
+        swung = np.column_stack([x, y, nothing])
+        velocity = rate * np.column_stack([-y, x, nothing])
+        half = rate * t / 2
+        turned = np.column_stack([np.cos(half), nothing, nothing, np.sin(half)])
         return {
             "position": (pivot + swung)[:, None],
             "velocity": velocity[:, None],

@@ -59,5 +59,5 @@ def kept(store: Store, key: str) -> list[Sheet] | None:
 
 
 def keep(store: Store, key: str, sheets: list[Sheet]) -> None:
-    """Keeps them for next time."""
+    """Keeps the sheets under their key, for a campaign of which nothing has changed."""
     store.put("sheets", key, msgspec.msgpack.encode(sheets))

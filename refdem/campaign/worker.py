@@ -4,6 +4,7 @@ turned into a Failure.
 
 import contextlib
 import math
+import os
 import time
 from collections.abc import Iterator
 from fractions import Fraction
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
     from refdem.core.truth import Truth
 
 
+COUNT_BYTES = 4
+"""Of a number of certified times."""
+
+
 class Reply(msgspec.Struct, frozen=True, kw_only=True):
     """Exactly one of a packed trajectory (with its cost) and a failure."""
 
@@ -36,14 +41,13 @@ def sampled_truth(
     given: dict[str, str],
     delays: tuple[float, ...] = (),
     most: int | None = None,
-    told: str = "",
+    told: tuple[str, int] | None = None,
 ) -> bytes:
     """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
     SampledTruth.
 
-    until = 0 and a reason if there is none. With `most` only so many samples, and no scalars; into
-    the file `told` goes a byte for each that is, so that it is known how far a proof came that was
-    killed.
+    until = 0 and a reason if there is none. With `most` only so many samples, and no scalars.
+    `told` is a file and a row of it, which tell how far a proof came that was killed.
     """
     from refdem.core.truth import Ball, SampledTruth
     from refdem.truth.balls import UndecidedError
@@ -55,7 +59,7 @@ def sampled_truth(
     try:
         with contextlib.ExitStack() as stack:
             if told:
-                stack.enter_context(telling(proof, told))
+                stack.enter_context(telling(proof, *told))
             if most is not None:
                 # They may belong to an end that the proof did not reach.
                 vars(proof)["scalars"] = dict[str, Ball]
@@ -77,26 +81,34 @@ def sampled_truth(
 
 
 @contextlib.contextmanager
-def telling(proof: "Truth", place: str) -> Iterator[None]:
-    """Writes a byte into a file whenever a later time than before is certified."""
+def telling(proof: "Truth", place: str, row: int) -> Iterator[None]:
+    """Keeps the number of times that are certified so far in a row of a file, of COUNT_BYTES."""
+    try:
+        file = os.open(place, os.O_WRONLY)
+    except OSError:
+        # Without /proc nobody is told, and what a killed proof had certified is lost.
+        yield
+        return
     asked = proof.sensitivity
     latest = Fraction(-1)
-    with contextlib.suppress(OSError), open(place, "ab", buffering=0) as file:
+    count = 0
 
-        def sensitivity(t: Fraction) -> float:
-            nonlocal latest
-            found = asked(t)
-            if t > latest:
-                latest = t
-                file.write(b".")
-            return found
+    def sensitivity(t: Fraction) -> float:
+        nonlocal latest, count
+        found = asked(t)
+        if t > latest:
+            latest = t
+            count += 1
+            os.pwrite(file, count.to_bytes(COUNT_BYTES, "little"), COUNT_BYTES * row)
+        return found
 
-        # Only of this object: the last thing that is asked for at a sample.
-        vars(proof)["sensitivity"] = sensitivity
-        try:
-            yield
-        finally:
-            del vars(proof)["sensitivity"]
+    # Only of this object: S is the last thing that is asked for at a sample.
+    vars(proof)["sensitivity"] = sensitivity
+    try:
+        yield
+    finally:
+        del vars(proof)["sensitivity"]
+        os.close(file)
 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
@@ -107,7 +119,7 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
-    """The same in stages."""
+    """The same run in stages, so that others may run while it waits."""
     if time.monotonic() > deadline:  # of the system, the same in all its processes
         failure = Failure(
             kind="budget",

@@ -35,14 +35,14 @@ class AlgebraCase(Canonical):
 
     @abstractmethod
     def rows(self, p: Parameters) -> list[Row]:
-        """The operations."""
+        """The rows of operations at these parameters, in their order."""
 
     def sizes(self, p: Parameters) -> dict[str, float]:
         """The size of a row's numbers where it is not 1: the scale in which it counts."""
         return {}
 
     def problem(self, p: Parameters) -> Identity:
-        """All rows."""
+        """The problem of all rows: each operation with its operands."""
         operations = [
             Operation(name=name, operation=operation, operands=operands)
             for name, operation, operands in self.rows(p)
@@ -50,7 +50,7 @@ class AlgebraCase(Canonical):
         return Identity(IdentityDocument(operations=operations))
 
     def scales(self, p: Parameters) -> Scales:
-        """Numbers near 1, and no time."""
+        """Scales of 1: the numbers are near 1, and there is no time."""
         return Scales(length=1.0, tau=1.0, duration=1.0)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -70,12 +70,13 @@ class AlgebraCase(Canonical):
         return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """What the engine could say."""
+        """The numbers of every result that the engine could give."""
         seen: dict[str, Array] = {}
         for name, values in trajectory.values.items():
-            seen |= (
-                {name: values[:, 0]}
-                if values.shape[1] == 1
-                else {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
-            )
+            count = values.shape[1]
+            if count == 1:
+                seen[name] = values[:, 0]
+                continue
+            for i in range(count):
+                seen[f"{name}.{i}"] = values[:, i]
         return seen

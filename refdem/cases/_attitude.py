@@ -110,8 +110,7 @@ def observe(trajectory: Trajectory) -> dict[str, Array]:
     for name, vectors in (("omega_body", rotated(conjugate(attitude), omega)), ("omega", omega)):
         seen |= {f"{name}.{axis}": vectors[:, i] for i, axis in enumerate("xyz")}
     turned = matrix(attitude)
-    return seen | {
-        f"R.{row}{column}": turned[:, i, j]
-        for i, row in enumerate("xyz")
-        for j, column in enumerate("xyz")
-    }
+    for i, row in enumerate("xyz"):
+        for j, column in enumerate("xyz"):
+            seen[f"R.{row}{column}"] = turned[:, i, j]
+    return seen

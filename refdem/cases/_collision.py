@@ -72,7 +72,7 @@ R/8.
 
 
 def effective_mass(p: Parameters) -> float:
-    """m1 m2/(m1 + m2) [kg]."""
+    """The effective mass m1 m2/(m1 + m2) [kg] of the two spheres."""
     return float(p.masses[0] * p.masses[1] / p.masses.sum())
 
 
@@ -85,9 +85,11 @@ def duration(p: Parameters) -> float | None:
     w0 = np.sqrt(p.stiffness / effective_mass(p))
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
+        # The overlap exp(-b t) sin(w t) ends after half a period.
         if b < w0:
             return float(np.pi / w)
         return None
+    # The force ends where tan(w t/2) = w/b, or tanh of it.
     if b == w0:
         return float(2 / w0)
     if b < w0:
@@ -112,17 +114,19 @@ def scene(p: Parameters) -> Scene:
     gap = p.radii.sum()
     approach = p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
     columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
-    bodies = [
-        Body(
-            mass=m,
-            inertia=(0.4 * m * r * r,) * 3,
-            shape=Sphere(radius=float(r)),
+    bodies = []
+    for mass, radius, part, sign, spin in columns:
+        # J = 2/5 m R^2.
+        moment = 0.4 * mass * radius * radius
+        body = Body(
+            mass=mass,
+            inertia=(moment, moment, moment),
+            shape=Sphere(radius=float(radius)),
             omega=tuple(spin),
             position=(-sign * part * gap, 0.0, 0.0),
             velocity=tuple(sign * part * approach),
         )
-        for m, r, part, sign, spin in columns
-    ]
+        bodies.append(body)
     numbers = {
         name: getattr(p, name)
         for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")
@@ -140,9 +144,15 @@ def scales(p: Parameters) -> Scales:
         relaxation = effective_mass(p) / p.damping
     else:
         relaxation = np.inf
-    tau = float(
-        min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation)
-    )
+    if lasts:
+        contact = lasts / np.pi
+    else:
+        contact = np.inf
+    if relaxation > swing / 2:
+        fastest = swing
+    else:
+        fastest = relaxation
+    tau = float(min(contact, fastest))
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
     return Scales(
         length=length,

@@ -25,7 +25,7 @@ class TopOnTip(Case):
 
 
 class StringOnWheel(Case):
-    """A string that turns a wheel."""
+    """A string over a wheel that it turns, with a mass at its end."""
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for a wheel of no size that has inertia: the string would not turn

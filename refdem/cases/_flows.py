@@ -26,9 +26,9 @@ def scene(p: Parameters) -> Scene:
     place, rate = starts(p, points(p)[:1])
     body = Body(mass=p.mass, position=tuple(place[0, 0]), velocity=tuple(rate[0, 0]))
     if p.flow == "pendulum":
-        return Scene.of(
-            [body], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))]
-        )
+        rod = Rod(a=0, length=p.length)
+        weight = UniformGravity(g=(0.0, -p.gravity, 0.0))
+        return Scene.of([body], [rod, weight])
     more: dict[str, list[Element]] = {
         "viscous": [Dashpot(a=0, damping=2 * p.mass * p.delta)],
         "coulomb": [Slider(a=0, friction=p.friction_force, normal_force=1.0)],
@@ -41,17 +41,16 @@ def starts(p: Parameters, outline: Array) -> tuple[Array, Array]:
     x, v = outline.T
     zero = np.zeros_like(x)
     if p.flow != "pendulum":
-        return (
-            np.stack((x, zero, zero), axis=-1)[:, None],
-            np.stack((v, zero, zero), axis=-1)[:, None],
-        )
+        place = np.stack((x, zero, zero), axis=-1)
+        speed = np.stack((v, zero, zero), axis=-1)
+        return place[:, None], speed[:, None]
     sine = np.sin(x)
     cosine = np.cos(x)
-    position = p.length * np.stack((sine, -cosine, zero), axis=-1)
-    return (
-        position[:, None],
-        (p.length * v)[:, None, None] * np.stack((cosine, sine, zero), axis=-1)[:, None],
-    )
+    along = np.stack((sine, -cosine, zero), axis=-1)
+    across = np.stack((cosine, sine, zero), axis=-1)
+    position = p.length * along
+    velocity = (p.length * v)[:, None] * across
+    return position[:, None], velocity[:, None]
 
 
 def seen(p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
@@ -72,6 +71,8 @@ def scales(p: Parameters, corners: list[tuple[Fraction, Fraction]]) -> Scales:
     far = max(float(np.hypot(x, v / w0)) for x, v in np.array(corners, float))
     if p.flow == "viscous":
         rate = _line.damped_rate(w0**2, p.delta)
+    elif is_rod:
+        rate = w0 * max(1.0, far)
     else:
-        rate = w0 * max(1.0, far if is_rod else 0.0)
+        rate = w0
     return Scales(length=far, tau=1 / rate, duration=5 * np.pi / w0, mass=p.mass)

@@ -61,7 +61,7 @@ PARAMETERS = (
 
 
 def edge(p: Parameters) -> float:
-    """Of the cube [m]."""
+    """The edge [m] of the cube that holds the gas."""
     return float((p.n / p.density) ** (1 / 3))
 
 

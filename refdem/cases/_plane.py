@@ -19,6 +19,6 @@ def quantities(length: float, speed: float) -> tuple[Quantity, ...]:
 
 def observe(trajectory: Trajectory) -> dict[str, Array]:
     """Place and velocity at the samples (T,)."""
-    (x, y, _) = trajectory.position[:, 0].T
-    (vx, vy, _) = trajectory.velocity[:, 0].T
+    x, y, _ = trajectory.position[:, 0].T
+    vx, vy, _ = trajectory.velocity[:, 0].T
     return {"x": x, "y": y, "vx": vx, "vy": vy}

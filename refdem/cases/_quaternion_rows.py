@@ -8,7 +8,8 @@ from refdem.core.parameters import Parameters
 
 def rows(p: Parameters) -> list[Row]:
     """Algebra, then turns, then rates."""
-    a, b, c, v, omega, rise = (x.tolist() for x in (p.p, p.q, p.r, p.vector, p.omega, p.rise))
+    given = (p.p, p.q, p.r, p.vector, p.omega, p.rise)
+    a, b, c, v, omega, rise = (value.tolist() for value in given)
     algebra = [
         ("p-q", "product", [a, b]),
         ("q-p", "product", [b, a]),
@@ -56,38 +57,37 @@ def sizes(p: Parameters) -> dict[str, float]:
     """Products of the sizes of what is multiplied; a turn moves its vector by twice an error of u,
     two turns by four times.
     """
-    a, b, c, v, w, rise = (
-        float(np.linalg.norm(x)) or 1.0 for x in (p.p, p.q, p.r, p.vector, p.omega, p.rise)
-    )
-    one = dict.fromkeys(
-        ("p-q", "q-p", "commutator", "conjugate-of-product", "real-product", "complex-product"),
-        a * b,
-    )
-    sums = dict.fromkeys(("sum", "conjugate-of-sum"), a + b) | dict.fromkeys(
-        ("absolute", "complex-eigenvalue"), b
-    )
-    three = {
+    given = (p.p, p.q, p.r, p.vector, p.omega, p.rise)
+    a, b, c, v, w, rise = (float(np.linalg.norm(value)) or 1.0 for value in given)
+    return {
+        "p-q": a * b,
+        "q-p": a * b,
+        "commutator": a * b,
+        "conjugate-of-product": a * b,
+        "real-product": a * b,
+        "complex-product": a * b,
+        "sum": a + b,
+        "conjugate-of-sum": a + b,
+        "absolute": b,
+        "complex-eigenvalue": b,
         "q-r": b * c,
         "left": a * b * c,
         "right": a * b * c,
         "inverse": 1 / b,
         "second-rate": rise + w * w,
+        "rotated": 2 * v,
+        "rotated-by-minus-u": 2 * v,
+        "rotated-twice": 4 * v,
+        "rate": w,
+        "orthogonal": w,
+        "rate-conjugate": w,
+        "u-rate": w,
+        "rate-u": w,
+        "anticommute": w,
+        "omega-back": w,
+        "omega-body": w,
+        "euler": float(np.pi) * steepness(p),
     }
-    vectors = dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v) | {"rotated-twice": 4 * v}
-    rates = dict.fromkeys(
-        (
-            "rate",
-            "orthogonal",
-            "rate-conjugate",
-            "u-rate",
-            "rate-u",
-            "anticommute",
-            "omega-back",
-            "omega-body",
-        ),
-        w,
-    )
-    return {**one, **sums, **three, **vectors, **rates, "euler": float(np.pi) * steepness(p)}
 
 
 def steepness(p: Parameters) -> float:

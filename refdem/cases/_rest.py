@@ -69,12 +69,12 @@ def _blocks(member: str) -> Scene:
 
 
 def block() -> Scene:
-    """One block on the ground."""
+    """The scene of one block at rest on the ground."""
     return _blocks("block")
 
 
 def stack() -> Scene:
-    """Two blocks."""
+    """The scene of two blocks at rest, one on the other."""
     return _blocks("stack")
 
 

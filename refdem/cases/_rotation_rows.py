@@ -13,11 +13,11 @@ def rows(p: Parameters) -> list[Row]:
     angle = [p.angle]
     v = p.vector.tolist()
     euler = p.euler.tolist()
-    turns: list[Row] = [
-        (f"{axis}{degrees:+d}", "turn-about", [unit, [float(np.radians(degrees))]])
-        for axis, unit in (("x", X), ("y", Y), ("z", Z))
-        for degrees in (90, -90, 180)
-    ]
+    turns: list[Row] = []
+    for axis, unit in (("x", X), ("y", Y), ("z", Z)):
+        for degrees in (90, -90, 180):
+            radians = float(np.radians(degrees))
+            turns.append((f"{axis}{degrees:+d}", "turn-about", [unit, [radians]]))
     products: list[tuple[str, str, str]] = [
         ("z-then-x", "x+90", "z+90"),
         ("x-then-z", "z+90", "x+90"),

@@ -15,24 +15,32 @@ PRISM = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
 
 
 def polyhedron(vertices: Any, faces: Any) -> Polyhedron:
-    """The polyhedron."""
+    """The polyhedron with these vertices [m] and faces."""
     return Polyhedron(vertices=tuple(vertices), faces=tuple(faces))
 
 
 def pyramid(a: float, b: float, c: float) -> Polyhedron:
     """Base a by b in z = 0 about the origin, apex at (0, 0, c)."""
-    base = [(-a / 2, -b / 2, 0.0), (a / 2, -b / 2, 0.0), (a / 2, b / 2, 0.0), (-a / 2, b / 2, 0.0)]
-    return polyhedron(
-        [*base, (0.0, 0.0, c)], [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
-    )
+    base = [
+        (-a / 2, -b / 2, 0.0),
+        (a / 2, -b / 2, 0.0),
+        (a / 2, b / 2, 0.0),
+        (-a / 2, b / 2, 0.0),
+    ]
+    faces = [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    return polyhedron([*base, (0.0, 0.0, c)], faces)
 
 
 def wedge(left: float, right: float, top: float, height: float, depth: float) -> Polyhedron:
     """A prism over the triangle left .. right at z = 0 with its tip above `top`, `depth` deep along
     y.
     """
-    ends = [[(left, y, 0.0), (right, y, 0.0), (top, y, height)] for y in (-depth / 2, depth / 2)]
-    return polyhedron(ends[0] + ends[1], [tuple(reversed(face)) for face in PRISM])
+    vertices = []
+    for y in (-depth / 2, depth / 2):
+        vertices += [(left, y, 0.0), (right, y, 0.0), (top, y, height)]
+    # The ends lie along y here, which turns the faces inside out.
+    faces = [tuple(reversed(face)) for face in PRISM]
+    return polyhedron(vertices, faces)
 
 
 def angle_plan(a: float, b: float) -> list[tuple[float, float]]:
@@ -41,13 +49,15 @@ def angle_plan(a: float, b: float) -> list[tuple[float, float]]:
 
 
 def angle(a: float, b: float, c: float) -> Polyhedron:
-    """The plan, from z = 0 to c."""
+    """The prism over the plan of an angle, from z = 0 to c."""
     plan = angle_plan(a, b)
     n = 6
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     top = [(n, n + 1, n + 2, n + 3), (n, n + 3, n + 4, n + 5)]
     floor = [tuple(i - n for i in reversed(face)) for face in top]
-    return polyhedron([(x, y, z) for z in (0.0, c) for x, y in plan], [*sides, *floor, *top])
+    lower = [(x, y, 0.0) for x, y in plan]
+    upper = [(x, y, c) for x, y in plan]
+    return polyhedron(lower + upper, [*sides, *floor, *top])
 
 
 def solids(p: Parameters) -> list[Piece]:
@@ -87,20 +97,13 @@ def solids(p: Parameters) -> list[Piece]:
         Piece(name=name, shape=whole, hollow=part, density=p.density)
         for name, (whole, part) in inner.items()
     ]
-    found += [
-        Piece(
-            name="turned-tetrahedron",
-            shape=corner,
-            density=p.density,
-            attitude=tuple(p.attitude.tolist()),
-        )
-    ]
-    return [
-        *found,
-        Piece(
-            name="cuboid-at-corner", shape=cuboid, density=p.density, about=(a / 2, b / 2, c / 2)
-        ),
-    ]
+    attitude = tuple(p.attitude.tolist())
+    found.append(
+        Piece(name="turned-tetrahedron", shape=corner, density=p.density, attitude=attitude)
+    )
+    edge = (a / 2, b / 2, c / 2)
+    found.append(Piece(name="cuboid-at-corner", shape=cuboid, density=p.density, about=edge))
+    return found
 
 
 def volume(name: str, p: Parameters) -> float:
@@ -112,16 +115,16 @@ def volume(name: str, p: Parameters) -> float:
         "angle-plate": p.a * p.b * 3 / 4,
         "hollow-cylinder": np.pi * p.a**2 * p.c,
     }
+    # Parts of the cuboid a b c.
     shares = {
         "tetrahedron": 1 / 6,
         "turned-tetrahedron": 1 / 6,
         "rectangular-pyramid": 1 / 3,
         "ellipsoid": 4 * np.pi / 3,
-    }
-    shares |= {
         "elliptical-cylinder": np.pi,
         "right-angle-wedge": 1 / 2,
         "isosceles-wedge": 1 / 2,
         "angle": 3 / 4,
     }
-    return float(areas.get(name, p.a * p.b * p.c * shares.get(name, 1.0)))
+    share = shares.get(name, 1.0)
+    return float(areas.get(name, p.a * p.b * p.c * share))

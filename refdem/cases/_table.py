@@ -15,7 +15,9 @@ def refuse_outside(p: Parameters) -> None:
     """Raises UsageError for a start that is not inside, no direction, or a stadium that is wider
     than long.
     """
-    (a, b), (x, y), stadium = exact(p, "size"), exact(p, "start"), p["geometry"] == "stadium"
+    a, b = exact(p, "size")
+    x, y = exact(p, "start")
+    stadium = p["geometry"] == "stadium"
     if not any(exact(p, "direction")):
         raise UsageError("parameter direction: got 0,0; expected a vector that is not zero")
     if stadium and a < b:

@@ -62,7 +62,7 @@ class AsymmetricField(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """The particle and the field."""
+        """The particle at its start, and the field along x."""
         point = Body(mass=p.mass, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         return Scene.of([point], [PiecewiseField(k1=p.k1, k2=p.k1 * p.x1 / p.x2, x1=p.x1, x2=p.x2)])
 
@@ -84,12 +84,12 @@ class AsymmetricField(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         s = self.scales(p)
         return (Quantity("x", "m", s.length), Quantity("v", "m/s", s.speed))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

@@ -106,14 +106,14 @@ class Billiards(IterationCase):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and direction."""
-        seen = trajectory.values
-        return {
-            f"{name}.{a}": seen[name][:, i]
-            for name in ("position", "direction")
-            if name in seen
-            for i, a in enumerate("xy")
-        }
+        """The place [m] and the direction at every bounce that is sampled."""
+        seen: dict[str, Array] = {}
+        for name in ("position", "direction"):
+            if name in trajectory.values:
+                columns = trajectory.values[name]
+                seen[f"{name}.x"] = columns[:, 0]
+                seen[f"{name}.y"] = columns[:, 1]
+        return seen
 
     def truth(self, p: Parameters) -> Truth:
         """Unfolding of the rectangle; the collision map of the stadium with a proven itinerary."""

@@ -56,15 +56,15 @@ class CoulombOscillator(Case):
         )
 
     def scales(self, p: Parameters) -> Scales:
-        """Amplitude at the start."""
+        """The scales of the motion; its length is the amplitude at the start."""
         return _line.scales(p)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

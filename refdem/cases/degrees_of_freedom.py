@@ -3,6 +3,7 @@
 """
 
 from itertools import combinations
+from typing import Any
 
 from refdem.cases._algebra import AlgebraCase, Row
 from refdem.core.parameters import Parameter, Parameters
@@ -81,6 +82,7 @@ class DegreesOfFreedom(AlgebraCase):
             )
         )
         for name, (size, n) in DEGENERATE.items():
+            flat: Any
             if "coplanar" in name:
                 flat = p.points[:n, :size] * (1, 1, 0)
             else:

@@ -56,7 +56,7 @@ class DissipatingBody(Case):
         _attitude.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """The body at the origin."""
+        """The body, which starts with its centre at the origin."""
         free = _attitude.scene(p, p.omega_body)
         return Scene(free.bodies, (InternalDamping(a=0, coefficient=p.damping),))
 
@@ -77,7 +77,7 @@ class DissipatingBody(Case):
         return {q.name: seen[q.name] for q in self.quantities(p)}
 
     def truth(self, p: Parameters) -> Truth:
-        """Validated integration."""
+        """The truth by validated integration of the equations of motion."""
         from refdem.truth.closed_forms.dissipating_body import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

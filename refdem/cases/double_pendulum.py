@@ -53,19 +53,16 @@ class DoublePendulum(Case):
     chaotic_at = given(theta0="3,3", duration="5", samples="96")
 
     def scene(self, p: Parameters) -> Scene:
-        """The bobs below each other."""
-        outward = p.lengths[:, None] * np.stack(
-            [np.sin(p.theta0), -np.cos(p.theta0), 0 * p.theta0], axis=1
-        )
-        sideways = (p.lengths * p.thetadot0)[:, None] * np.stack(
-            [np.cos(p.theta0), np.sin(p.theta0), 0 * p.theta0], axis=1
-        )
-        columns = zip(
-            p.masses,
-            np.cumsum(outward, axis=0).tolist(),
-            np.cumsum(sideways, axis=0).tolist(),
-            strict=True,
-        )
+        """The upper bob on a rod from the origin, the lower one on a rod from it."""
+        # Directions (2, 3) along the rods and across them; the lower bob hangs from the upper.
+        sine = np.sin(p.theta0)
+        cosine = np.cos(p.theta0)
+        nothing = 0 * p.theta0
+        along = np.stack([sine, -cosine, nothing], axis=1)
+        across = np.stack([cosine, sine, nothing], axis=1)
+        places = np.cumsum(p.lengths[:, None] * along, axis=0)
+        speeds = np.cumsum((p.lengths * p.thetadot0)[:, None] * across, axis=0)
+        columns = zip(p.masses, places.tolist(), speeds.tolist(), strict=True)
         rods = [Rod(a=0, length=p.lengths[0]), Rod(a=1, b=0, length=p.lengths[1])]
         bobs = [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in columns]
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
@@ -74,43 +71,42 @@ class DoublePendulum(Case):
         """L = l1 + l2; 1/tau^2: squares of both modes' rates and of that at which all of the energy
         turns it stretched.
         """
-        (m1, m2), (l1, l2), whole = p.masses, p.lengths, p.masses.sum()
+        m1, m2 = p.masses
+        l1, l2 = p.lengths
+        whole = p.masses.sum()
         speed = p.lengths * p.thetadot0
         load = np.array([whole, m2])
         lift = load @ (p.lengths * (1 - np.cos(p.theta0)))
-        energy = (
-            0.5 * load @ speed**2
-            + m2 * speed.prod() * np.cos(p.theta0[0] - p.theta0[1])
-            + p.gravity * lift
-        )
+        # T = (m1 + m2) u1^2/2 + m2 u2^2/2 + m2 u1 u2 cos(theta1 - theta2), u = l theta'.
+        own = 0.5 * load @ speed**2
+        shared = m2 * speed.prod() * np.cos(p.theta0[0] - p.theta0[1])
+        energy = own + shared + p.gravity * lift
         stiff = p.gravity * whole / m1 * (1 / l1 + 1 / l2)
         tau = 1.0 / float(np.sqrt(stiff + 2 * energy / (load @ p.lengths**2)))
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(whole))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angles and rates."""
-        angles = tuple(Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2))
-        return (
-            *angles,
-            *(Quantity(f"thetadot{i}", "rad/s", 1.0 / self.scales(p).tau) for i in (1, 2)),
-        )
+        """The quantities that are judged: angles [rad] and rates [rad/s]."""
+        fastest = 1.0 / self.scales(p).tau
+        angles = [Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2)]
+        rates = [Quantity(f"thetadot{i}", "rad/s", fastest) for i in (1, 2)]
+        return (*angles, *rates)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Angles and rates of the lines from the pivot to the upper, and from the upper to the
         lower bob.
         """
-        apart, rate = (
-            np.diff(column, axis=1, prepend=0.0)
-            for column in (trajectory.position, trajectory.velocity)
-        )
+        apart = np.diff(trajectory.position, axis=1, prepend=0.0)
+        rate = np.diff(trajectory.velocity, axis=1, prepend=0.0)
         theta = np.arctan2(apart[..., 0], -apart[..., 1])
-        turning = (apart[..., 0] * rate[..., 1] - apart[..., 1] * rate[..., 0]) / np.sum(
-            apart[..., :2] ** 2, axis=-1
-        )
+        # theta' = (r x v)_z/r^2.
+        swept = apart[..., 0] * rate[..., 1] - apart[..., 1] * rate[..., 0]
+        turning = swept / np.sum(apart[..., :2] ** 2, axis=-1)
         return {
-            f"{name}{i + 1}": values[:, i]
-            for name, values in (("theta", theta), ("thetadot", turning))
-            for i in (0, 1)
+            "theta1": theta[:, 0],
+            "theta2": theta[:, 1],
+            "thetadot1": turning[:, 0],
+            "thetadot2": turning[:, 1],
         }
 
     def truth(self, p: Parameters) -> Truth:

@@ -70,15 +70,15 @@ class DrivenDuffing(Case):
         return _nonlinear.scales(p, p.alpha, length, 3 * p.beta * length**2, p.drive)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Validated integration."""
+        """The truth by validated integration of the equations of motion."""
         from refdem.truth.closed_forms.driven_duffing import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -82,11 +82,11 @@ class DrivenOscillator(Case):
         return Scales(own.length + float(response), tau, own.duration, own.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

@@ -68,15 +68,15 @@ class Duffing(Case):
         return Scales(length=float(np.sqrt(square)), tau=tau, duration=20 * tau)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Jacobi elliptic functions."""
+        """The truth in closed form, by Jacobi elliptic functions."""
         from refdem.truth.closed_forms.duffing import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

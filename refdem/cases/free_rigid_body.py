@@ -46,11 +46,11 @@ class FreeRigidBody(Case):
         _attitude.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """The body at the origin."""
+        """The body, which starts with its centre at the origin."""
         return _attitude.scene(p, p.omega_body)
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = 1/|omega|."""
+        """The scales of the motion, with tau = 1/|omega| at the start."""
         return _attitude.scales(p, p.omega_body)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

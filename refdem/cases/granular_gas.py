@@ -90,7 +90,7 @@ class GranularGas(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Temperature."""
+        """The quantity that is judged: the temperature [J] of the gas."""
         return (Quantity("temperature", "J", p.t0),)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:

@@ -48,15 +48,15 @@ class HarmonicOscillator(Case):
         return _line.scales(p, p.mass * p.gravity / p.stiffness)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Sine and cosine."""
+        """The truth in closed form, by sine and cosine."""
         from refdem.truth.closed_forms.harmonic_oscillator import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -103,12 +103,10 @@ class HeavyTop(TopOnTip):
 
     def scales(self, p: Parameters) -> Scales:
         """1/tau^2: squares of all rates at the start and of that of a pendulum."""
-        rates = (
-            p.spin**2 + p.phidot0**2 + p.thetadot0**2 + p.mass * p.gravity * p.length / p.inertia[0]
-        )
-        return Scales(
-            length=p.length, tau=float(rates**-0.5), duration=float(20 * rates**-0.5), mass=p.mass
-        )
+        swing = p.mass * p.gravity * p.length / p.inertia[0]
+        rates = p.spin**2 + p.phidot0**2 + p.thetadot0**2 + swing
+        tau = rates**-0.5
+        return Scales(length=p.length, tau=float(tau), duration=float(20 * tau), mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Euler angles, and the rate of the tilt."""

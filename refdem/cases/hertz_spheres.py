@@ -63,16 +63,18 @@ class HertzSpheres(Case):
         """Sphere 1 at x < 0, sphere 2 at x > 0."""
         r = radius(p)
         mass = 2 * p.effective_mass
-        bodies = [
-            Body(
+        # J = 2/5 m R^2.
+        moment = 0.4 * mass * r * r
+        bodies = []
+        for side in (1.0, -1.0):
+            body = Body(
                 mass=mass,
-                inertia=(0.4 * mass * r * r,) * 3,
+                inertia=(moment, moment, moment),
                 shape=Sphere(radius=r),
                 position=(-side * r, 0.0, 0.0),
                 velocity=(side * p.closing_speed / 2, 0.0, 0.0),
             )
-            for side in (1.0, -1.0)
-        ]
+            bodies.append(body)
         return Scene.of(bodies, [Contact(law="hertz", stiffness=p.stiffness)])
 
     def scales(self, p: Parameters) -> Scales:
@@ -81,17 +83,16 @@ class HertzSpheres(Case):
         return Scales(length=depth(p), tau=lasts / np.pi, duration=2 * lasts, mass=p.effective_mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Overlap and its rate."""
-        return (
-            Quantity("overlap", "m", self.scales(p).length),
-            Quantity("v", "m/s", self.scales(p).speed),
-        )
+        """The quantities that are judged: overlap [m] and its rate [m/s]."""
+        scales = self.scales(p)
+        return (Quantity("overlap", "m", scales.length), Quantity("v", "m/s", scales.speed))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Overlap and its rate."""
+        """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         x = trajectory.position[:, :, 0]
         v = trajectory.velocity[:, :, 0]
-        return {"overlap": 2 * radius(p) - np.abs(x[:, 1] - x[:, 0]), "v": v[:, 0] - v[:, 1]}
+        distance = np.abs(x[:, 1] - x[:, 0])
+        return {"overlap": 2 * radius(p) - distance, "v": v[:, 0] - v[:, 1]}
 
     def truth(self, p: Parameters) -> Truth:
         """The incomplete beta function, solved for overlap and velocity."""

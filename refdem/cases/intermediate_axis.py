@@ -77,11 +77,11 @@ class IntermediateAxis(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """The body at the origin."""
+        """The body, which starts with its centre at the origin."""
         return _attitude.scene(p, _omega_body(p))
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = 1/|omega|."""
+        """The scales of the motion, with tau = 1/|omega| at the start."""
         return _attitude.scales(p, _omega_body(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

@@ -75,16 +75,18 @@ class KapitzaPendulum(Case):
         return Scales(length=p.length + p.drive_amplitude, tau=tau, duration=100 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angle and rate."""
-        return Quantity("theta", "rad", 1.0, angle=True), Quantity(
-            "thetadot", "rad/s", 1.0 / self.scales(p).tau
+        """The quantities that are judged: angle [rad] and rate [rad/s]."""
+        fastest = 1.0 / self.scales(p).tau
+        return (
+            Quantity("theta", "rad", 1.0, angle=True),
+            Quantity("thetadot", "rad/s", fastest),
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Of the line from the pivot to the bob."""
-        (x, y, _), (vx, vy, _) = (
-            (column[:, 0] - column[:, 1]).T for column in (trajectory.position, trajectory.velocity)
-        )
+        # From the pivot, body 1, to the bob, body 0.
+        x, y, _ = (trajectory.position[:, 0] - trajectory.position[:, 1]).T
+        vx, vy, _ = (trajectory.velocity[:, 0] - trajectory.velocity[:, 1]).T
         return {"theta": np.arctan2(x, y), "thetadot": (vx * y - x * vy) / (x * x + y * y)}
 
     def truth(self, p: Parameters) -> Truth:

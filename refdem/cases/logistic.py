@@ -87,11 +87,11 @@ class Logistic(IterationCase):
         return Scales(length=1.0, tau=1.0, duration=p.n)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The iterate."""
+        """The quantity that is judged: the iterate x."""
         return (Quantity("x_n", "1", 1.0),)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The iterate."""
+        """The iterates x (T,) that are sampled."""
         if "x" in trajectory.values:
             return {"x_n": trajectory.values["x"]}
         return {}

@@ -70,7 +70,7 @@ class MomentsOfInertia(Canonical):
     )
 
     def problem(self, p: Parameters) -> Solid:
-        """Every solid."""
+        """The problem of every solid at these parameters."""
         return Solid(SolidDocument(solids=_solids.solids(p)))
 
     def scales(self, p: Parameters) -> Scales:
@@ -101,11 +101,11 @@ class MomentsOfInertia(Canonical):
         return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """What the engine could say."""
+        """The mass properties that the engine could give."""
         return trajectory.values
 
     def truth(self, p: Parameters) -> Truth:
-        """Integrals done by hand."""
+        """The truth from integrals that are done by hand."""
         from refdem.truth.closed_forms.moments_of_inertia import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

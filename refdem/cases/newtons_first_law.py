@@ -49,7 +49,7 @@ class NewtonsFirstLaw(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The scene of the member."""
+        """The scene of the member that is asked for."""
         if p.member == "free":
             return _rest.free(p.velocity, p.spin)
         return _rest.SCENES[p.member]()
@@ -66,22 +66,17 @@ class NewtonsFirstLaw(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """State of the free body; displacement and velocity of each body at rest."""
         s = self.scales(p)
+        found = []
         if p.member != "free":
-            units = (("r", "m", s.length), ("v", "m/s", s.speed))
-            bodies = range(1, len(self.scene(p).bodies) + 1)
-            return tuple(
-                Quantity(f"{kind}{i}.{axis}", unit, size)
-                for i in bodies
-                for kind, unit, size in units
-                for axis in "xyz"
-            )
-        line = tuple(
-            Quantity(prefix + a, unit, size)
-            for prefix, unit, size in (("", "m", s.length), ("v", "m/s", s.speed))
-            for a in "xyz"
-        )
-        turn = tuple(Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz")
-        return line + tuple(Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz") + turn
+            for body in range(1, len(self.scene(p).bodies) + 1):
+                found += [Quantity(f"r{body}.{axis}", "m", s.length) for axis in "xyz"]
+                found += [Quantity(f"v{body}.{axis}", "m/s", s.speed) for axis in "xyz"]
+            return tuple(found)
+        found += [Quantity(axis, "m", s.length) for axis in "xyz"]
+        found += [Quantity(f"v{axis}", "m/s", s.speed) for axis in "xyz"]
+        found += [Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz"]
+        found += [Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz"]
+        return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Displacements are from where the scene puts the bodies."""
@@ -94,11 +89,9 @@ class NewtonsFirstLaw(Case):
             ]
         else:
             moved = trajectory.position - self.scene(p).bodies.position
-            columns = [
-                column[:, i]
-                for i in range(moved.shape[1])
-                for column in (moved, trajectory.velocity)
-            ]
+            columns = []
+            for body in range(moved.shape[1]):
+                columns += [moved[:, body], trajectory.velocity[:, body]]
         return dict(
             zip(
                 (q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True

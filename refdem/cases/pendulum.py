@@ -70,12 +70,9 @@ class Pendulum(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angle, rate, place and rod force."""
         s = self.scales(p)
-        angle = (
+        return (
             Quantity("theta", "rad", 1.0, angle=True),
             Quantity("thetadot", "rad/s", 1.0 / s.tau),
-        )
-        return (
-            *angle,
             Quantity("x", "m", s.length),
             Quantity("y", "m", s.length),
             Quantity("rod_force", "N", s.mass * s.speed / s.tau),
@@ -83,8 +80,8 @@ class Pendulum(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """theta = atan2(x, -y), thetadot = (x vy - y vx)/r^2."""
-        (x, y, _) = trajectory.position[:, 0].T
-        (vx, vy, _) = trajectory.velocity[:, 0].T
+        x, y, _ = trajectory.position[:, 0].T
+        vx, vy, _ = trajectory.velocity[:, 0].T
         seen = {
             "theta": np.arctan2(x, -y),
             "thetadot": (x * vy - y * vx) / (x * x + y * y),

@@ -66,13 +66,8 @@ class PendulumWheelMass(StringOnWheel):
         """The pendulum on the right, the mass on the left, as far below the wheel as the pendulum's
         string is long.
         """
-        across, along = (
-            np.array(v)
-            for v in (
-                (np.cos(p.theta0), np.sin(p.theta0), 0.0),
-                (np.sin(p.theta0), -np.cos(p.theta0), 0.0),
-            )
-        )
+        across = np.array((np.cos(p.theta0), np.sin(p.theta0), 0.0))
+        along = np.array((np.sin(p.theta0), -np.cos(p.theta0), 0.0))
         speed = p.rdot0 - p.wheel_radius * p.thetadot0
         place = p.wheel_radius * across + p.r0 * along
         velocity = speed * along + p.r0 * p.thetadot0 * across
@@ -100,8 +95,8 @@ class PendulumWheelMass(StringOnWheel):
         """From the pendulum alone: its string is a tangent of the wheel, (r + i R) exp(i theta) =
         -y + i x.
         """
-        (x, y, _) = trajectory.position[:, 0].T
-        (vx, vy, _) = trajectory.velocity[:, 0].T
+        x, y, _ = trajectory.position[:, 0].T
+        vx, vy, _ = trajectory.velocity[:, 0].T
         r = np.sqrt(x * x + y * y - p.wheel_radius**2)
         theta = np.angle((-y + 1j * x) / (r + 1j * p.wheel_radius))
         rate = (vx * np.cos(theta) + vy * np.sin(theta)) / r
@@ -109,7 +104,7 @@ class PendulumWheelMass(StringOnWheel):
         return {"r": r, "theta": theta, "rdot": u + p.wheel_radius * rate, "thetadot": rate}
 
     def truth(self, p: Parameters) -> Truth:
-        """Validated integration."""
+        """The truth by validated integration of the equations of motion."""
         from refdem.truth.closed_forms.pendulum_wheel_mass import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

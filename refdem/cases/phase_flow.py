@@ -83,7 +83,7 @@ class PhaseFlow(EnsembleCase):
         return Ensemble(_flows.scene(p), self.times(p), *self.starts(p, _cat.points(p)))
 
     def starts(self, p: Parameters, outline: Array) -> tuple[Array, Array]:
-        """On the line, or on the rod."""
+        """The starts (M, 1, 3) of an outline: points on the line, or on the rod."""
         return _flows.starts(p, outline)
 
     def scales(self, p: Parameters) -> Scales:
@@ -98,27 +98,29 @@ class PhaseFlow(EnsembleCase):
             ("x", "rad" if is_rod else "m", s.length, is_rod),
             ("v", "rad/s" if is_rod else "m/s", s.speed, False),
         )
-        return tuple(
-            Quantity(f"{n}_{k}", u, size, angle)
-            for k in range(len(_cat.HEAD))
-            for n, u, size, angle in kinds
-        )
+        found = []
+        for corner in range(len(_cat.HEAD)):
+            for name, unit, size, is_angle in kinds:
+                found.append(Quantity(f"{name}_{corner}", unit, size, is_angle))
+        return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Every corner."""
+        """The place and the rate of every corner at the samples, each (T,)."""
         each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
-        return {
-            f"{a}_{k}": x[:, k * each]
-            for k in range(len(_cat.HEAD))
-            for a, x in zip("xv", self.outline(p, trajectory), strict=True)
-        }
+        place, rate = self.outline(p, trajectory)
+        seen = {}
+        for corner in range(len(_cat.HEAD)):
+            # The first of the points on the side that begins at the corner.
+            seen[f"x_{corner}"] = place[:, corner * each]
+            seen[f"v_{corner}"] = rate[:, corner * each]
+        return seen
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Place and rate (T, M) of all points."""
         return _flows.seen(p, trajectory)
 
     def meant(self, p: Parameters) -> dict[str, object]:
-        """With the corners."""
+        """The parameters, with the corners of the head that they give."""
         return {**p, "corners": _cat.corners(p)}
 
     def truth(self, p: Parameters) -> Truth:

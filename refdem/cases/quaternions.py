@@ -49,7 +49,8 @@ class Quaternions(AlgebraCase):
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for a q that is no attitude, or none with Euler angles."""
-        (w, x, y, z), size = p.q, np.linalg.norm(p.q)
+        w, x, y, z = p.q
+        size = np.linalg.norm(p.q)
         if not min(np.hypot(x, y), np.hypot(w, z)) > 1e-6 * size:
             raise UsageError(
                 "parameter q: expected x, y and w, z that are not both 0: its Euler angles z-x-z"

@@ -64,13 +64,13 @@ class RigidCluster(Case):
         that does not spin.
         """
         exact: Any = p["positions"]
-        a, b, c = (
-            np.array(exact[k : k + 3], dtype=object) - np.array(exact[:3], dtype=object)
-            for k in (3, 6, 9)
-        )
-        volume: Fraction = a @ np.array(
-            [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]],
-            dtype=object,
+        points = np.array(exact, dtype=object).reshape(4, 3)
+        a, b, c = points[1:] - points[0]
+        # a . (b x c), in exact numbers.
+        volume: Fraction = (
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
         )
         if volume == 0:
             raise UsageError(
@@ -84,15 +84,15 @@ class RigidCluster(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The points, and a rod between any two of them."""
-        velocity = np.cross(p.omega, p.positions - p.masses @ p.positions / p.masses.sum())
-        places = zip(p.masses, p.positions.tolist(), velocity.tolist(), strict=True)
-        rods = [
-            Rod(a=i, b=j, length=float(np.linalg.norm(p.positions[i] - p.positions[j])))
-            for i, j in PAIRS
-        ]
-        return Scene.of(
-            [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in places], rods
-        )
+        centre = p.masses @ p.positions / p.masses.sum()
+        velocity = np.cross(p.omega, p.positions - centre)
+        columns = zip(p.masses, p.positions.tolist(), velocity.tolist(), strict=True)
+        bodies = [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in columns]
+        rods = []
+        for i, j in PAIRS:
+            length = float(np.linalg.norm(p.positions[i] - p.positions[j]))
+            rods.append(Rod(a=i, b=j, length=length))
+        return Scene.of(bodies, rods)
 
     def scales(self, p: Parameters) -> Scales:
         """L: the farthest point from the centre of mass; tau = 1/|omega|."""
@@ -106,22 +106,18 @@ class RigidCluster(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place of each."""
-        return tuple(
-            Quantity(f"r{i}.{axis}", "m", self.scales(p).length)
-            for i in range(1, 5)
-            for axis in "xyz"
-        )
+        """The quantities that are judged: the places [m] of the four points."""
+        length = self.scales(p).length
+        found = []
+        for number in range(1, 5):
+            found += [Quantity(f"r{number}.{axis}", "m", length) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place of each."""
-        return dict(
-            zip(
-                (q.name for q in self.quantities(p)),
-                trajectory.position.reshape(len(trajectory.t), 12).T,
-                strict=True,
-            )
-        )
+        """The coordinates [m] of the four points at the samples, each (T,)."""
+        names = [quantity.name for quantity in self.quantities(p)]
+        columns = trajectory.position.reshape(len(trajectory.t), 12).T
+        return dict(zip(names, columns, strict=True))
 
     def truth(self, p: Parameters) -> Truth:
         """The free rigid body's closed form, in the cluster's principal axes."""

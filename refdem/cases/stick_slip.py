@@ -83,7 +83,7 @@ class StickSlip(Case):
     )
 
     def slider(self, p: Parameters) -> Slider:
-        """Belt and law of friction."""
+        """The slider: the belt that moves, and its law of friction."""
         law = {
             "law": LAWS[p.friction_law],
             "mu0": p.mu0,
@@ -119,11 +119,11 @@ class StickSlip(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

@@ -24,13 +24,15 @@ def _periapsis(p: Parameters) -> tuple[float, float, float]:
     a = p.semi_major
     e = p.eccentricity
     if p.stiffness is not None:
+        # The middle is the centre: b = a sqrt(1 - e^2), passed at a w.
         rate = float(np.sqrt(p.stiffness))
-        return a * float(np.sqrt((1 - e) * (1 + e))), a * rate, 2 * np.pi / rate
-    return (
-        a * (1 - e),
-        float(np.sqrt(p.gm / a * (1 + e) / (1 - e))),
-        2 * np.pi * float(np.sqrt(a**3 / p.gm)),
-    )
+        shortest = a * float(np.sqrt((1 - e) * (1 + e)))
+        return shortest, a * rate, 2 * np.pi / rate
+    # v^2 = gm/a (1 + e)/(1 - e), T = 2 pi sqrt(a^3/gm).
+    distance = a * (1 - e)
+    speed = float(np.sqrt(p.gm / a * (1 + e) / (1 - e)))
+    period = 2 * np.pi * float(np.sqrt(a**3 / p.gm))
+    return distance, speed, period
 
 
 class TwoBodyOrbit(Case):
@@ -81,10 +83,12 @@ class TwoBodyOrbit(Case):
     chaotic_at = NEVER
 
     def scene(self, p: Parameters) -> Scene:
-        """The body on +x."""
+        """The body on +x, which moves in +y, and what attracts it."""
         distance, speed, _ = _periapsis(p)
         if p.stiffness is not None:
-            distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
+            # From the end of the long axis the body goes at b w.
+            speed = distance * float(np.sqrt(p.stiffness))
+            distance = p.semi_major
         field: CentralField | Spring
         if p.stiffness is None:
             field = CentralField(gm=p.gm)

@@ -42,7 +42,7 @@ class TwoSpheres(Case):
         _collision.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """Two spheres that touch."""
+        """The two spheres, which touch and close, and their contact."""
         return _collision.scene(p)
 
     def scales(self, p: Parameters) -> Scales:
@@ -57,12 +57,11 @@ class TwoSpheres(Case):
             ("v", "m/s", s.speed),
             ("omega", "rad/s", _collision.spin_scale(p)),
         )
-        return tuple(
-            Quantity(f"{kind}{i}.{axis}", unit, size)
-            for i in (1, 2)
-            for kind, unit, size in kinds
-            for axis in "xyz"
-        )
+        found = []
+        for number in (1, 2):
+            for kind, unit, size in kinds:
+                found += [Quantity(f"{kind}{number}.{axis}", unit, size) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place, velocity and angular velocity of both."""

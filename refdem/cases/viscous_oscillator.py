@@ -66,11 +66,11 @@ class ViscousOscillator(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and velocity."""
+        """The quantities that are judged: place [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity."""
+        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

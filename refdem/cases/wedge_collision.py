@@ -75,7 +75,7 @@ class WedgeCollision(Case):
         return (Quantity("overlap", "m", s.length), Quantity("v", "m/s", s.speed))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Overlap and its rate."""
+        """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         return {"overlap": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}
 
     def truth(self, p: Parameters) -> Truth:

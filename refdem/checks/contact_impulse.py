@@ -1,5 +1,5 @@
-"""What two spheres do to each other between samples: an impulse in the friction cone, of the size
-that the contact law says.
+"""What two spheres, or a sphere and a wall, do to each other between samples: an impulse in the
+friction cone, of the size that the contact law says.
 """
 
 from collections.abc import Mapping
@@ -14,6 +14,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
 
 STEPS_A_SAMPLE = 4
 """Steps from sample to sample: so few that the normal hardly turns between them, and more than any
@@ -26,9 +27,13 @@ TERMS = 8.0
 """
 
 
+SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
+"""The part of the overlap that the lever arm of friction is short of the radius, by `branch`."""
+
+
 class ContactImpulse(Check):
-    """Two spheres alone: between samples each gains an impulse that is a sum of forces which obey
-    the law.
+    """Two spheres alone, or one and a wall: between samples each gains an impulse that is a sum of
+    forces which obey the law.
 
     cone: each force obeys |Ft| <= mu Fn, so it lies in the cone of half angle arctan(mu) about its
     own normal. A cone is convex: whatever the weights of the method, their sum lies in the cone of
@@ -42,30 +47,36 @@ class ContactImpulse(Check):
     the four samples around the interval. They are several steps apart, so that forces of the step
     before or after are among them, and only what the force bends between samples is allowed for. An
     error that no step removes is seen at the coarsest one.
+
+    sliding: where a sphere slides along a wall without a tangential spring, each force obeys
+    |Ft| = mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys
+    it too, to round-off.
     """
 
     name = "contact-impulse"
     title = "Impulse between samples"
     kills = (
         "a friction limit of the step before or without the dashpot, a contact that is cut before"
-        " its end, a wrong contact law"
+        " its end, a wrong contact law, a coefficient of friction off by any digit that is kept"
     )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Two free spheres under a law with an overlap, on which nothing else acts, in steps."""
+        """Two free spheres, or one and a wall, under a law with an overlap, on which nothing else
+        acts, in steps.
+        """
         scene = trial.instance.scene
         laws = scene.all(Contact)
+        walls = scene.all(Plane)
         if trial.method.control != "step":
             return f"the method is controlled by {trial.method.control}, not by a step"
-        if len(scene.elements) != 1 or len(laws) != 1 or laws[0].law == "rigid":
+        if len(scene.elements) != 1 + len(walls) or len(laws) != 1 or laws[0].law == "rigid":
             return "something else acts than a contact with an overlap"
-        is_pair = len(scene.bodies) == 2 and all(
-            isinstance(shape, Sphere) for shape in scene.bodies.shape
-        )
-        if is_pair and not scene.bodies.fixed.any():
+        spheres = all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
+        are_two = len(scene.bodies) + len(walls) == 2 and len(walls) <= 1
+        if spheres and are_two and not scene.bodies.fixed.any():
             return None
-        return "it is not a scene of two free spheres"
+        return "it is not a scene of two free spheres, or of one and a wall"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, at which what is late is furthest off, with a sample every few
@@ -102,7 +113,43 @@ class ContactImpulse(Check):
                     ),
                 )
             )
+        if law.friction > 0 and law.tangential_stiffness == 0 and scene.all(Plane):
+            found += self._sliding(scene, run, unit, rounding)
         return found
+
+    def _sliding(
+        self, scene: Scene, run: Trajectory, unit: float, rounding: float
+    ) -> list[Finding]:
+        """Friction over normal impulse of a sphere that slides along a wall; nothing if it does
+        not.
+        """
+        law = scene.all(Contact)[0]
+        _, _, normal = _meeting(scene, run)
+        pressing, across, _ = _impulses(scene, run, normal)
+        slides, turned = _slides(scene, run)
+        counts = np.logical_and(_presses(scene, run), slides)
+        if not counts.any():
+            return []
+        # Forces whose directions differ by up to `turned` add up to less, by no more than that.
+        allowed = rounding * (1 + law.friction) + law.friction * np.abs(pressing) * turned / unit
+        return [
+            worst(
+                check=self.name,
+                quantity="sliding",
+                t=run.t[1:][counts],
+                values=(np.abs(across - law.friction * pressing) / unit)[counts],
+                allowed=allowed[counts],
+                unit="1",
+                basis=(
+                    "every force of a contact that slides obeys |Ft| = mu Fn, and so does what they"
+                    " add up to, to round-off, at any step"
+                ),
+                what=(
+                    "The tangential impulse between two samples less mu times the normal one, in"
+                    " units of mass times speed,"
+                ),
+            )
+        ]
 
     def _normal(self, trial: Trial, run: Trajectory, unit: float, rounding: float) -> Finding:
         scene = trial.instance.scene
@@ -174,6 +221,24 @@ def _presses(scene: Scene, run: Trajectory) -> Array:
     return np.asarray(touches[1:] & (force[1:] > 0))
 
 
+def _slides(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
+    """Intervals (T - 1,) at whose ends a sphere slips along its wall so fast that friction does not
+    end it between them, and by how much the direction of slip turns [rad].
+    """
+    law = scene.all(Contact)[0]
+    overlap, _, normal = _meeting(scene, run)
+    lever = scene.bodies.radius[0] - SHORT_OF_RADIUS[law.branch] * np.maximum(overlap, 0.0)
+    velocity = run.velocity[:, 0] + np.cross(run.omega[:, 0], lever[:, None] * normal)
+    slip = velocity - np.sum(velocity * normal, axis=-1)[:, None] * normal
+    speed = np.linalg.norm(slip, axis=-1)
+    change = np.linalg.norm(np.diff(slip, axis=0), axis=-1)
+    lasts: Array = np.minimum(speed[1:], speed[:-1]) > change
+    unit = slip / np.maximum(speed, np.finfo(float).tiny)[:, None]
+    chord = np.linalg.norm(np.diff(unit, axis=0), axis=-1)
+    turned: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
+    return lasts, turned
+
+
 def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
     """The normal force (T,) [N] of the law, positive where it presses."""
     pushes = law.stiffness * np.maximum(overlap, 0.0) ** law.exponent + law.damping * rate
@@ -238,8 +303,13 @@ def _outside_cone(scene: Scene, run: Trajectory) -> Array:
 
 def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
     """Overlap (T,) [m], its rate (T,) [m/s], and the unit normal (T, 3) from the first sphere to
-    the second.
+    the second, or to the wall.
     """
+    for wall in scene.all(Plane):
+        away = np.array(wall.normal)
+        height = (run.position[:, 0] - np.array(wall.point)) @ away
+        towards: Array = np.broadcast_to(-away, run.position[:, 0].shape)
+        return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ away, towards
     apart = run.position[:, 1] - run.position[:, 0]
     distance = np.linalg.norm(apart, axis=-1)
     normal: Array = apart / distance[:, None]

@@ -93,6 +93,8 @@ class Cooling(Check):
         laws = trial.instance.scene.all(Contact)
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
+        if not are_alike(scene):
+            return "the spheres are not alike: the theory is of equal ones"
         if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction:
             return None
         return "the law of contact is another"
@@ -206,6 +208,12 @@ class Cooling(Check):
         return found
 
 
+def are_alike(scene: Scene) -> bool:
+    """All bodies have the mass and the radius of the first."""
+    bodies = scene.bodies
+    return bool(np.all(bodies.mass == bodies.mass[0]) and np.all(bodies.radius == bodies.radius[0]))
+
+
 def _gas(scene: Scene, frequency: float) -> Gas:
     """Restitution exp(-pi b/w) and duration pi/w of the linear law, b = c/m, w^2 = 2 k/m - b^2, for
     equal masses.
@@ -219,7 +227,10 @@ def _gas(scene: Scene, frequency: float) -> Gas:
         lasts = np.pi / swing
     else:
         lasts = np.inf
-    packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
+    # The volume of the spheres over that of the box.
+    volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
+    (box,) = scene.all(PeriodicBox)
+    packing = volume / box.size**3
     return Gas(
         n,
         float(np.exp(-damping * lasts)) if damping else 1.0,

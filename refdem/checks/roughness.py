@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.checks.cooling import DILUTE, ERRORS, FEWEST, SHORT, THEORY
+from refdem.checks.cooling import DILUTE, ERRORS, FEWEST, SHORT, THEORY, are_alike
 from refdem.core.balance import mechanical
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
@@ -45,6 +45,8 @@ class Roughness(Check):
         scene = trial.instance.scene
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
+        if not are_alike(scene):
+            return "the spheres are not alike: the theory is of equal ones"
         laws = scene.all(Contact)
         if (
             len(laws) != 1

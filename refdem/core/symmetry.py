@@ -95,32 +95,29 @@ class Symmetry:
     def _bodies(self, bodies: Bodies) -> Bodies:
         """The bodies, column by column; the attitude of a point stays."""
         mass, length, time = self.units
+        speed = length / time
+        # A mirror image turns the other way: omega is an axial vector.
+        sense = -1.0 if self.mirrored else 1.0
         turns = np.any(bodies.inertia, axis=1, keepdims=True)
         if self.mirrored:
             turned = bodies.attitude * REFLECTION
         else:
             turned = product(self.turn, bodies.attitude)
+        shown = [self._shape(shape) for shape in bodies.shapes]
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
             "inertia": bodies.inertia * (mass * length**2),
             "position": length * (bodies.position @ self.q.T + self.shift),
-            "velocity": length / time * (bodies.velocity @ self.q.T + self.boost),
+            "velocity": speed * (bodies.velocity @ self.q.T + self.boost),
             "attitude": np.where(turns, turned, bodies.attitude),
-            "omega": bodies.omega @ self.q.T / time * (-1.0 if self.mirrored else 1.0),
+            "omega": bodies.omega @ self.q.T / time * sense,
             "fixed": bodies.fixed.copy(),
-            "shape": tuple(
-                map(
-                    [self._shape(shape) for shape in bodies.shapes].__getitem__,
-                    bodies.shape_number.tolist(),
-                )
-            ),
         }
+        shapes = tuple(shown[number] for number in bodies.shape_number.tolist())
         if self.reverse:
-            columns = {
-                name: value[::-1].copy() if name != "shape" else value[::-1]
-                for name, value in columns.items()
-            }
-        return replace(bodies, **columns)
+            columns = {name: column[::-1].copy() for name, column in columns.items()}
+            shapes = shapes[::-1]
+        return replace(bodies, shape=shapes, **columns)
 
     def _shape(self, shape: Shape) -> Shape:
         """A shape in other units, and mirrored."""

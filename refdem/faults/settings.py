@@ -161,6 +161,28 @@ def _lopsided(rng: np.random.Generator) -> dict[str, str]:
     return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
 
 
+def _lopsided_down(rng: np.random.Generator) -> dict[str, str]:
+    """The same, with a square of negative factor."""
+    return _lopsided(rng) | {"eps": str(-_between(rng, 0.125, 0.25))}
+
+
+def _far(rng: np.random.Generator) -> dict[str, str]:
+    """A mass that swings about a place that is 1000 times as far from the origin as it moves."""
+    found = _oscillator(rng) | {"mass": "1", "stiffness": "1", "gravity": "1024"}
+    return found | {"x0": str(1024 + _sign(rng) * _between(rng, 0.5, 1))}
+
+
+def _slider_along_wall(rng: np.random.Generator) -> dict[str, str]:
+    """A sphere that slides along a wall from its touch to its end, with neither spring nor rest."""
+    return {
+        "member": "co-4",
+        "tangential_stiffness": "0",
+        "friction": str(_between(rng, 0.0625, 0.125, 128)),
+        "angle": str(_sign(rng) * _between(rng, 0.875, 1.125)),
+        "samples": "16",
+    }
+
+
 def _steep(rng: np.random.Generator) -> dict[str, str]:
     """A spring that pulls with the power 3/2 of its stretch."""
     found = {
@@ -373,6 +395,9 @@ SETTINGS: Mapping[str, Setting] = {
     "driven": Setting("driven-oscillator", _driven, SMOOTH),
     "hardening": Setting("duffing", _hardening, SMOOTH),
     "lopsided": Setting("quadratic-response", _lopsided, SMOOTH),
+    "lopsided-down": Setting("quadratic-response", _lopsided_down, SMOOTH),
+    "far": Setting("harmonic-oscillator", _far, SMOOTH),
+    "along-wall": Setting("impact-benchmarks", _slider_along_wall, TOUCHING),
     "steep": Setting("power-oscillator", _steep, ("euler", "verlet", "verlet-single")),
     "cycle": Setting("van-der-pol", _cycle, DAMPED),
     "rubbing": Setting("coulomb-oscillator", _rubbing, TOUCHING),

@@ -20,7 +20,8 @@ def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:
     asked = instance("stick-slip", eta=eta, **parameters)
     remember(command(asked))
     period = 2 * np.pi / asked.p.eta
-    t = np.r_[0.0, (SKIPPED + np.arange(periods * PER_PERIOD + 1) / PER_PERIOD) * period]
+    shown = np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
+    t = np.r_[0.0, (SKIPPED + shown) * period]
     return moved("stick-slip", t, eta=eta, **parameters)
 
 

@@ -18,22 +18,29 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
     dry = seen("coulomb-oscillator", x0=1, v0=0, friction_force="0.15", **clock)
     p = dry.instance.p
     w0 = float(np.sqrt(p.stiffness / p.mass))
+    # Dry friction f takes 2 f/k off the amplitude in each half period pi/w0.
     slope = 2 * p.friction_force * w0 / (np.pi * p.stiffness)
     if quantity == "x":
         first = p.x0
+        fall = slope
     else:
-        first = w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
-    ends = np.array([0.0, first / (slope * (1 if quantity == "x" else w0))])
+        # The largest speed, w0 (x0 - f/k), comes a quarter of a period after the start.
+        largest = w0 * (p.x0 - p.friction_force / p.stiffness)
+        first = largest + slope * w0 * np.pi / (2 * w0)
+        fall = slope * w0
+    # Where the straight line from `first` meets the axis of time.
+    ends = np.array([0.0, first / fall])
     envelopes = [
         Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1)
         for sign in (1, -1)
     ]
-    places = turning_points(dry.t, dry["x"], dry["v"])[1]
-    numbers = {
-        "stop of the dry one [s]": dry.trajectory.events[0].time,
-        "its place there [m]": float(dry["x"][-1]),
-    }
-    numbers |= {f"turning point {n + 1} [m]": float(x) for n, x in enumerate(places[:3])}
+    numbers = {}
+    if quantity == "x":
+        numbers["stop of the dry one [s]"] = dry.trajectory.events[0].time
+        numbers["its place there [m]"] = float(dry["x"][-1])
+        _, places = turning_points(dry.t, dry["x"], dry["v"])
+        for n, x in enumerate(places[:3], 1):
+            numbers[f"turning point {n} [m]"] = float(x)
     curves = (
         Series(x=free.t, y=free[quantity], label="undamped", ink=GREY, dashed=True),
         Series(x=wet.t, y=wet[quantity], label="viscous, delta = 0.1", ink=0),
@@ -51,5 +58,5 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
         title=title,
         caption=caption,
         panels=(panel,),
-        numbers=numbers if quantity == "x" else {},
+        numbers=numbers,
     )

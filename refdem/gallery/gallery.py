@@ -16,11 +16,14 @@ FOLDER = Path(__file__).with_name("figures")
 def names() -> list[str]:
     """Ids of all figures: those of the chapter (1.15) in its order, then the others (co-4)."""
     stems = [path.stem.removeprefix("fig_") for path in FOLDER.glob("fig_*.py")]
-    numbered = sorted(
-        (s.replace("_", ".") for s in stems if s[0].isdigit()),
-        key=lambda name: [int(part) for part in name.split(".")],
-    )
-    return numbered + sorted(s.replace("_", "-") for s in stems if not s[0].isdigit())
+    numbered = [stem.replace("_", ".") for stem in stems if stem[0].isdigit()]
+    others = [stem.replace("_", "-") for stem in stems if not stem[0].isdigit()]
+    return sorted(numbered, key=_place_in_chapter) + sorted(others)
+
+
+def _place_in_chapter(name: str) -> list[int]:
+    """The numbers of a figure's id, so that 1.5 comes before 1.12."""
+    return [int(part) for part in name.split(".")]
 
 
 def refuse_unknown(name: str) -> None:
@@ -32,10 +35,9 @@ def refuse_unknown(name: str) -> None:
 def figure(name: str) -> Figure:
     """The figure of that id, computed now; raises UsageError with the nearest id."""
     refuse_unknown(name)
+    stem = name.replace(".", "_").replace("-", "_")
     with recorded() as commands:
-        made: Figure = import_module(
-            f"refdem.gallery.figures.fig_{name.replace('.', '_').replace('-', '_')}"
-        ).figure()
+        made: Figure = import_module(f"refdem.gallery.figures.fig_{stem}").figure()
     return replace(made, commands=(f"refdem gallery {name}", *dict.fromkeys(commands)))
 
 

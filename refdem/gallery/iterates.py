@@ -1,5 +1,7 @@
 """Late iterates of the logistic map over its parameter (1.127)."""
 
+from typing import Any
+
 import numpy as np
 
 from refdem.core.maps import Logistic
@@ -16,14 +18,21 @@ def late(eta: float, chunks: int = 1) -> Array:
     found = []
     x = last(eta, START, SETTLED)
     for _ in range(chunks):
-        found.append(answer(Iteration(Logistic(eta=eta), np.array([x]), DENSE)).values["x"])
-        x = float(found[-1][-1])
+        orbit = iterates(eta, x, DENSE)
+        found.append(orbit)
+        x = float(orbit[-1])
     return np.concatenate(found)
 
 
+def iterates(eta: float, x0: float, counts: Any) -> Array:
+    """The iterates of x0 that the reference keeps of so many."""
+    values: Array = answer(Iteration(Logistic(eta=eta), np.array([x0]), counts)).values["x"]
+    return values
+
+
 def last(eta: float, x0: float, n: int) -> float:
-    """Iterate n."""
-    return float(answer(Iteration(Logistic(eta=eta), np.array([x0]), n)).values["x"][-1])
+    """Iterate number n of x0."""
+    return float(iterates(eta, x0, n)[-1])
 
 
 def period(eta: float, tolerance: float = 1e-7) -> int:
@@ -37,10 +46,13 @@ def doubling(periods: int, low: float, high: float) -> float:
     """
     while high - low > 2e-5:
         middle = (low + high) / 2
-        low, high = (middle, high) if period(middle, 2e-3 / periods) <= periods else (low, middle)
+        if period(middle, 2e-3 / periods) <= periods:
+            low = middle
+        else:
+            high = middle
     return (low + high) / 2
 
 
 def shown(eta: str) -> None:
-    """Remembers one of the orbits."""
+    """Remembers the command of the orbit at one parameter."""
     remember(command(instance("logistic", eta=eta)))

@@ -27,7 +27,7 @@ class Outline:
 
     @property
     def area(self) -> Array:
-        """Of the closed polygon through the points."""
+        """The areas (T,) of the closed polygons through the points."""
         return phase_area(self.x, self.v)
 
 
@@ -44,25 +44,29 @@ def carried(duration: float, samples: int, **parameters: Any) -> Outline:
     assert isinstance(case, EnsembleCase)
     assert isinstance(coarse, Ensemble)
     x, v = case.outline(asked.p, answer(coarse))
-    long = np.hypot(np.diff(x, axis=1, append=x[:, :1]), np.diff(v, axis=1, append=v[:, :1])).max(
-        axis=0
-    )
-    cuts = np.clip(np.ceil(long / long.sum() * FINE).astype(int), 1, MOST)
+    # Length (M,) of each side of the closed outline at the time when it is longest.
+    across = np.diff(x, axis=1, append=x[:, :1])
+    up = np.diff(v, axis=1, append=v[:, :1])
+    longest = np.hypot(across, up).max(axis=0)
+    # A side gets its part of the points, at least one.
+    share = np.ceil(longest / longest.sum() * FINE).astype(int)
+    cuts = np.clip(share, 1, MOST)
     while cuts.sum() < FINE:
         cuts += 1
-    fine = Ensemble(
-        coarse.scene,
-        coarse.times,
-        *case.starts(asked.p, finer(np.stack((x[0], v[0]), axis=1), cuts)),
-    )
+    begin = finer(np.stack((x[0], v[0]), axis=1), cuts)
+    fine = Ensemble(coarse.scene, coarse.times, *case.starts(asked.p, begin))
     trajectory = answer(fine)
     return Outline(trajectory.t, *case.outline(asked.p, trajectory))
 
 
 def finer(outline: Array, cuts: Any) -> Array:
     """The outline (M, 2) with side k cut into cuts[k] equal parts."""
+    # The side on which each new point lies, and how far along it, from 0 to 1.
     side = np.repeat(np.arange(len(outline)), cuts)
-    along = (np.arange(len(side)) - np.repeat(np.cumsum(cuts) - cuts, cuts)) / cuts[side]
-    after = np.roll(outline, -1, axis=0)
-    found: Array = outline[side] + along[:, None] * (after[side] - outline[side])
+    first_of_side = np.cumsum(cuts) - cuts
+    number_on_side = np.arange(len(side)) - np.repeat(first_of_side, cuts)
+    along = number_on_side / cuts[side]
+    begin = outline[side]
+    end = np.roll(outline, -1, axis=0)[side]
+    found: Array = begin + along[:, None] * (end - begin)
     return found

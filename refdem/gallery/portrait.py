@@ -22,13 +22,15 @@ def heads(outline: Outline, samples: Sequence[int], *, ink: int = 0) -> list[Ser
     """The filled outline at some samples."""
     found = []
     for k in samples:
-        x, v = (np.append(column[k], column[k, 0]) for column in (outline.x, outline.v))
+        # Closed: the first point again at the end.
+        x = np.append(outline.x[k], outline.x[k, 0])
+        v = np.append(outline.v[k], outline.v[k, 0])
         found.append(Series(x=x, y=v, ink=ink, mark="area"))
     return found
 
 
 def trajectories(runs: Sequence[Seen], *, names: tuple[str, str] = ("x", "v")) -> list[Series]:
-    """Curves through phase space."""
+    """The curves of the runs through the plane of two quantities."""
     return [Series(x=run[names[0]], y=run[names[1]], ink=GREY, width=1) for run in runs]
 
 
@@ -42,6 +44,7 @@ def arrows(
     """Arrows along the flow at every so many samples of the runs, all of one length; none where
     nothing moves.
     """
+    length = SHAFT * (ends[1] - ends[0]) / 2
     lines: list[Array] = []
     for run in runs:
         place = np.stack((run[names[0]], run[names[1]]), axis=1)
@@ -49,19 +52,24 @@ def arrows(
             way = place[k + 1] - place[k]
             size = float(np.hypot(*way))
             if size > 0:
-                lines.append(_arrow(place[k], way / size, SHAFT * (ends[1] - ends[0]) / 2))
+                lines.append(_arrow(place[k], way / size, length))
     drawn = np.concatenate(lines)
     return Series(x=drawn[:, 0], y=drawn[:, 1], ink=GREY, width=1)
 
 
 def _arrow(tip: Array, way: Array, length: float) -> Array:
-    """Two barbs at the tip (3, 2), and a break after them."""
+    """Two barbs at the tip, and a break after them: points (4, 2)."""
     back = -way * length
-    barbs = [
-        tip + BARB * 2 * (back * np.cos(a) + np.array([-back[1], back[0]]) * np.sin(a))
-        for a in (OPENING, -OPENING)
-    ]
-    return np.array([barbs[0], tip, barbs[1], [np.nan, np.nan]])
+    left = tip + BARB * 2 * _turned(back, OPENING)
+    right = tip + BARB * 2 * _turned(back, -OPENING)
+    return np.array([left, tip, right, [np.nan, np.nan]])
+
+
+def _turned(vector: Array, angle: float) -> Array:
+    """A vector (2,) turned to the left by an angle [rad]."""
+    aside = np.array([-vector[1], vector[0]])
+    found: Array = vector * np.cos(angle) + aside * np.sin(angle)
+    return found
 
 
 def portrait(series: Sequence[Series], ends: tuple[float, float], *, width: int = 440) -> Panel:

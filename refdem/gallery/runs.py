@@ -55,10 +55,7 @@ class Seen:
 
 def instance(case: str, **parameters: Any) -> Instance:
     """A case at these parameters, numbers or text."""
-    given = {
-        name: ",".join(map(_text, value)) if isinstance(value, tuple) else _text(value)
-        for name, value in parameters.items()
-    }
+    given = {name: _text(value) for name, value in parameters.items()}
     return discovery.case(case).at(**given)
 
 
@@ -82,24 +79,26 @@ def moved(case: str, times: Array, **parameters: Any) -> Seen:
 def answer(problem: Problem) -> Trajectory:
     """The reference's answer to any question."""
     reference: Any = discovery.engine("reference")
-    trajectory: Trajectory = reference.run(
-        Request(problem=problem, method=reference.best(problem).name)
-    )[0]
+    request = Request(problem=problem, method=reference.best(problem).name)
+    trajectory: Trajectory
+    trajectory, *_ = reference.run(request)
     return trajectory
 
 
 def command(asked: Instance) -> str:
     """What a person types to see such a run judged."""
-    given = "".join(
-        f" --set {shlex.quote(f'{name}={value}')}" for name, value in asked.p.changed().items()
-    )
+    given = ""
+    for name, value in asked.p.changed().items():
+        assignment = f"{name}={value}"
+        given += f" --set {shlex.quote(assignment)}"
     return f"refdem run {asked.case.id}{given} --engine reference"
 
 
 def _text(value: Any) -> str:
-    """A parameter as the command line reads it."""
-    if isinstance(value, str):
-        return value
+    """A parameter as the command line reads it; several numbers are separated by commas."""
+    if isinstance(value, tuple):
+        return ",".join(map(_text, value))
     if isinstance(value, float):
+        # Of numpy's floats too, which write their type otherwise.
         return repr(float(value))
     return str(value)

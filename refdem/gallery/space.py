@@ -15,15 +15,18 @@ def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
     turn = np.radians(ACROSS)
     rise = np.radians(UP)
     x, y, z = points.T
+    # A turn about the vertical, then one about the line to the right.
     right = x * np.cos(turn) + y * np.sin(turn)
     away = -x * np.sin(turn) + y * np.cos(turn)
-    return right, z * np.cos(rise) + away * np.sin(rise), z * np.sin(rise) - away * np.cos(rise)
+    up = z * np.cos(rise) + away * np.sin(rise)
+    towards = z * np.sin(rise) - away * np.cos(rise)
+    return right, up, towards
 
 
 def axis(begin: Array, end: Array, name: str) -> tuple[Series, Series]:
     """A line in space, and its name at the end."""
-    right, up, _ = seen_from_above(
-        np.array([begin, end, np.asarray(begin) + 1.1 * (np.asarray(end) - begin)])
-    )
+    beyond = np.asarray(begin) + 1.1 * (np.asarray(end) - begin)
+    right, up, _ = seen_from_above(np.array([begin, end, beyond]))
     line = Series(x=right[:2], y=up[:2], ink=GREY, width=1)
-    return line, Series(x=right[2:], y=up[2:], ink=GREY, mark="text", words=(name,))
+    letters = Series(x=right[2:], y=up[2:], ink=GREY, mark="text", words=(name,))
+    return line, letters

@@ -36,9 +36,12 @@ def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, floa
     """
     period = 2 * np.pi / drive
     whole = int(np.ceil(SETTLED / delta / period)) + 6
-    t = np.r_[0.0, (whole - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period]
+    # The start, then the last period.
+    last_period = (whole - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period
+    t = np.r_[0.0, last_period]
     run = moved("driven-duffing", t, delta=delta, drive=drive, x0=x, v0=v)
-    return float(run["x"][-1]), float(run["v"][-1]), float(np.ptp(run["x"][1:])) / 2
+    amplitude = float(np.ptp(run["x"][1:])) / 2
+    return float(run["x"][-1]), float(run["v"][-1]), amplitude
 
 
 def shown(delta: float, drive: float) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from refdem.campaign.campaign import Campaign, Progress
-from refdem.campaign.specification import Entry, Specification
+from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import DECIDED, Finding, Record, Sheet
@@ -18,7 +18,6 @@ from refdem.core.store import Store, default_path
 from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
-from refdem.gate.telling import settings
 
 ULPS = (2, -2, 6)
 """Starts moved by so many units in the last place show how much of a value is noise."""
@@ -132,16 +131,18 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
 
 
 def supported(engine: Engine) -> list[Entry]:
-    """Every case that some method of the engine does not refuse, at its defaults and at settings
-    that tell more.
+    """Every case that some method of the engine does not refuse, at its defaults and at the
+    settings of the campaign `gate`, which tell more.
     """
+    telling = named("gate").case
     found = []
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if isinstance(case, Selection):
             continue
-        for given in settings(name):
-            problem = case.at(**given).problem
+        of_case = [entry for entry in telling if entry.id == name]
+        for entry in (Entry(name), *of_case):
+            problem = case.at(**entry.set).problem
             if any(engine.refuses(problem, method) is None for method in engine.methods):
-                found.append(Entry(name, dict(given)))
+                found.append(entry)
     return found

@@ -207,11 +207,10 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
 
 /* == lattice == */
 
-/* m x'' = weight - stiffness |x|^exponent sgn x - quadratic x^2 - cubic x^3 in SI units; the units
- * of the lattice, powers of two: place [m], speed [m/s], such that no place or velocity reaches
- * 2^62 of them. */
+/* m x'' = weight - stiffness |x|^exponent sgn x - cubic x^3 in SI units; the units of the lattice,
+ * powers of two: place [m], speed [m/s], such that no place or velocity reaches 2^62 of them. */
 typedef struct {
-    double mass, stiffness, exponent, quadratic, cubic, weight, place, speed;
+    double mass, stiffness, exponent, cubic, weight, place, speed;
 } refdem_lattice;
 
 /* x [m] and v [m/s] from x0, v0 by Verlet's method on the lattice, `stride` steps h [s] of either

@@ -10,10 +10,11 @@
 
 static inline double acceleration(const refdem_lattice *p, double x)
 {
-    double size = fabs(x);
-    double pull = p->exponent == 1.0 ? p->stiffness * x
-                                     : copysign(p->stiffness * pow(size, p->exponent), x);
-    return (p->weight - pull - x * x * (p->quadratic + p->cubic * x)) / p->mass;
+    double pull = p->stiffness * x;
+    if (p->exponent != 1.0)
+        pull = copysign(p->stiffness * pow(fabs(x), p->exponent), x);
+    double hardening = p->cubic * x * x * x;
+    return (p->weight - pull - hardening) / p->mass;
 }
 
 /* The whole number nearest to part * count, though count may have more bits than binary64, and so

@@ -25,20 +25,21 @@ def digests(folder: Path) -> dict[str, str]:
     """sha256 by case of the code behind its truth and its witness, its certified values, what
     checks say of themselves, and the writers.
     """
-    said = [
-        (check.name, check.title, check.kills)
-        for check in map(discovery.check, discovery.names("checks"))
-    ]
-    common = f"{digest_of_files({ROOT / name for name in WRITERS})}{said}"
-    cases = [
-        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
-    ]
-    return {
-        name: hashlib.sha256(f"{common}{_own(name, folder)}".encode()).hexdigest() for name in cases
-    }
+    checks = [discovery.check(name) for name in discovery.names("checks")]
+    said = [(check.name, check.title, check.kills) for check in checks]
+    writers = digest_of_files({ROOT / name for name in WRITERS})
+    found = {}
+    for name in discovery.names("cases"):
+        if not isinstance(discovery.case(name), Selection):
+            told = f"{writers}{said}{_own(name, folder)}"
+            found[name] = hashlib.sha256(told.encode()).hexdigest()
+    return found
 
 
 def _own(case: str, folder: Path) -> str:
+    """Digests of a case's truth, of its witness, and of its certified values, one after the
+    other.
+    """
     values = folder / "certified" / f"{case}.jsonl"
     if values.is_file():
         kept = hashlib.sha256(values.read_bytes()).hexdigest()
@@ -52,7 +53,7 @@ def _own(case: str, folder: Path) -> str:
 
 
 def text_of(found: dict[str, str]) -> str:
-    """The file."""
+    """The text of the file: a line a case, sorted by name."""
     return "".join(f"{digest}  {case}\n" for case, digest in sorted(found.items()))
 
 
@@ -61,17 +62,16 @@ def out_of_date(pages: Path, folder: Path) -> list[str]:
     any more.
     """
     path = pages / NAME
+    made = {}
     if path.is_file():
-        lines = [line.split("  ") for line in path.read_text().splitlines()]
-    else:
-        lines = []
-    made = {case: digest for digest, case in lines}
+        for line in path.read_text().splitlines():
+            digest, case = line.split("  ")
+            made[case] = digest
     now = digests(folder)
     there = {page.stem for page in pages.glob("*.md")} - {"index"}
-    return sorted(
-        {
-            case
-            for case in {*made, *now, *there}
-            if case not in there or case not in now or made.get(case) != now[case]
-        }
-    )
+    every = sorted({*made, *now, *there})
+    return [
+        case
+        for case in every
+        if case not in there or case not in now or made.get(case) != now[case]
+    ]

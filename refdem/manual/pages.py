@@ -34,6 +34,13 @@ def pages(folder: Path) -> Iterator[ManualPage]:
 def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
     """The page of one case at its defaults."""
     instance = case.at()
+    parameters = [
+        ParameterLine(name=p.name, default=p.default, unit=p.unit, bounds=p.bounds(), doc=p.doc)
+        for p in instance.p.declared.values()
+    ]
+    quantities = [
+        QuantityLine(name=q.name, unit=q.unit, scale=q.scale) for q in instance.quantities.values()
+    ]
     return ManualPage(
         case=case.id,
         title=case.title,
@@ -43,14 +50,8 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
         convention=" ".join((type(case).__doc__ or "").split()),
         kind=instance.problem.words,
         features=tuple(sorted(instance.problem.features)),
-        parameters=tuple(
-            ParameterLine(name=p.name, default=p.default, unit=p.unit, bounds=p.bounds(), doc=p.doc)
-            for p in instance.p.declared.values()
-        ),
-        quantities=tuple(
-            QuantityLine(name=q.name, unit=q.unit, scale=q.scale)
-            for q in instance.quantities.values()
-        ),
+        parameters=tuple(parameters),
+        quantities=tuple(quantities),
         scalars=scalars(instance),
         truth=truth_line(case.id, instance, sets),
         checks=tuple(checks(instance)),
@@ -60,40 +61,46 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
 
 
 def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
-    """The certified scalars at the defaults."""
+    """The certified scalars at the defaults; none where the case has none at them."""
     try:
         found = instance.truth().refined(DIGITS).scalars()
     except NotCertifiedError:
         return ()
-    named = {
-        name: ball.decimals(DIGITS)
-        for name, ball in found.items()
-        if name not in instance.quantities
-    }
-    return tuple(
-        QuantityLine(name=name, mid=mid, radius=radius) for name, (mid, radius) in named.items()
-    )
+    lines = []
+    for name, ball in found.items():
+        if name not in instance.quantities:
+            mid, radius = ball.decimals(DIGITS)
+            lines.append(QuantityLine(name=name, mid=mid, radius=radius))
+    return tuple(lines)
 
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
     """How it is proved, by the case itself where the store has nothing."""
     found = certified_case(name, sets)
     truth = instance.truth()
-    witness = witnesses().get(name)
+    own_witness = found.own_witness or truth.witness
+    known_witness = witnesses().get(name)
+    if known_witness is None:
+        witness = "none"
+    else:
+        witness = known_witness.method
+    if found.witnessed:
+        witness = found.witness
+    not_certified: list[tuple[str, str, str]] = []
+    for one in sets:
+        not_certified += [(one.label, t, reason) for t, reason in one.not_certified.items()]
     return TruthLine(
         method="; ".join(found.methods) or truth.method,
-        own_witness=found.own_witness or truth.witness,
-        witness=found.witness if found.witnessed else witness.method if witness else "none",
+        own_witness=own_witness,
+        witness=witness,
         witnessed=found.witnessed,
         agreed=found.agreed,
         sets=found.sets,
         values=found.values,
         digits=found.digits,
-        has_no_witness=witness is None and (found.own_witness or truth.witness) in ("", "none"),
+        has_no_witness=known_witness is None and own_witness in ("", "none"),
         labels=tuple(one.label for one in sets),
-        not_certified=tuple(
-            (one.label, t, reason) for one in sets for t, reason in one.not_certified.items()
-        ),
+        not_certified=tuple(not_certified),
     )
 
 
@@ -102,22 +109,20 @@ def checks(instance: Instance) -> Iterator[CheckLine]:
     it.
     """
     specification = Specification(name="manual", case=[], engines=["reference"])
-    tasks = [
-        task
-        for task in plan.tasks(specification, instance, (), discovery.engine("reference"), None)
-        if task.refusal is None
-    ]
-    applied = {check.name for task in tasks for check in task.checks}
+    reference = discovery.engine("reference")
+    planned = plan.tasks(specification, instance, (), reference, None)
+    tasks = [task for task in planned if task.refusal is None]
+    applied: set[str] = set()
+    for task in tasks:
+        applied |= {check.name for check in task.checks}
     for name in discovery.names("checks"):
         check = discovery.check(name)
-        reasons = list(
-            dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out)
-        )
-        if name in applied:
-            known = {"left_out": ""}
-        else:
-            known = {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
-        yield CheckLine(name=name, title=check.title, kills=check.kills, **known)
+        left_out = ""
+        if name not in applied:
+            # Each reason once, in the order of the methods.
+            reasons = dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out)
+            left_out = "; ".join(reasons) or "no method of the reference runs it"
+        yield CheckLine(name=name, title=check.title, kills=check.kills, left_out=left_out)
 
 
 def certified_time(instance: Instance) -> str:

@@ -19,13 +19,15 @@ Measured = tuple[tuple[str, str], ...]
 
 def frequency_rises() -> Measured:
     """The certified frequency of x'' + x + 0.1 x^3 at amplitude 1, beside both signs."""
-    period = float(
-        truth_of("duffing", alpha="1", beta="1/10", amplitude="1").scalars()["period"].mid
-    )
+    truth = truth_of("duffing", alpha="1", beta="1/10", amplitude="1")
+    period = float(truth.scalars()["period"].mid)
+    certified = 2 * math.pi / period
+    # w = w0 (1 +- 3 eps A^2/(8 w0^2)) with w0 = 1, eps = 0.1, A = 1.
+    shift = 3 * 0.1 / 8
     return (
-        ("certified frequency, alpha = 1, beta = 0.1, A = 1", number(2 * math.pi / period)),
-        ("w0 (1 + 3 eps A^2/(8 w0^2))", number(1 + 3 * 0.1 / 8)),
-        ("w0 (1 - 3 eps A^2/(8 w0^2)), as printed", number(1 - 3 * 0.1 / 8)),
+        ("certified frequency, alpha = 1, beta = 0.1, A = 1", number(certified)),
+        ("w0 (1 + 3 eps A^2/(8 w0^2))", number(1 + shift)),
+        ("w0 (1 - 3 eps A^2/(8 w0^2)), as printed", number(1 - shift)),
     )
 
 
@@ -35,8 +37,11 @@ def damping_per_mass() -> Measured:
     """
     truth = truth_of("viscous-oscillator", mass="2", stiffness="5", delta="1/10")
     period = truth.scalars()["period"].mid
+    # Truth takes rational times: the period to 2^-40 s.
     t = Fraction(round(period * 2**40), 2**40)
-    decay = -math.log(float(truth.at(t)["x"].mid)) / float(t)
+    place = float(truth.at(t)["x"].mid)
+    # x(T) = exp(-decay T), as x(0) = 1.
+    decay = -math.log(place) / float(t)
     return (
         ("certified -ln(x(T)/x(0))/T, m = 2, delta = 0.1", number(decay)),
         ("delta, from x'' + 2 delta x' + w0^2 x = 0", number(0.1)),
@@ -46,36 +51,29 @@ def damping_per_mass() -> Measured:
 
 def sense_of_turn() -> Measured:
     """Where e_y goes under a turn by +90 degrees about x with either sign of the vector part."""
+    # cos and sin of half the angle, 45 degrees.
     half = math.sqrt(0.5)
+    e_y = np.array([0.0, 1, 0])
     shown = []
     for text, sign in (("(cos, +sin e_x), (1.64)", 1), ("(cos, -sin e_x), (1.62)", -1)):
-        shown.append(
-            (
-                f"e_y turned by {text}",
-                vector(rotated(np.array([half, sign * half, 0, 0]), np.array([0.0, 1, 0]))),
-            )
-        )
-    return (
-        *shown,
-        (
-            "e_y under the matrix of a turn by +90 degrees about x",
-            vector(about_axis(0, math.pi / 2) @ [0, 1, 0]),
-        ),
-    )
+        turn = np.array([half, sign * half, 0, 0])
+        shown.append((f"e_y turned by {text}", vector(rotated(turn, e_y))))
+    by_matrix = about_axis(0, math.pi / 2) @ [0, 1, 0]
+    shown.append(("e_y under the matrix of a turn by +90 degrees about x", vector(by_matrix)))
+    return tuple(shown)
 
 
 def euler_angles_diverge() -> Measured:
     """phi' for omega = e_y at phi = 0 by theta: large where sin theta is small, and nowhere
     else.
     """
-    rates = [
-        (theta, euler_rates(0.0, theta, np.array([0.0, 1.0, 0.0]))[0])
-        for theta in (math.pi / 2, 1e-1, 1e-3, 1e-6)
-    ]
-    return tuple(
-        (f"phi' [rad/s] at theta = {number(theta)}, omega = e_y", number(rate))
-        for theta, rate in rates
-    )
+    omega = np.array([0.0, 1.0, 0.0])
+    shown = []
+    for theta in (math.pi / 2, 1e-1, 1e-3, 1e-6):
+        phi_rate = euler_rates(0.0, theta, omega)[0]
+        text = f"phi' [rad/s] at theta = {number(theta)}, omega = e_y"
+        shown.append((text, number(phi_rate)))
+    return tuple(shown)
 
 
 def spin_wanders() -> Measured:
@@ -86,34 +84,30 @@ def spin_wanders() -> Measured:
         ("(0, 0, 1), a principal axis", "0,0,1"),
     ):
         truth = truth_of("free-rigid-body", omega_body=omega)
-        start, later = (
-            np.array([float(truth.at(Fraction(t))[f"omega.{a}"].mid) for a in "xyz"])
-            for t in (0, 3)
-        )
-        shown.append(
-            (
-                f"|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body = {text}",
-                number(norm(later - start)),
-            )
-        )
+        start = _vector_of(truth.at(Fraction(0)), "omega", "xyz")
+        later = _vector_of(truth.at(Fraction(3)), "omega", "xyz")
+        what = f"|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body = {text}"
+        shown.append((what, number(norm(later - start))))
     return tuple(shown)
+
+
+def _vector_of(found: Mapping[str, Ball], name: str, axes: str) -> np.ndarray:
+    """The middles of the certified components of a vector, `name.axis` for every axis."""
+    return np.array([float(found[f"{name}.{axis}"].mid) for axis in axes])
 
 
 def quaternion_and_rate() -> Measured:
     """Whether q and its derivative commute, on a certified motion."""
     found = truth_of("free-rigid-body").at(Fraction(1))
-    q = np.array([float(found[f"attitude.{a}"].mid) for a in "wxyz"])
-    omega = np.array([0.0, *(float(found[f"omega.{a}"].mid) for a in "xyz")])
+    q = _vector_of(found, "attitude", "wxyz")
+    omega = np.array([0.0, *_vector_of(found, "omega", "xyz")])
+    # qdot = (0, omega) q / 2, omega in space axes.
     rate = product(omega, q) / 2
+    commutator = product(q, rate) - product(rate, q)
+    symmetric = product(q, conjugate(rate)) + product(rate, conjugate(q))
     return (
-        (
-            "|q qdot - qdot q| at t = 1 s of the free rigid body",
-            number(norm(product(q, rate) - product(rate, q))),
-        ),
-        (
-            "|q qdot* + qdot q*|",
-            number(norm(product(q, conjugate(rate)) + product(rate, conjugate(q)))),
-        ),
+        ("|q qdot - qdot q| at t = 1 s of the free rigid body", number(norm(commutator))),
+        ("|q qdot* + qdot q*|", number(norm(symmetric))),
         ("q . qdot", number(float(q @ rate))),
     )
 
@@ -123,12 +117,9 @@ def peak_only_if_weakly_damped() -> Measured:
     shown = []
     for drive in ("1/100", "1/4", "1/2", "1"):
         truth = truth_of("driven-oscillator", delta="4/5", drive=drive)
-        shown.append(
-            (
-                f"steady amplitude at w = {drive}, w0 = 1, delta = 0.8",
-                number(float(truth.scalars()["steady_amplitude"].mid)),
-            )
-        )
+        amplitude = float(truth.scalars()["steady_amplitude"].mid)
+        what = f"steady amplitude at w = {drive}, w0 = 1, delta = 0.8"
+        shown.append((what, number(amplitude)))
     return (*shown, ("w0^2 - 2 delta^2, the square of the would-be peak", number(1 - 2 * 0.64)))
 
 
@@ -146,9 +137,12 @@ def resonance_curve() -> Measured:
         ("- 4 delta^2 (w0^2 + 3/4 eps A^2 - delta^2), as here", 1),
         ("- 4 delta^2 (w0^2 - 3/4 eps A^2 - delta^2), as printed", -1),
     ):
+        # (1.121): W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 + root, with w0 = 1.
         root = math.sqrt(f0**2 / amplitude**2 - 4 * delta**2 * (1 + sign * stiff - delta**2))
         squared = 1 + stiff - 2 * delta**2 + root
-        force = abs(1 + stiff - squared + 2j * delta * math.sqrt(squared)) * amplitude
+        # (1.120): f0 = |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A.
+        response = 1 + stiff - squared + 2j * delta * math.sqrt(squared)
+        force = abs(response) * amplitude
         shown.append((f"force that the root with {text} needs; f0 = 1.5", number(force)))
     return tuple(shown)
 
@@ -172,11 +166,9 @@ def driven_paths_cross() -> Measured:
         ("free", "viscous-oscillator", {}),
     ):
         truth = truth_of(name, **given)
-        states = [truth.at(Fraction(n, 16)) for n in range(321)]
-        path = np.array([[float(state[column].mid) for column in ("x", "v")] for state in states])
-        shown.append(
-            (f"crossings of the path with itself in 20 s, {name} ({text})", str(crossings(path)))
-        )
+        path = np.array([_point(truth.at(Fraction(n, 16))) for n in range(321)])
+        what = f"crossings of the path with itself in 20 s, {name} ({text})"
+        shown.append((what, str(crossings(path))))
     return tuple(shown)
 
 
@@ -185,23 +177,22 @@ def resonance_grows_linearly() -> Measured:
     the stated solution.
     """
     truth = truth_of("driven-oscillator", delta="0", drive="1", x0="0", v0="0")
-    return tuple(
-        line
-        for t in (10, 100)
-        for line in (
-            (
-                f"certified x({t} s), f0 = w0 = w = 1, from rest",
-                number(float(truth.at(Fraction(t))["x"].mid)),
-            ),
-            (f"Re(f0 t exp(i w t)/(2 i w0)) at {t} s", number(t * math.sin(t) / 2)),
-        )
-    )
+    shown = []
+    for t in (10, 100):
+        certified = float(truth.at(Fraction(t))["x"].mid)
+        # f0 t sin(w0 t)/(2 w0), with f0 = w0 = 1.
+        stated = t * math.sin(t) / 2
+        shown.append((f"certified x({t} s), f0 = w0 = w = 1, from rest", number(certified)))
+        shown.append((f"Re(f0 t exp(i w t)/(2 i w0)) at {t} s", number(stated)))
+    return tuple(shown)
 
 
 def one_vector() -> Measured:
     """The product of two quarter turns is no quarter turn, though it takes e_x to e_y."""
     turn = about_axis(0, -math.pi / 2) @ about_axis(1, -math.pi / 2)
-    angle = math.degrees(math.acos((np.trace(turn) - 1) / 2))
+    # trace = 1 + 2 cos(angle).
+    cosine = (np.trace(turn) - 1) / 2
+    angle = math.degrees(math.acos(cosine))
     moved = [
         (f"Rx(-90) Ry(-90) {name}", vector(turn @ axis))
         for name, axis in zip(("e_x", "e_y", "e_z"), np.eye(3), strict=True)
@@ -216,25 +207,23 @@ def kept_with_minus_integral() -> Measured:
     instance = case("asymmetric-field").at()
     truth = instance.truth()
     t = np.linspace(0.0, float(instance.times[-1]), 2001)
-    x, v = (
-        np.array([float(ball.mid) for ball in column])
-        for column in zip(*(_place(truth.at(Fraction(s))) for s in t), strict=True)
-    )
+    x, v = np.array([_point(truth.at(Fraction(s))) for s in t]).T
     mass = float(instance.p.mass)
+    # Phi = -integral of F dx by the trapezoidal rule, with F = m dv/dt.
     force = mass * np.gradient(v, t)
-    potential = -np.concatenate([[0.0], np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x))])
+    work = (force[1:] + force[:-1]) / 2 * np.diff(x)
+    potential = -np.concatenate([[0.0], np.cumsum(work)])
     kinetic = mass * v * v / 2
-    return tuple(
-        (
-            f"range of {text} along the certified motion [J]",
-            number(np.ptp(kinetic + sign * potential)),
-        )
-        for text, sign in (("T", 0), ("T + Phi", 1), ("T - Phi", -1))
-    )
+    shown = []
+    for text, sign in (("T", 0), ("T + Phi", 1), ("T - Phi", -1)):
+        energy = kinetic + sign * potential
+        shown.append((f"range of {text} along the certified motion [J]", number(np.ptp(energy))))
+    return tuple(shown)
 
 
-def _place(found: Mapping[str, Ball]) -> tuple[Ball, Ball]:
-    return found["x"], found["v"]
+def _point(found: Mapping[str, Ball]) -> tuple[float, float]:
+    """The middles of the certified place [m] and velocity [m/s]."""
+    return float(found["x"].mid), float(found["v"].mid)
 
 
 def crossings(path: np.ndarray) -> int:
@@ -242,19 +231,22 @@ def crossings(path: np.ndarray) -> int:
     a = path[:-1]
     b = path[1:]
 
-    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
-        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
-            r[..., 0] - p[..., 0]
-        )
-
+    # Two segments cross if the ends of each lie on different sides of the other.
     i, j = np.triu_indices(len(a), 2)
-    apart = side(a[i], b[i], a[j]) * side(a[i], b[i], b[j])
-    across = side(a[j], b[j], a[i]) * side(a[j], b[j], b[i])
+    apart = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j])
+    across = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i])
     return int(np.sum((apart < 0) & (across < 0)))
 
 
+def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """(q - p) x (r - p), for points (..., 2): positive where r lies to the left of p -> q."""
+    along = q - p
+    aside = r - p
+    return along[..., 0] * aside[..., 1] - along[..., 1] * aside[..., 0]
+
+
 def norm(values: np.ndarray) -> float:
-    """Euclidean length."""
+    """The Euclidean length of a vector (n,)."""
     return float(np.linalg.norm(values))
 
 
@@ -266,7 +258,7 @@ def number(value: float) -> str:
 
 
 def vector(values: np.ndarray) -> str:
-    """The components."""
+    """The components of a vector (n,), each with six significant digits, as (x, y, z)."""
     return f"({', '.join(number(float(value)) for value in values)})"
 
 

@@ -3,6 +3,7 @@
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,10 +36,10 @@ def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) ->
 
     A degenerate placement (all in a plane, all on a line) has more of them than finite motions.
     """
+    if not len(rods):
+        return int(np.asarray(position).size)
     jacobian = rod_jacobian(position, rods)
-    if len(rods):
-        return int(jacobian.shape[1] - rank(jacobian))
-    return int(np.asarray(position).size)
+    return int(jacobian.shape[1] - rank(jacobian))
 
 
 def rigid_freedom(position: ArrayLike) -> int:
@@ -47,18 +48,20 @@ def rigid_freedom(position: ArrayLike) -> int:
     """
     points = np.asarray(position, float)
     dimension = points.shape[1]
+    # Turns of the directions in which the points have no extent move nothing:
+    # D + D (D - 1)/2 - I (I - 1)/2 for I such directions.
     idle = dimension - rank(points - points.mean(axis=0))
     return dimension + (dimension * (dimension - 1) - idle * (idle - 1)) // 2
 
 
 def rank(matrix: Array) -> int:
-    """The numerical rank."""
+    """The numerical rank: how many singular values are above RANK_TOLERANCE times the largest."""
     sizes = np.linalg.svd(matrix, compute_uv=False)
-    if sizes.size and sizes[0] > 0:
-        return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
-    return 0
+    if not sizes.size or sizes[0] <= 0:
+        return 0
+    return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
 
 
 def complete_graph(count: int) -> list[tuple[int, int]]:
     """Every pair of `count` points."""
-    return [(a, b) for a in range(count) for b in range(a + 1, count)]
+    return list(combinations(range(count), 2))

@@ -22,12 +22,17 @@ def collisions(t: Array, temperature: Array, rate: float, n: int) -> Array:
     not n.
     """
     u = 1 / np.sqrt(temperature)
+    before = u[:-1]
+    after = u[1:]
     step = np.diff(u)
+    # The mean of 1/u between samples is ln(after/before)/step, which cancels where u hardly
+    # changes; there it is 2/(after + before), to second order.
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(
-            np.abs(step) < 1e-6 * u[:-1], 2 / (u[1:] + u[:-1]), np.log(u[1:] / u[:-1]) / step
-        )
-    return np.concatenate([[0.0], np.cumsum(0.5 * (n - 1) * rate * mean * np.diff(t))])
+        is_flat = np.abs(step) < 1e-6 * before
+        logarithmic = np.log(after / before) / step
+        mean = np.where(is_flat, 2 / (after + before), logarithmic)
+    each = 0.5 * (n - 1) * rate * mean * np.diff(t)
+    return np.concatenate([[0.0], np.cumsum(each)])
 
 
 def loss_error(restitution: float, n: int, met: Array) -> Array:
@@ -37,7 +42,8 @@ def loss_error(restitution: float, n: int, met: Array) -> Array:
     compound Poisson sum, whose variance is the number times the mean square, 2 ((1 - e^2) T)^2.
     That a gas that is too cold cools less makes it smaller yet.
     """
-    return np.asarray(2 * (1 - restitution**2) / (3 * (n - 1)) * np.sqrt(2 * met))
+    part_lost = 2 * (1 - restitution**2) / (3 * (n - 1))
+    return np.asarray(part_lost * np.sqrt(2 * met))
 
 
 def velocity_kurtosis(velocity: Array) -> float:
@@ -45,14 +51,16 @@ def velocity_kurtosis(velocity: Array) -> float:
     mass; 0 for Maxwell's.
     """
     own = velocity - velocity.mean(axis=0)
-    return float(np.mean(own**4) / np.mean(own**2) ** 2 - 3)
+    variance = np.mean(own**2)
+    return float(np.mean(own**4) / variance**2 - 3)
 
 
 def kurtosis_error(n: int) -> float:
     """Standard error sqrt(24/M) of the excess kurtosis of M = 3 (n - 1) Gaussian numbers, and its
     mean -6/M.
     """
-    return float(np.sqrt(24 / (3 * (n - 1))) + 6 / (3 * (n - 1)))
+    count = 3 * (n - 1)
+    return float(np.sqrt(24 / count) + 6 / count)
 
 
 def rough_temperatures(
@@ -68,6 +76,8 @@ def rough_temperatures(
     """
     rate = 4 / 3 * frequency * inertia / (1 + inertia) ** 2
     root = np.sqrt(2)
-    u = 1 / (root * np.tanh(rate * t / root + np.arctanh(1 / root)))
+    # u = 1/(sqrt 2 tanh(rate t/sqrt 2 + artanh(1/sqrt 2))), so that u(0) = 1.
+    phase = rate * t / root + np.arctanh(1 / root)
+    u = 1 / (root * np.tanh(phase))
     flight: Array = t0 * u * u
     return flight, t0 - flight

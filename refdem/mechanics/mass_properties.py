@@ -34,7 +34,7 @@ class MassProperties:
         return type(self)(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
 
     def __add__(self, other: Self) -> Self:
-        """Both bodies as one."""
+        """The mass properties of both bodies as one."""
         mass = self.mass + other.mass
         centre = (self.mass * self.centre + other.mass * other.centre) / mass
         return type(self)(mass, centre, self.about(centre) + other.about(centre))
@@ -78,16 +78,31 @@ def of_polyhedron(
     """
     corners = np.asarray(vertices, float)
     origin = corners.mean(axis=0)
-    fans = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
-    p, q, r = (corners[list(index)] - origin for index in zip(*fans, strict=True))
+    # Triangles of each face: its first corner with every later side.
+    triangles: list[tuple[int, int, int]] = []
+    for face in faces:
+        triangles += [(face[0], face[i], face[i + 1]) for i in range(1, len(face) - 1)]
+    first, second, third = (list(index) for index in zip(*triangles, strict=True))
+    p = corners[first] - origin
+    q = corners[second] - origin
+    r = corners[third] - origin
+    # m = density p . (q x r)/6, and the mean of x is s/4.
     mass = density * np.einsum("ij,ij->i", p, np.cross(q, r)) / 6
     total = float(np.sum(mass))
     s = p + q + r
     centre = mass @ s / (4 * total)
-    second = sum(
-        np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)
-    ) / 20 - total * np.outer(centre, centre)
-    return MassProperties(total, origin + centre, np.trace(second) * np.eye(3) - second)
+    moment = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)) / 20
+    return MassProperties(
+        total, origin + centre, _tensor(moment - total * np.outer(centre, centre))
+    )
+
+
+def _tensor(moment: Array) -> Array:
+    """The inertia tensor trace(M) 1 - M (3, 3) [kg m^2] of the second moment M of the mass about
+    the same point.
+    """
+    inertia: Array = np.trace(moment) * np.eye(3) - moment
+    return inertia
 
 
 def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
@@ -101,29 +116,34 @@ def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
     origin = corners.mean(axis=0)
     p = corners - origin
     q = np.roll(p, -1, axis=0)
+    # m = density (p x q)/2, and the mean of x is s/3.
     mass = density * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2
     total = float(np.sum(mass))
     s = p + q
     centre = mass @ s / (3 * total)
-    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12 - total * np.outer(
-        centre, centre
-    )
+    moment = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12
     flat = np.zeros((3, 3))
-    flat[:2, :2] = second
-    return MassProperties(total, np.append(origin + centre, 0.0), np.trace(flat) * np.eye(3) - flat)
+    flat[:2, :2] = moment - total * np.outer(centre, centre)
+    return MassProperties(total, np.append(origin + centre, 0.0), _tensor(flat))
 
 
 def of_ellipsoid(half_axes: Sequence[float], density: float) -> MassProperties:
     """Of an ellipsoid about the origin, half axes (3,) [m], density [kg/m^3]: a ball, stretched."""
     a = np.asarray(half_axes, float)
     mass = float(4 / 3 * np.pi * np.prod(a) * density)
-    return MassProperties(mass, np.zeros(3), mass / 5 * np.diag(np.sum(a * a) - a * a))
+    # J_x = m (b^2 + c^2)/5, and so on.
+    squares = a * a
+    inertia = mass / 5 * np.diag(np.sum(squares) - squares)
+    return MassProperties(mass, np.zeros(3), inertia)
 
 
 def of_cylinder(half_axes: Sequence[float], height: float, density: float) -> MassProperties:
     """Of an elliptical cylinder about the origin, half axes (2,) in x and y, height [m] along z,
     density [kg/m^3].
     """
-    squares = np.array([half_axes[0] ** 2 / 4, half_axes[1] ** 2 / 4, height**2 / 12])
-    mass = float(np.pi * half_axes[0] * half_axes[1] * height * density)
-    return MassProperties(mass, np.zeros(3), mass * np.diag(np.sum(squares) - squares))
+    a, b = half_axes
+    mass = float(np.pi * a * b * height * density)
+    # The means of x^2, y^2 and z^2 over the cylinder.
+    squares = np.array([a**2 / 4, b**2 / 4, height**2 / 12])
+    inertia = mass * np.diag(np.sum(squares) - squares)
+    return MassProperties(mass, np.zeros(3), inertia)

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ FEW = 32
 """Points up to which all pairs are looked at."""
 CHUNK = 20_000
 """Points whose neighbours are looked at in one go: what that takes stays in a cache."""
-ROWS = [(y, z) for z in (-1, 0, 1) for y in (-1, 0, 1)]
+ROWS = [(y, z) for z, y in product((-1, 0, 1), repeat=2)]
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
 """Rows of cells along x around a point's own, by steps in y and z: all, and one of every two
 opposite ones with the own.
@@ -33,10 +34,13 @@ def near_pairs(
     count; reach is at most size/2. With `among` (M,) only those pairs whose first is one of these
     numbers; a pair of two of them comes in both orders.
     """
-    found = [
-        _near(position, i, j, reach, size) for i, j in _candidates(position, reach, size, among)
-    ]
-    return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
+    firsts = []
+    seconds = []
+    for i, j in _candidates(position, reach, size, among):
+        first, second = _near(position, i, j, reach, size)
+        firsts.append(first)
+        seconds.append(second)
+    return np.concatenate(firsts), np.concatenate(seconds)
 
 
 def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
@@ -52,24 +56,26 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     """Pairs in the same or in neighbouring cells, some at a time."""
     count = len(position)
     if size:
-        low = np.zeros(3)
-    else:
-        low = position.min(axis=0)
-    if size:
         extent = np.full(3, size)
     else:
+        low = position.min(axis=0)
         extent = np.maximum(position.max(axis=0) - low, reach)
+    # No more than about two cells a point.
     most = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most)
     if count <= FEW or (size and cells.min() < 3):
         i, j = np.triu_indices(count, 1)
-        yield (
-            (i, j)
-            if among is None
-            else _led_by(among, np.concatenate([i, j]), np.concatenate([j, i]))
-        )
+        if among is not None:
+            both_ways = np.concatenate([i, j]), np.concatenate([j, i])
+            i, j = _led_by(among, *both_ways)
+        yield i, j
         return
-    place = (np.mod(position, size) if size else position - low) / extent
+    # The cell (N, 3) of each point, and the number of that cell, x running fastest.
+    if size:
+        inside = np.mod(position, size)
+    else:
+        inside = position - low
+    place = inside / extent
     at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
     number = (at[:, 2] * cells[1] + at[:, 1]) * cells[0] + at[:, 0]
     order = np.argsort(number, kind="stable")
@@ -108,13 +114,14 @@ class Grid:
         count that come later.
         """
         for y, z in UPPER if only_later else ROWS:
+            led = points
             there = self.at[points, 1:] + (y, z)
-            inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
             if self.periodic:
-                led = points
+                there = np.mod(there, self.cells[1:])
             else:
+                inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
                 led = points[inside]
-            there = np.mod(there if self.periodic else there[inside], self.cells[1:])
+                there = there[inside]
             base = (there[:, 1] * self.cells[1] + there[:, 0]) * self.cells[0]
             yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
 
@@ -124,23 +131,30 @@ class Grid:
         """
         x = self.at[points, 0]
         last = self.cells[0] - 1
+        first_cell = base + np.maximum(x - 1, 0)
+        last_cell = base + np.minimum(x + 1, last)
         if own:
             low = points + 1
         else:
-            low = self.starts[base + np.maximum(x - 1, 0)]
-        yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
-        for edge, cell in ((last, 0), (0, last)) if self.periodic else ():
+            low = self.starts[first_cell]
+        yield _within(points, low, self.starts[last_cell + 1])
+        if not self.periodic:
+            return
+        # Across the border: the cell at the other end of the row.
+        for edge, cell in ((last, 0), (0, last)):
+            if own and edge == 0:
+                continue
             on = np.flatnonzero(x == edge)
-            if not (own and edge == 0):
-                yield _within(
-                    points[on], self.starts[base[on] + cell], self.starts[base[on] + cell + 1]
-                )
+            beyond = base[on] + cell
+            yield _within(points[on], self.starts[beyond], self.starts[beyond + 1])
 
 
 def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
     """Every point with all others from `low` up to `high`."""
     held = high - low
     first = np.repeat(points, held)
-    second = np.arange(len(first)) + np.repeat(low - (np.cumsum(held) - held), held)
+    # Of each point the numbers low, low + 1, ..., high - 1.
+    begin = np.cumsum(held) - held
+    second = np.arange(len(first)) + np.repeat(low - begin, held)
     other = first != second
     return first[other], second[other]

@@ -15,7 +15,9 @@ def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
     t, x, v (T,). Times are off by the third power of the interval between samples, places by the
     fourth.
     """
-    first = np.flatnonzero((v[:-1] != 0) & (v[:-1] * v[1:] <= 0))
+    moves = v[:-1] != 0
+    turns = v[:-1] * v[1:] <= 0
+    first = np.flatnonzero(moves & turns)
     h = t[first + 1] - t[first]
     rise = (x[first + 1] - x[first]) / h
     before = v[first]
@@ -24,7 +26,8 @@ def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
     linear = 2 * (3 * rise - 2 * before - after)
     # before + linear s + square s^2 = 0, by the form of the root that does not cancel
     root = np.sqrt(np.maximum(0.0, linear**2 - 4 * square * before))
-    s = -2 * before / (linear + np.where(before > 0, -1.0, 1.0) * root)
+    sign = np.where(before > 0, -1.0, 1.0)
+    s = -2 * before / (linear + sign * root)
     place = x[first] + h * s * (before + s * (linear / 2 + s * square / 3))
     return t[first] + h * s, place
 

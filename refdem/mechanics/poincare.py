@@ -23,8 +23,10 @@ class Exponent(NamedTuple):
         """`chaotic` and `periodic` where the exponent is above or below zero by three standard
         errors, else `quasi-periodic` (M,).
         """
-        beyond = np.sign(self.value) * (np.abs(self.value) > SIGMAS * self.error)
-        return np.array(["periodic", "quasi-periodic", "chaotic"])[beyond.astype(int) + 1]
+        # -1, 0 or 1: below zero, within the errors of it, above zero.
+        is_clear = np.abs(self.value) > SIGMAS * self.error
+        side = (np.sign(self.value) * is_clear).astype(int)
+        return np.array(["periodic", "quasi-periodic", "chaotic"])[side + 1]
 
 
 def exponent(growth: Array, seconds: Array) -> Exponent:
@@ -50,14 +52,15 @@ def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Ar
     above = v > level
     at = np.flatnonzero(above[1:] != above[:-1])
     h = t[at + 1] - t[at]
-    s = (level - v[at]) / (v[at + 1] - v[at])
-    a = x[at]
-    b = x[at + 1]
-    place = (
-        a * (1 + 2 * s) * (1 - s) ** 2
-        + b * s**2 * (3 - 2 * s)
-        + h * s * (1 - s) * ((1 - s) * v[at] - s * v[at + 1])
-    )
+    before = v[at]
+    after = v[at + 1]
+    # The part s of the interval after which the velocity passes.
+    s = (level - before) / (after - before)
+    # Hermite's cubic: the values at the ends, then the slopes.
+    of_begin = x[at] * (1 + 2 * s) * (1 - s) ** 2
+    of_end = x[at + 1] * s**2 * (3 - 2 * s)
+    of_slopes = h * s * (1 - s) * ((1 - s) * before - s * after)
+    place = of_begin + of_end + of_slopes
     return t[at] + s * h, place
 
 
@@ -65,6 +68,7 @@ def distinct(values: Array, tolerance: float) -> int:
     """How many values there are, counting those as one that lie within `tolerance` of their
     neighbour in size.
     """
-    if len(values):
-        return 1 + int(np.sum(np.diff(np.sort(values)) > tolerance))
-    return 0
+    if not len(values):
+        return 0
+    gaps = np.diff(np.sort(values))
+    return 1 + int(np.sum(gaps > tolerance))

@@ -10,9 +10,14 @@ def product(p: Array, q: Array) -> Array:
     """The quaternion product p q, (..., 4); it does not commute."""
     p = np.asarray(p, float)
     q = np.asarray(q, float)
-    w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
-    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate([w, v], axis=-1)
+    p_scalar = p[..., :1]
+    p_vector = p[..., 1:]
+    q_scalar = q[..., :1]
+    q_vector = q[..., 1:]
+    # (a, u)(b, v) = (a b - u.v, a v + b u + u x v).
+    scalar = p_scalar * q_scalar - np.sum(p_vector * q_vector, axis=-1, keepdims=True)
+    vector = p_scalar * q_vector + q_scalar * p_vector + np.cross(p_vector, q_vector)
+    return np.concatenate([scalar, vector], axis=-1)
 
 
 def conjugate(q: Array) -> Array:
@@ -24,8 +29,11 @@ def rotated(q: Array, v: Array) -> Array:
     """The vector q v q*, (..., 3), for unit q (..., 4)."""
     q = np.asarray(q, float)
     v = np.asarray(v, float)
-    twist = 2.0 * np.cross(q[..., 1:], v)
-    return v + q[..., :1] * twist + np.cross(q[..., 1:], twist)
+    scalar = q[..., :1]
+    vector = q[..., 1:]
+    # q v q* = v + w s + u x s with s = 2 u x v, for q = (w, u).
+    twist = 2.0 * np.cross(vector, v)
+    return v + scalar * twist + np.cross(vector, twist)
 
 
 def angle_between(p: Array, q: Array) -> Array:
@@ -35,15 +43,16 @@ def angle_between(p: Array, q: Array) -> Array:
     `2 atan2(|vector part|, |scalar part|)` of p q*: accurate for small angles, where arccos is not.
     """
     relative = product(p, conjugate(q))
-    return 2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0]))
+    sine = np.linalg.norm(relative[..., 1:], axis=-1)
+    cosine = np.abs(relative[..., 0])
+    return 2.0 * np.arctan2(sine, cosine)
 
 
 def matrix(q: Array) -> Array:
     """The rotation matrix R(q) (..., 3, 3) that maps body vectors to space, for unit q (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q, float), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    x_axis = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
+    y_axis = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
+    z_axis = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    rows = [np.stack(row, axis=-1) for row in (x_axis, y_axis, z_axis)]
+    return np.stack(rows, axis=-2)

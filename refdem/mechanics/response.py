@@ -21,9 +21,9 @@ def linear_peak(square: float, delta: float, f0: float) -> tuple[float, float]:
     """Frequency and height f0/(2 delta sqrt(w0^2 - delta^2)) of the largest amplitude, for 2
     delta^2 < w0^2 (1.106).
     """
-    return float(np.sqrt(square - 2 * delta**2)), float(
-        f0 / (2 * delta * np.sqrt(square - delta**2))
-    )
+    frequency = float(np.sqrt(square - 2 * delta**2))
+    height = float(f0 / (2 * delta * np.sqrt(square - delta**2)))
+    return frequency, height
 
 
 def balanced_frequency(amplitude: Array, alpha: float, beta: float) -> Array:
@@ -46,7 +46,8 @@ def balanced_drives(
     inside = (f0 / amplitude) ** 2 - 4 * delta**2 * (stiffness - delta**2)
     with np.errstate(invalid="ignore"):
         root = np.sqrt(inside)
-        lower, higher = (np.sqrt(stiffness - 2 * delta**2 + sign * root) for sign in (-1, 1))
+        lower = np.sqrt(stiffness - 2 * delta**2 - root)
+        higher = np.sqrt(stiffness - 2 * delta**2 + root)
     return lower, higher
 
 
@@ -63,18 +64,23 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
     def excess(s: float) -> float:
         return s * ((gap + h * s) * (gap + h * s) + drag) - f0 * f0
 
-    turning = float(np.sqrt(max(0.0, gap**2 - 3 * drag)))
-    low = max(0.0, (-2 * gap + turning) / (3 * h), (-2 * gap - turning) / (3 * h))
-    if excess(low) <= 0:
-        low = low
+    # The cubic turns at S = (-2 g +- sqrt(g^2 - 3 d))/(3 h).
+    root = float(np.sqrt(max(0.0, gap**2 - 3 * drag)))
+    last_turning = max(0.0, (-2 * gap + root) / (3 * h), (-2 * gap - root) / (3 * h))
+    if excess(last_turning) <= 0:
+        low = last_turning
     else:
         low = 0.0
+    # For g = d = 0 the solution is (f0/h)^(2/3).
     high = max(low, float((abs(f0) / abs(h)) ** (2 / 3)))
     while excess(high) < 0:
         high *= 2
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+        if excess(middle) < 0:
+            low = middle
+        else:
+            high = middle
     return float(np.sqrt(high))
 
 
@@ -84,9 +90,11 @@ def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -
     """
     _, higher = balanced_drives(amplitude, alpha, beta, delta, f0)
     higher = higher[np.isfinite(higher)]
-    least = np.flatnonzero((higher[1:-1] < higher[:-2]) & (higher[1:-1] <= higher[2:])) + 1
+    inner = higher[1:-1]
+    is_least = (inner < higher[:-2]) & (inner <= higher[2:])
+    least = inner[is_least]
     if len(least):
-        return float(higher[least[0]])
+        return float(least[0])
     return None
 
 
@@ -96,7 +104,8 @@ def hysteresis(
     """Lowest and highest of the frequencies `drive` (M,) at which the amplitudes of the two sweeps
     differ by more than a part.
     """
-    apart = np.flatnonzero(np.abs(up - down) > part * np.maximum(up, down))
-    if len(apart):
-        return (float(drive[apart[0]]), float(drive[apart[-1]]))
-    return None
+    differs = np.abs(up - down) > part * np.maximum(up, down)
+    apart = drive[differs]
+    if not len(apart):
+        return None
+    return float(apart[0]), float(apart[-1])

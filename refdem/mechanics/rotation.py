@@ -19,7 +19,8 @@ def about_axis(axis: int, angle: float) -> Array:
     turn = np.eye(3)
     i = (axis + 1) % 3
     j = (axis + 2) % 3
-    turn[i, i] = turn[j, j] = np.cos(angle)
+    turn[i, i] = np.cos(angle)
+    turn[j, j] = turn[i, i]
     turn[j, i] = np.sin(angle)
     turn[i, j] = -turn[j, i]
     return turn
@@ -29,7 +30,9 @@ def about_axis_quaternion(axis: Array, angle: float) -> Array:
     """The unit quaternion (4,) of a turn by `angle` [rad] about the unit vector `axis` (3,)
     (1.64).
     """
-    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.asarray(axis, float)])
+    scalar = np.cos(angle / 2)
+    vector = np.sin(angle / 2) * np.asarray(axis, float)
+    return np.concatenate([[scalar], vector])
 
 
 def quaternion_of_matrix(turn: Array) -> Array:
@@ -38,10 +41,15 @@ def quaternion_of_matrix(turn: Array) -> Array:
     The largest of |w|, |x|, |y|, |z| is taken from the diagonal, so that nothing is divided by a
     small number (Shepperd 1978).
     """
+    # 4 w^2 = 1 + trace, and 4 x^2 = 1 + 2 R_xx - trace: they are ordered as these numbers are.
     trace = np.trace(turn)
     squares = np.array([trace, *np.diag(turn)])
     largest = int(np.argmax(squares))
-    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    # 4 w (x, y, z).
+    skew_x = turn[2, 1] - turn[1, 2]
+    skew_y = turn[0, 2] - turn[2, 0]
+    skew_z = turn[1, 0] - turn[0, 1]
+    skew = np.array([skew_x, skew_y, skew_z])
     if largest == 0:
         found = np.concatenate([[1 + trace], skew])
     else:
@@ -67,7 +75,11 @@ def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
     s = np.sin(theta / 2)
     total = (phi + psi) / 2
     apart = (phi - psi) / 2
-    return np.array([c * np.cos(total), s * np.cos(apart), s * np.sin(apart), c * np.sin(total)])
+    w = c * np.cos(total)
+    x = s * np.cos(apart)
+    y = s * np.sin(apart)
+    z = c * np.sin(total)
+    return np.array([w, x, y, z])
 
 
 def euler_of_matrix(turn: Array) -> Array:
@@ -77,10 +89,12 @@ def euler_of_matrix(turn: Array) -> Array:
     sine = np.hypot(turn[0, 2], turn[1, 2])
     theta = np.arctan2(sine, turn[2, 2])
     if sine == 0:
-        return np.array([np.arctan2(turn[1, 0], turn[0, 0]), theta, 0.0])
-    return np.array(
-        [np.arctan2(turn[0, 2], -turn[1, 2]), theta, np.arctan2(turn[2, 0], turn[2, 1])]
-    )
+        # Only phi + psi, or their difference, is known there.
+        phi = np.arctan2(turn[1, 0], turn[0, 0])
+        return np.array([phi, theta, 0.0])
+    phi = np.arctan2(turn[0, 2], -turn[1, 2])
+    psi = np.arctan2(turn[2, 0], turn[2, 1])
+    return np.array([phi, theta, psi])
 
 
 def euler_rates(phi: float, theta: float, omega: Array) -> Array:
@@ -88,10 +102,12 @@ def euler_rates(phi: float, theta: float, omega: Array) -> Array:
     where sin theta = 0.
     """
     x, y, z = omega
+    # omega along the line of nodes, and at right angles to it in the plane x-y.
+    along = x * np.cos(phi) + y * np.sin(phi)
     across = x * np.sin(phi) - y * np.cos(phi)
-    return np.array(
-        [z - across / np.tan(theta), x * np.cos(phi) + y * np.sin(phi), across / np.sin(theta)]
-    )
+    phi_rate = z - across / np.tan(theta)
+    psi_rate = across / np.sin(theta)
+    return np.array([phi_rate, along, psi_rate])
 
 
 def quaternion_rate(q: Array, omega: Array) -> Array:
@@ -102,7 +118,13 @@ def quaternion_rate(q: Array, omega: Array) -> Array:
 def real_matrix(q: Array) -> Array:
     """The matrix (4, 4) of the product from the left by q (1.57)."""
     w, x, y, z = q
-    return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+    rows = [
+        [w, -x, -y, -z],
+        [x, w, -z, y],
+        [y, z, w, -x],
+        [z, -y, x, w],
+    ]
+    return np.array(rows)
 
 
 def complex_matrix(q: Array) -> NDArray[np.complex128]:
@@ -110,4 +132,8 @@ def complex_matrix(q: Array) -> NDArray[np.complex128]:
     those of quaternions.
     """
     w, x, y, z = q
-    return np.array([[w - 1j * z, -y - 1j * x], [y - 1j * x, w + 1j * z]])
+    rows = [
+        [w - 1j * z, -y - 1j * x],
+        [y - 1j * x, w + 1j * z],
+    ]
+    return np.array(rows)

@@ -23,16 +23,21 @@ def line(t: Array, x: Array, frequency: float) -> complex:
     t (T,) [s] evenly spaced, x (T,). Other lines leak in by (2 pi/(T dw))^3.
     """
     found = np.mean(hann(len(t)) * x * np.exp(-1j * frequency * t))
-    return complex(found if frequency == 0 else 2 * found)
+    if frequency == 0:
+        return complex(found)
+    # Half of a real line is at -w.
+    return complex(2 * found)
 
 
 def spectrum(t: Array, x: Array) -> tuple[Array, Array]:
     """Frequencies (F,) [rad/s] and amplitudes (F,) of evenly spaced samples x (T,) at t (T,) [s]; a
     line a cos(w t) has height a.
     """
-    amplitude = 2 * np.abs(np.fft.rfft(hann(len(t)) * x)) / len(t)
+    count = len(t)
+    amplitude = 2 * np.abs(np.fft.rfft(hann(count) * x)) / count
     amplitude[0] /= 2
-    return 2 * np.pi * np.fft.rfftfreq(len(t), t[1] - t[0]), amplitude
+    frequency = 2 * np.pi * np.fft.rfftfreq(count, t[1] - t[0])
+    return frequency, amplitude
 
 
 def frequency_of(t: Array, x: Array, near: float) -> float:
@@ -44,7 +49,9 @@ def frequency_of(t: Array, x: Array, near: float) -> float:
     for _ in range(20):
         first = line(t[:half], x[:half], w)
         second = line(t[half : 2 * half], x[half : 2 * half], w)
-        by = float(np.angle(second / first)) / float(t[half] - t[0])
+        # What the phase gains from one half to the next is the error of the frequency.
+        gained = float(np.angle(second / first))
+        by = gained / float(t[half] - t[0])
         w += by
         if abs(by) < 1e-15 * abs(near):
             break

@@ -51,8 +51,9 @@ def growth(t: Array, separation: Array) -> Growth:
     ends = np.interp(np.linspace(0.0, since[-1], BLOCKS + 1), since, logarithm)
     rates = np.diff(ends) * BLOCKS / since[-1]
     half = float(np.interp(since[-1] / 2, since, logarithm))
+    over_second_half = float(logarithm[-1]) - half
     return Growth(
-        float(rates.mean()),
-        float(rates.std(ddof=1) / np.sqrt(BLOCKS)),
-        (float(logarithm[-1]) - half) / float(np.log(2.0)),
+        exponent=float(rates.mean()),
+        error=float(rates.std(ddof=1) / np.sqrt(BLOCKS)),
+        power=over_second_half / float(np.log(2.0)),
     )

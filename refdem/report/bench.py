@@ -33,23 +33,20 @@ def chart(section: Section) -> ChartData | None:
     if not section.points:
         return None
     positive = [error for *_, error in section.points if error > 0] or [1e-16]
-    floor = 10.0 ** (len(str(int(1 / min(positive)))) * -1)
+    # The power of ten below the smallest positive error: errors of 0 are drawn there.
+    digits = len(str(int(1 / min(positive))))
+    floor = 10.0 ** (digits * -1)
     seconds = [point[3] for point in section.points]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(("series", "quantity", "seconds", "error", "shown_error"))
     for engine, method, _, time, error in section.points:
-        writer.writerow(
-            (
-                f"{engine} {method}",
-                "largest",
-                rounded(time),
-                rounded(error),
-                rounded(max(error, floor)),
-            )
-        )
+        series = f"{engine} {method}"
+        shown = max(error, floor)
+        writer.writerow((series, "largest", rounded(time), rounded(error), rounded(shown)))
+    largest = max(1e-1, max(positive))
     ends = {
-        "error": (floor, 10.0 * max(1e-1, max(positive))),
+        "error": (floor, 10.0 * largest),
         "seconds": (min(seconds) / 1.5, max(seconds) * 1.5),
     }
     return ChartData("costs", out.getvalue(), ("largest",), tuple(_styles(section)), ends)
@@ -59,16 +56,21 @@ def _styles(section: Section) -> list[tuple[str, str, str]]:
     """(series, colour, shape): a colour an engine, a shape a method."""
     methods: dict[str, list[str]] = {}
     colours: dict[str, str] = {}
-    for engine, method, reference, *_ in section.points:
+    for engine, method, is_reference, *_ in section.points:
         others = sum(colour != REFERENCE for colour in colours.values())
-        colours.setdefault(engine, REFERENCE if reference else ENGINES[others % len(ENGINES)])
+        if is_reference:
+            colour = REFERENCE
+        else:
+            colour = ENGINES[others % len(ENGINES)]
+        colours.setdefault(engine, colour)
         if method not in methods.setdefault(engine, []):
             methods[engine].append(method)
-    return [
-        (f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)])
-        for e, mine in methods.items()
-        for k, m in enumerate(mine)
-    ]
+    found = []
+    for engine, mine in methods.items():
+        for number, method in enumerate(mine):
+            shape = SHAPES[number % len(SHAPES)]
+            found.append((f"{engine} {method}", colours[engine], shape))
+    return found
 
 
 def markdown(
@@ -85,14 +87,18 @@ def markdown(
 
 
 def _markdown(cells: Cells) -> str:
+    """A title, and its table with every cell escaped."""
     title, header, rows = cells
-    told = [[markdown_text(cell) for cell in row] for row in rows]
+    told = [list(map(markdown_text, row)) for row in rows]
     return f"{title}:\n\n{table(list(header), told)}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:
     """The report as HTML with interactive charts, in the frame of every page."""
-    drawn = [None if data is None else specification(data, None) for data in map(chart, sections)]
+    drawn: list[str | None] = []
+    for section in sections:
+        data = chart(section)
+        drawn.append(None if data is None else specification(data, None))
     sheet = environment().get_template("bench.html")
     return sheet.render(
         root="",
@@ -113,5 +119,7 @@ def write(
     written(folder / "bench.html", page(title, words, tables, sections))
     equip(folder, None)
     for number, section in enumerate(sections, 1):
-        if (data := chart(section)) is not None:
-            written(folder / f"bench-{number}.svg", picture(specification(data, None), None))
+        data = chart(section)
+        if data is not None:
+            drawing = picture(specification(data, None), None)
+            written(folder / f"bench-{number}.svg", drawing)

@@ -34,26 +34,20 @@ class ChartData:
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step (or tolerance) of one instance, with bounds."""
-    found: list[dict[str, Any]] = [
-        {
-            "series": row.series,
-            "quantity": row.quantity,
-            "control": row.control,
-            "level": rounded(level.level, 4),
-            "error": rounded(level.error),
-            "bound": rounded(level.bound),
-        }
-        for row in rows
-        for level in row.levels
-    ]
-    chart = _chart(
-        "errors",
-        contents,
-        (row.record for row in rows),
-        found,
-        ("error", "bound"),
-        _quantities(rows),
-    )
+    found: list[dict[str, Any]] = []
+    for row in rows:
+        for level in row.levels:
+            point = {
+                "series": row.series,
+                "quantity": row.quantity,
+                "control": row.control,
+                "level": rounded(level.level, 4),
+                "error": rounded(level.error),
+                "bound": rounded(level.bound),
+            }
+            found.append(point)
+    records = [row.record for row in rows]
+    chart = _chart("errors", contents, records, found, ("error", "bound"), _quantities(rows))
     for control in ("step", "tolerance", "exact"):
         chosen = [float(item["level"]) for item in found if item["control"] == control]
         if chart and chosen:
@@ -74,20 +68,20 @@ def _ends(values: list[float]) -> tuple[float, float]:
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against seconds of one instance; only for pages that are not committed."""
-    found: list[dict[str, Any]] = [
-        {
-            "series": row.series,
-            "quantity": row.quantity,
-            "seconds": rounded(level.seconds),
-            "error": rounded(level.error),
-        }
-        for row in rows
-        for level in row.levels
-        if level.seconds > 0
-    ]
-    chart = _chart(
-        "costs", contents, (row.record for row in rows), found, ("error",), _quantities(rows)
-    )
+    found: list[dict[str, Any]] = []
+    for row in rows:
+        for level in row.levels:
+            if level.seconds <= 0:
+                continue
+            point = {
+                "series": row.series,
+                "quantity": row.quantity,
+                "seconds": rounded(level.seconds),
+                "error": rounded(level.error),
+            }
+            found.append(point)
+    records = [row.record for row in rows]
+    chart = _chart("costs", contents, records, found, ("error",), _quantities(rows))
     if chart:
         chart.extents["seconds"] = _ends([float(item["seconds"]) for item in found])
     return chart
@@ -101,18 +95,23 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step in units of the first step, every instance a small picture, every engine a
     colour.
     """
-    found: list[dict[str, Any]] = [
-        {
-            "case": row.record.label,
-            "engine": row.record.engine,
-            "series": row.series,
-            "halvings": rounded(math.log2(row.levels[0].level / level.level), 3),
-            "error": rounded(level.error),
-        }
-        for row in worst_rows(rows)
-        for level in row.levels
-        if row.control == "step" and level.error > 0
-    ]
+    found: list[dict[str, Any]] = []
+    for row in worst_rows(rows):
+        if row.control != "step":
+            continue
+        first_step = row.levels[0].level
+        for level in row.levels:
+            if level.error <= 0:
+                continue
+            halvings = math.log2(first_step / level.level)
+            point = {
+                "case": row.record.label,
+                "engine": row.record.engine,
+                "series": row.series,
+                "halvings": rounded(halvings, 3),
+                "error": rounded(level.error),
+            }
+            found.append(point)
     if not found:
         return None
     colours = engine_colours(contents)
@@ -130,28 +129,31 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
 
 def drifts(contents: Contents, label: str) -> ChartData | None:
     """Curves over time of every finding that has one, chosen by check and quantity."""
-    curves = [
-        (record, f)
-        for record in contents.of(label)
-        for f in record.findings
-        if f.series is not None and f.series.t
-    ]
-    found = [point for record, finding in curves for point in _points(record, finding)]
-    order = sorted(
-        (WORST_FIRST.index(f.outcome), f.check != "energy", _choice(f)) for _, f in curves
-    )
-    choices = list(dict.fromkeys(choice for *_, choice in order))
-    return _chart(
-        "drifts", contents, [record for record, _ in curves], found, ("value", "bound"), choices
-    )
+    records: list[Record] = []
+    order: list[tuple[int, bool, str]] = []
+    found: list[dict[str, Any]] = []
+    for record in contents.of(label):
+        for finding in record.findings:
+            if finding.series is None or not finding.series.t:
+                continue
+            records.append(record)
+            found.extend(_points(record, finding))
+            # The worst outcome first; the check of energy before others of the same outcome.
+            rank = WORST_FIRST.index(finding.outcome)
+            order.append((rank, finding.check != "energy", _choice(finding)))
+    choices = list(dict.fromkeys(choice for *_, choice in sorted(order)))
+    return _chart("drifts", contents, records, found, ("value", "bound"), choices)
 
 
 def _points(record: Record, finding: Finding) -> Iterable[dict[str, Any]]:
+    """Rows of the curve of a finding: of each stretch of time the sample of the largest value."""
     series = finding.series
     assert series is not None
+    # The number of samples of a stretch, rounded up.
     size = -(-len(series.t) // MOST_POINTS)
     for start in range(0, len(series.t), size):
-        point = max(range(start, min(start + size, len(series.t))), key=series.value.__getitem__)
+        end = min(start + size, len(series.t))
+        point = max(range(start, end), key=series.value.__getitem__)
         yield {
             "what": _choice(finding),
             "series": f"{record.engine} {record.method}",
@@ -188,14 +190,18 @@ def _chart(
 
 def _decades(found: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float, float]:
     """Powers of ten below and above all positive values; zeros are drawn at the lower one."""
-    values = [item[name] for item in found for name in names if item[name] > 0] or [1e-16]
-    return 10.0 ** (math.floor(math.log10(min(values))) - 1), 10.0 ** math.ceil(
-        math.log10(max(values))
-    )
+    values: list[float] = []
+    for item in found:
+        values += [item[name] for name in names if item[name] > 0]
+    if not values:
+        values = [1e-16]
+    lowest = math.floor(math.log10(min(values))) - 1
+    highest = math.ceil(math.log10(max(values)))
+    return 10.0**lowest, 10.0**highest
 
 
 def _csv(found: list[dict[str, Any]]) -> str:
-    """Rows as CSV with a header."""
+    """The rows as CSV with a header, in the columns of the first row."""
     out = io.StringIO()
     writer = csv.DictWriter(out, list(found[0]), lineterminator="\n")
     writer.writeheader()

@@ -20,14 +20,15 @@ def specification(data: ChartData) -> dict[str, Any]:
 
     Altair's validation, half of the time, is left to the tests.
     """
+    drawers = {
+        "errors": _errors,
+        "costs": _costs,
+        "drifts": _drifts,
+        "overview": _overview,
+        "ladders": _ladders,
+    }
     with debug_mode(False):
-        chart = {
-            "errors": _errors,
-            "costs": _costs,
-            "drifts": _drifts,
-            "overview": _overview,
-            "ladders": _ladders,
-        }[data.kind](data)
+        chart = drawers[data.kind](data)
         spec: dict[str, Any] = chart.to_dict(validate=False)
         if data.kind in PICKED:  # Altair would copy the whole chart several times over for it
             spec["params"] = [_picked(data, PICKED[data.kind])]
@@ -36,25 +37,25 @@ def specification(data: ChartData) -> dict[str, Any]:
 
 def _chart(data: ChartData, **types: str) -> Any:
     """A chart of the rows, without marks."""
-    return alt.Chart(
-        alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types))
-    )
+    columns = alt.CsvDataFormat(type="csv", parse=types)
+    return alt.Chart(alt.InlineData(values=data.csv, format=columns))
 
 
 def _powers(ends: tuple[float, float], most: int) -> list[float]:
     """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where
     there are less than two.
     """
+    # 1e-9: an end that is a power of ten counts, whatever its logarithm is rounded to.
     first = math.ceil(math.log10(ends[0]) - 1e-9)
     last = math.floor(math.log10(ends[1]) + 1e-9)
     if last > first:
-        return [float(f"1e{k}") for k in range(first, last + 1, -(-(last - first + 1) // most))]
-    return [
-        x
-        for k in range(first - 1, last + 2)
-        for x in (float(f"{m}e{k}") for m in (1, 2, 5))
-        if ends[0] <= x <= ends[1]
-    ]
+        # The number of powers over `most`, rounded up.
+        stride = -(-(last - first + 1) // most)
+        return [float(f"1e{k}") for k in range(first, last + 1, stride)]
+    values = []
+    for power in range(first - 1, last + 2):
+        values += [float(f"{m}e{power}") for m in (1, 2, 5)]
+    return [x for x in values if ends[0] <= x <= ends[1]]
 
 
 def _log(name: str, title: str, data: ChartData, ticks: int = 9, *, labels: bool = True) -> alt.Y:
@@ -85,14 +86,11 @@ def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
     """Colour and shape of a series, joined in one legend."""
     names, colours, shapes = (list(column) for column in zip(*data.styles, strict=True))
     legend = alt.Legend(orient="bottom", columns=3, symbolOpacity=1)
-    return (
-        alt.Color(
-            "series:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend
-        ),
-        alt.Shape(
-            "series:N", title=None, scale=alt.Scale(domain=names, range=shapes), legend=legend
-        ),
-    )
+    inks = alt.Scale(domain=names, range=colours)
+    marks = alt.Scale(domain=names, range=shapes)
+    colour = alt.Color("series:N", title=None, scale=inks, legend=legend)
+    shape = alt.Shape("series:N", title=None, scale=marks, legend=legend)
+    return colour, shape
 
 
 def _tips(*names: str) -> list[alt.Tooltip]:
@@ -139,29 +137,26 @@ def _errors(data: ChartData) -> Any:
     kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
     panels: list[Any] = []
     for kind in kinds:
-        if not panels:
-            y = _log("shown_error", "largest error / scale", data)
-        else:
+        # Only the first panel names the axis that all share.
+        if panels:
             y = _log("shown_error", "", data, labels=False)
+        else:
+            y = _log("shown_error", "largest error / scale", data)
         chosen = base.transform_filter(f"datum.control == '{kind}'")
         if kind == "exact":
             panels.append(_exact(chosen, data, y, tips))
             continue
-        x = _log_x(
-            "level",
-            {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound",
-            data.extents[kind],
-        )
+        control = {"step": "step [s]", "tolerance": "tolerance"}[kind]
+        x = _log_x("level", f"{control}; dashed: bound", data.extents[kind])
+        # The first panel takes the width that the narrow ones beside it leave.
         if kind == kinds[0]:
             width = WIDTH - SIDE * (len(kinds) - 1)
         else:
             width = 3 * SIDE // 2
-        panels.append(
-            _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
-        )
-    return alt.hconcat(
-        *panels, spacing=8, resolve=alt.Resolve(scale=alt.ScaleResolveMap(y="shared"))
-    )
+        curves = _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
+        panels.append(curves)
+    shared = alt.Resolve(scale=alt.ScaleResolveMap(y="shared"))
+    return alt.hconcat(*panels, spacing=8, resolve=shared)
 
 
 def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> Any:
@@ -248,16 +243,11 @@ def _ladders(data: ChartData) -> Any:
         marks = base.transform_filter(
             "datum.verdict == 'error' || datum.verdict == 'undecided'"
         ).mark_text(fontSize=13, fontWeight="bold")
-        signs = marks.encode(
-            x=x,
-            y=y,
-            color=colour,
-            text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")),
-        )
+        sign = alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?"))
+        signs = marks.encode(x=x, y=y, color=colour, text=sign)
+        # The bound: a value over its bound of 1.
         rule = base.mark_rule(strokeDash=[5, 4], color="#888888").encode(y=alt.datum(1.0))
-        panels.append(
-            alt.layer(
-                rule, curves, signs, title=alt.Title(title, fontSize=11, limit=260)
-            ).properties(width=230, height=130)
-        )
+        heading = alt.Title(title, fontSize=11, limit=260)
+        panel = alt.layer(rule, curves, signs, title=heading)
+        panels.append(panel.properties(width=230, height=130))
     return alt.concat(*panels, columns=3, spacing=16).resolve_scale(x="independent")

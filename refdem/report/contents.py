@@ -31,16 +31,14 @@ class Contents:
     records: tuple[Record, ...]
 
     def of(self, label: str) -> list[Record]:
-        """The records of one instance."""
+        """The records of one instance, in the order of the report."""
         return [record for record in self.records if record.label == label]
 
     def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
         """How many findings have each outcome, worst first, without zeros."""
-        seen = Counter(
-            finding.outcome
-            for record in (self.records if records is None else records)
-            for finding in record.findings
-        )
+        seen: Counter[Outcome] = Counter()
+        for record in self.records if records is None else records:
+            seen.update(finding.outcome for finding in record.findings)
         return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
 
     def findings(self) -> Iterator[tuple[Record, Finding]]:
@@ -72,14 +70,25 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
         cases.setdefault(record.label, _bare_case(record))
         engines.setdefault(record.engine, _bare_engine(record))
     return Contents(
-        campaign,
-        tuple(cases[label] for label in sorted(cases)),
-        tuple(sorted(engines.values(), key=lambda sheet: (not sheet.is_reference, sheet.engine))),
-        tuple(sorted(records, key=lambda r: (r.label, not r.is_reference, r.engine, r.method))),
+        campaign=campaign,
+        cases=tuple(cases[label] for label in sorted(cases)),
+        engines=tuple(sorted(engines.values(), key=_engine_order)),
+        records=tuple(sorted(records, key=_record_order)),
     )
 
 
+def _engine_order(sheet: EngineSheet) -> tuple[bool, str]:
+    """Sorts the reference before other engines, these by name."""
+    return not sheet.is_reference, sheet.engine
+
+
+def _record_order(record: Record) -> tuple[str, bool, str, str]:
+    """Sorts by instance, then the reference before other engines, then by engine and method."""
+    return record.label, not record.is_reference, record.engine, record.method
+
+
 def _bare_case(record: Record) -> CaseSheet:
+    """The sheet of a case of which nothing is known but a record."""
     return CaseSheet(
         case=record.case,
         label=record.label,
@@ -99,6 +108,7 @@ def _bare_case(record: Record) -> CaseSheet:
 
 
 def _bare_engine(record: Record) -> EngineSheet:
+    """The sheet of an engine of which nothing is known but a record."""
     return EngineSheet(
         engine=record.engine,
         title=record.engine,

@@ -66,7 +66,7 @@ def _specification(data: ChartData) -> bytes:
 
 
 def picture(spec: str, store: Store | None) -> bytes:
-    """The SVG of a specification."""
+    """The SVG that a specification of Vega-Lite is drawn as."""
     return _kept(store, "chart", [_renderer(), PAPER, spec], lambda: _picture(spec))
 
 
@@ -130,7 +130,7 @@ def _definitions() -> str:
 
 @cache
 def _renderer() -> str:
-    """The version of what draws."""
+    """The version of the library that draws, which keys the store."""
     from importlib.metadata import version
 
     return version("vl-convert-python")

@@ -65,12 +65,9 @@ def write_figures(
     written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
     named = {id: file_name(id) for id in shown}
     sections = map(Markup, shown.values())
-    written(
-        folder / "gallery.html",
-        environment()
-        .get_template("gallery.html")
-        .render(root="", named=named, sections=sections, version=version),
-    )
+    sheet = environment().get_template("gallery.html")
+    text = sheet.render(root="", named=named, sections=sections, version=version)
+    written(folder / "gallery.html", text)
 
 
 def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
@@ -90,21 +87,15 @@ def merged(
 
 
 def chapter(figure: Figure) -> str:
-    """A figure in Markdown."""
+    """The section of a figure in Markdown: picture, caption, numbers measured in it, commands."""
+    title = markdown_text(figure.title)
     parts = [
-        f"## Figure {figure.id}: {markdown_text(figure.title)}",
-        f"![Figure {figure.id}: {markdown_text(figure.title)}]({figure.name}.svg)",
+        f"## Figure {figure.id}: {title}",
+        f"![Figure {figure.id}: {title}]({figure.name}.svg)",
         markdown_text(figure.caption),
-        *(
-            [
-                table(
-                    ["measured in it", "value"],
-                    [[markdown_text(k), two(v)] for k, v in figure.numbers.items()],
-                )
-            ]
-            if figure.numbers
-            else []
-        ),
-        "```\n" + "\n".join(figure.commands) + "\n```",
     ]
+    if figure.numbers:
+        lines = [[markdown_text(what), two(value)] for what, value in figure.numbers.items()]
+        parts.append(table(["measured in it", "value"], lines))
+    parts.append("```\n" + "\n".join(figure.commands) + "\n```")
     return "\n\n".join(parts) + "\n"

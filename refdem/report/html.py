@@ -1,5 +1,6 @@
 """The pages: Jinja2 with autoescape, as every name in a record may come from a stranger."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -60,47 +61,42 @@ def pages(
         "targets": TARGETS,
     }
     labels = [sheet.label for sheet in contents.cases]
+    neighbours = [None, *labels, None]
     for index, sheet in enumerate(contents.cases):
-        yield (
-            f"cases/{page(sheet.label)}.html",
-            templates.get_template("case.html").render(
-                everywhere,
-                root="../",
-                sheet=sheet,
-                engines=by_engine(contents, sheet.label),
-                rows=rows[sheet.label],
-                specs=specs[sheet.label],
-                equations=equations(sheet.latex),
-                counts=contents.counts(contents.of(sheet.label)),
-                distances=distances(rows[sheet.label]),
-                before=labels[index - 1] if index else None,
-                after=labels[index + 1] if index + 1 < len(labels) else None,
-            ),
-        )
-    yield "engines.html", templates.get_template("engines.html").render(everywhere, root="")
-    cells = {
-        (label, sheet.engine): cell(contents, rows[label], label, sheet.engine)
-        for label in labels
-        for sheet in contents.engines
-    }
-    groups = {
-        outcome: grouped(contents, outcome)
-        for outcome in WORST_FIRST
-        if outcome != "pass" and outcome in contents.counts()
-    }
-    yield (
-        "index.html",
-        templates.get_template("index.html").render(
+        label = sheet.label
+        text = templates.get_template("case.html").render(
             everywhere,
-            root="",
-            rows=rows,
-            cells=cells,
-            has_gallery=has_gallery,
-            advice=advice(contents.counts()),
-            groups=groups,
-            specs=specs[""],
-        ),
+            root="../",
+            sheet=sheet,
+            engines=by_engine(contents, label),
+            rows=rows[label],
+            specs=specs[label],
+            equations=equations(sheet.latex),
+            counts=contents.counts(contents.of(label)),
+            distances=distances(rows[label]),
+            before=neighbours[index],
+            after=neighbours[index + 2],
+        )
+        yield f"cases/{page(label)}.html", text
+    yield "engines.html", templates.get_template("engines.html").render(everywhere, root="")
+    cells = {}
+    for label in labels:
+        for engine in contents.engines:
+            cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
+    groups = {
+        outcome: grouped(contents, outcome) for outcome in contents.counts() if outcome != "pass"
+    }
+    text = templates.get_template("index.html").render(
+        everywhere,
+        root="",
+        rows=rows,
+        cells=cells,
+        has_gallery=has_gallery,
+        advice=advice(contents.counts()),
+        groups=groups,
+        specs=specs[""],
     )
+    yield "index.html", text
 
 
 def grouped(contents: Contents, outcome: str) -> dict[str, list[tuple[Record, Finding]]]:
@@ -125,11 +121,12 @@ def refusals(found: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], 
 
 def by_engine(contents: Contents, label: str) -> list[tuple[EngineSheet, list[Record]]]:
     """The engines that have records of an instance, with these, in the order of the report."""
-    groups = [
-        (sheet, [record for record in contents.of(label) if record.engine == sheet.engine])
-        for sheet in contents.engines
-    ]
-    return [(sheet, records) for sheet, records in groups if records]
+    groups = []
+    for sheet in contents.engines:
+        records = [record for record in contents.of(label) if record.engine == sheet.engine]
+        if records:
+            groups.append((sheet, records))
+    return groups
 
 
 def worst_first(findings: tuple[Finding, ...]) -> list[Finding]:
@@ -142,9 +139,13 @@ def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
     the finest level.
     """
     best = best_errors(rows, WORST)
-    names = list(best)
-    pairs = [(a, b) for index, a in enumerate(names) for b in names[index + 1 :]]
-    return [(a, b, abs(best[a] - best[b]), best[a] + best[b]) for a, b in pairs]
+    found = []
+    for a, b in itertools.combinations(best, 2):
+        # |error_a - error_b| <= distance <= error_a + error_b.
+        at_least = abs(best[a] - best[b])
+        at_most = best[a] + best[b]
+        found.append((a, b, at_least, at_most))
+    return found
 
 
 def environment() -> Environment:
@@ -219,4 +220,7 @@ def step(row: Row, index: int) -> str:
         return ABSENT
     if row.control == "exact":
         return "any"
-    return f"{'≥ ' if held[1] else ''}{two(held[0])}"
+    largest, is_coarsest = held
+    if is_coarsest:
+        return f"≥ {two(largest)}"
+    return two(largest)

@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from refdem.core.finding import Finding, Record, Series, Sheet
+from refdem.core.finding import Finding, Level, Record, Series, Sheet
 from refdem.core.outside import printable
 from refdem.core.reading import said
 from refdem.errors import UNREADABLE, StoreError, UsageError
@@ -89,24 +89,31 @@ def finite(sheet: Sheet) -> Sheet:
 
 
 def _finite_finding(finding: Finding) -> Finding:
-    levels = tuple(
-        x for x in finding.levels if all(map(math.isfinite, (x.level, x.error, x.bound, x.seconds)))
-    )
-    series = finding.series
-    if series is not None:
-        points = [
-            point
-            for point in zip(series.t, series.value, series.bound, strict=False)
-            if all(map(math.isfinite, point))
-        ]
-        if points:
-            series = Series(
-                t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]
-            )
-        else:
-            series = None
+    """The finding without the levels and the points of its curve that are not finite."""
+    levels = tuple(level for level in finding.levels if _is_finite_level(level))
+    if finding.series is None:
+        series = None
+    else:
+        series = _finite_series(finding.series)
     numbers = {name: _number(getattr(finding, name)) for name in NUMBERS}
     return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
+
+
+def _is_finite_level(level: Level) -> bool:
+    return all(map(math.isfinite, (level.level, level.error, level.bound, level.seconds)))
+
+
+def _finite_series(series: Series) -> Series | None:
+    """The points of a curve that are finite, None if no point is."""
+    every = zip(series.t, series.value, series.bound, strict=False)
+    points = [point for point in every if all(map(math.isfinite, point))]
+    if not points:
+        return None
+    return Series(
+        t=[t for t, _, _ in points],
+        value=[value for _, value, _ in points],
+        bound=[bound for _, _, bound in points],
+    )
 
 
 def _number(value: float | None) -> float | None:

@@ -23,12 +23,9 @@ def junit(contents: Contents) -> bytes:
         "errors": counts.get("error", 0),
         "skipped": sum(counts.get(x, 0) for x in SKIPPED),
     }
-    suite = SubElement(
-        root,
-        "testsuite",
-        name=_text(contents.campaign.name),
-        attrib={key: str(value) for key, value in numbers.items()},
-    )
+    attributes = {key: str(value) for key, value in numbers.items()}
+    name = _text(contents.campaign.name)
+    suite = SubElement(root, "testsuite", name=name, attrib=attributes)
     for record, finding in found:
         _testcase(suite, record, finding)
     indent(root)
@@ -36,22 +33,19 @@ def junit(contents: Contents) -> bytes:
 
 
 def _testcase(suite: Element, record: Record, finding: Finding) -> None:
-    item = SubElement(
-        suite,
-        "testcase",
-        classname=_text(f"{record.label}/{record.engine}"),
-        name=_text(record.id(finding)),
-    )
+    """Adds a finding to the suite; one that passed has no element of its own."""
+    place = _text(f"{record.label}/{record.engine}")
+    item = SubElement(suite, "testcase", classname=place, name=_text(record.id(finding)))
+    message = _text(finding.sentence)
     if finding.outcome in BROKEN:
         if finding.outcome == "error":
             tag = "error"
         else:
             tag = "failure"
-        SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(
-            finding.basis
-        )
+        told = SubElement(item, tag, type=finding.outcome, message=message)
+        told.text = _text(finding.basis)
     elif finding.outcome in SKIPPED:
-        SubElement(item, "skipped", type=finding.outcome, message=_text(finding.sentence))
+        SubElement(item, "skipped", type=finding.outcome, message=message)
 
 
 def _text(text: str) -> str:

@@ -24,59 +24,62 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
     that are gone are removed.
     """
     home = Path(folder) / "manual"
-    known = {
-        f"{name}.{kind}"
-        for name in ("index", *(page.case for page in pages))
-        for kind in ("md", "html")
-    }
+    known = {"index.md", "index.html"}
+    for page in pages:
+        known |= {f"{page.case}.md", f"{page.case}.html"}
     for path in sorted(home.glob("*")):
         if path.name not in known and path.suffix in (".md", ".html"):
             removed(path)
     templates = environment()
     templates.filters["prose"] = scale_of
     written(Path(folder) / "assets" / CSS.name, CSS.read_bytes())
+    neighbours = [None, *pages, None]
     for index, page in enumerate(pages):
         written(home / f"{page.case}.md", markdown(page))
-        beside = {
-            "before": pages[index - 1] if index else None,
-            "after": pages[index + 1] if index + 1 < len(pages) else None,
-        }
-        sheet = {
-            "root": "../",
-            "sheet": page,
-            "version": version,
-            "equations": equations(page.latex),
-            "few": FEW,
-        }
-        text = templates.get_template("manual.html").render(sheet | beside)
+        text = templates.get_template("manual.html").render(
+            root="../",
+            sheet=page,
+            version=version,
+            equations=equations(page.latex),
+            few=FEW,
+            before=neighbours[index],
+            after=neighbours[index + 2],
+        )
         written(home / f"{page.case}.html", text)
     written(home / "index.md", index_markdown(pages))
-    written(
-        home / "index.html",
-        templates.get_template("manual_index.html").render(
-            root="../", pages=pages, version=version
-        ),
-    )
+    contents = templates.get_template("manual_index.html")
+    text = contents.render(root="../", pages=pages, version=version)
+    written(home / "index.html", text)
 
 
 def markdown(page: ManualPage) -> str:
     """The page of one case as Markdown."""
+    features = markdown_text(", ".join(page.features))
     parts = [
         f"# {markdown_text(page.title)} (`{page.case}`)",
         markdown_text(page.statement),
         f"$$\n{page.latex}\n$$",
         f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}",
-        f"It asks for {markdown_text(page.kind)}: {markdown_text(', '.join(page.features))}.",
-        "## Parameters\n\nExact in truth; engines run them rounded to binary64.\n\n"
-        + table(*parameters(page)),
-        "## Quantities\n\n" + quantities(page.quantities),
-        *(["## Scalars at the defaults\n\n" + scalars(page.scalars)] if page.scalars else []),
-        "## Truth\n\n" + truth(page),
-        "## Checks\n\nIn the methods of the reference; engines have more.\n\n"
-        + checks(page.checks),
-        *(["## Slips of the source\n\n" + "\n\n".join(slips(page))] if page.slips else []),
-        "## Again\n\n```\n" + "\n".join(page.reproduce) + "\n```",
+        f"It asks for {markdown_text(page.kind)}: {features}.",
+        "## Parameters",
+        "Exact in truth; engines run them rounded to binary64.",
+        table(*parameters(page)),
+        "## Quantities",
+        quantities(page.quantities),
     ]
+    if page.scalars:
+        parts += ["## Scalars at the defaults", scalars(page.scalars)]
+    parts += [
+        "## Truth",
+        truth(page),
+        "## Checks",
+        "In the methods of the reference; engines have more.",
+        checks(page.checks),
+    ]
+    if page.slips:
+        parts += ["## Slips of the source", *slips(page)]
+    commands = "\n".join(page.reproduce)
+    parts += ["## Again", f"```\n{commands}\n```"]
     return "\n\n".join(parts) + "\n"
 
 
@@ -98,106 +101,82 @@ def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:
 def quantities(found: Sequence[QuantityLine]) -> str:
     """A table, or a list of names where they are many."""
     if len(found) > FEW:
-        return f"{len(found)} values: {', '.join(f'`{q.name}`' for q in found)}."
-    return table(
-        ["quantity", "unit", "size against which an error counts"],
-        [[f"`{q.name}`", markdown_text(q.unit), two(q.scale)] for q in found],
-    )
+        names = ", ".join(f"`{line.name}`" for line in found)
+        return f"{len(found)} values: {names}."
+    head = ["quantity", "unit", "size against which an error counts"]
+    lines = [[f"`{line.name}`", markdown_text(line.unit), two(line.scale)] for line in found]
+    return table(head, lines)
 
 
 def scalars(found: Sequence[QuantityLine]) -> str:
     """A table, or the first of many."""
-    if len(found) > FEW:
-        more = f"\n\nand {len(found) - FEW} more"
-    else:
-        more = ""
-    return (
-        table(
-            ["scalar", "value", "radius"], [[f"`{q.name}`", q.mid, q.radius] for q in found[:FEW]]
-        )
-        + more
-    )
+    lines = [[f"`{line.name}`", line.mid, line.radius] for line in found[:FEW]]
+    first = table(["scalar", "value", "radius"], lines)
+    if len(found) <= FEW:
+        return first
+    return f"{first}\n\nand {len(found) - FEW} more"
 
 
 def truth(page: ManualPage) -> str:
     """How it is proved, who witnesses it, and what of it is certified."""
     t = page.truth
+    confirmed = ""
     if t.witnessed:
-        said = (
+        confirmed = (
             f" {t.witnessed} of the certified values were confirmed, to at least {t.agreed} digits."
         )
-    else:
-        said = ""
-    if t.sets and t.digits is None:
-        digits = "exactly"
-    else:
-        digits = f"to {t.digits} decimal places"
+    kept = "none yet"
     if t.sets:
+        if t.digits is None:
+            digits = "exactly"
+        else:
+            digits = f"to {t.digits} decimal places"
         kept = f"{t.values} values of {t.sets} parameter sets, all proved {digits}"
-    else:
-        kept = "none yet"
     lines = [
         f"- Method: {markdown_text(t.method)}.",
-        (
-            "- Witness when it is proved:"
-            f" {markdown_text(t.witness) if t.witness != 'none' else 'none'}.{said}"
-        ),
-        (
-            "- Witness in the tests:"
-            f" {markdown_text(t.own_witness) if t.own_witness not in ('', 'none') else 'none'}."
-        ),
+        f"- Witness when it is proved: {markdown_text(t.witness)}.{confirmed}",
+        f"- Witness in the tests: {markdown_text(t.own_witness or 'none')}.",
         f"- In the certified store: {kept}.",
-        *([f"- {NOBODY}."] if t.has_no_witness else []),
-        *(
-            f"- Not certified: {markdown_text(label)} at {t_}: {markdown_text(reason)}"
-            for label, t_, reason in t.not_certified
-        ),
     ]
+    if t.has_no_witness:
+        lines.append(f"- {NOBODY}.")
+    for label, time, reason in t.not_certified:
+        lines.append(f"- Not certified: {markdown_text(label)} at {time}: {markdown_text(reason)}")
     return "\n".join(lines)
 
 
 def checks(found: Sequence[CheckLine]) -> str:
     """Those that apply with what they kill, then those that do not with the reason."""
-    lines = [
-        [markdown_text(c.name), markdown_text(c.title), markdown_text(c.kills)]
-        for c in found
-        if not c.left_out
-    ]
-    others = "\n".join(
-        f"- {markdown_text(c.name)}: {markdown_text(c.left_out)}" for c in found if c.left_out
-    )
-    return table(["check", "what it judges", "what it kills"], lines) + (
-        f"\n\nNot for this case at its defaults:\n\n{others}" if others else ""
-    )
+    lines = []
+    others = []
+    for line in found:
+        name = markdown_text(line.name)
+        if line.left_out:
+            others.append(f"- {name}: {markdown_text(line.left_out)}")
+        else:
+            lines.append([name, markdown_text(line.title), markdown_text(line.kills)])
+    parts = [table(["check", "what it judges", "what it kills"], lines)]
+    if others:
+        parts += ["Not for this case at its defaults:", "\n".join(others)]
+    return "\n\n".join(parts)
 
 
 def slips(page: ManualPage) -> list[str]:
     """What the source says, what holds, and the numbers."""
-    return [
-        f"**{markdown_text(slip.where)}** Said: {markdown_text(slip.says)}. Holds:"
-        f" {markdown_text(slip.holds)}.\n\n"
-        + table(
-            ["measured", "value"],
-            [[markdown_text(what), markdown_text(value)] for what, value in slip.measured],
-        )
-        for slip in page.slips
-    ]
+    told = []
+    for slip in page.slips:
+        where = markdown_text(slip.where)
+        says = markdown_text(slip.says)
+        holds = markdown_text(slip.holds)
+        lines = [[markdown_text(what), markdown_text(value)] for what, value in slip.measured]
+        numbers = table(["measured", "value"], lines)
+        told.append(f"**{where}** Said: {says}. Holds: {holds}.\n\n{numbers}")
+    return told
 
 
 def index_markdown(pages: Sequence[ManualPage]) -> str:
     """Who proves what and who witnesses it."""
-    lines = [
-        [
-            f"[{page.case}]({page.case}.md)",
-            str(page.truth.sets),
-            str(page.truth.values),
-            markdown_text(page.truth.method),
-            markdown_text(page.truth.witness)
-            + (f" ({page.truth.witnessed} values)" if page.truth.witnessed else ""),
-            NOBODY if page.truth.has_no_witness else markdown_text(page.truth.own_witness),
-        ]
-        for page in pages
-    ]
+    lines = [_index_line(page) for page in pages]
     values = sum(page.truth.values for page in pages)
     witnessed = sum(page.truth.witnessed for page in pages)
     head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
@@ -208,6 +187,26 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
     return f"# Verification manual\n\n{told}\n\n{table(head, lines)}\n"
 
 
+def _index_line(page: ManualPage) -> list[str]:
+    """The cells of one case in the table of them all."""
+    proof = page.truth
+    witness = markdown_text(proof.witness)
+    if proof.witnessed:
+        witness += f" ({proof.witnessed} values)"
+    if proof.has_no_witness:
+        own_witness = NOBODY
+    else:
+        own_witness = markdown_text(proof.own_witness)
+    return [
+        f"[{page.case}]({page.case}.md)",
+        str(proof.sets),
+        str(proof.values),
+        markdown_text(proof.method),
+        witness,
+        own_witness,
+    ]
+
+
 def scale_of(value: float | None) -> str:
-    """A size with two digits."""
+    """A size with two significant digits, as the pages show it."""
     return two(value)

@@ -11,6 +11,7 @@ import sys
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from statistics import median
 
@@ -103,15 +104,12 @@ def summary(found: list[Group]) -> list[str]:
     lines += [f"  {group.line}" for group in loose]
     for at_round_off, words in ((True, "at round-off"), (False, "above round-off")):
         by_check = margins_by_check(found, at_round_off=at_round_off)
-        every = [margin for margins in by_check.values() for margin in margins]
+        every = list(chain.from_iterable(by_check.values()))
         if every:
-            lines.append(
-                f"{len(every)} bounds {words}: the median margin is {median(every):.2f} decades."
-            )
-        lines += [
-            f"  {check}: {median(margins):.2f} of {len(margins)}"
-            for check, margins in sorted(by_check.items())
-        ]
+            middle = median(every)
+            lines.append(f"{len(every)} bounds {words}: the median margin is {middle:.2f} decades.")
+        for check, margins in sorted(by_check.items()):
+            lines.append(f"  {check}: {median(margins):.2f} of {len(margins)}")
     return lines
 
 

@@ -1,18 +1,20 @@
 """validation.md: what is committed, so no times, dates or hosts, and two significant digits."""
 
+import math
+
 from refdem.core.finding import WORST_FIRST, EngineSheet, Record
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
-from refdem.report.tolerance import TARGETS, Row, cell, worst_rows
+from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
 
 MOST_PLACES = 8
 """Places that are listed for one reason; the pages have them all."""
 
 
 def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str]) -> str:
-    """The whole text."""
+    """The text of validation.md; `pictures` are the names of the figures that were drawn."""
     parts = [
         _head(contents),
         _tolerance(contents, rows),
@@ -29,7 +31,7 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
 
 
 def _named(sheet: EngineSheet) -> str:
-    """Name and version."""
+    """The name and version of an engine, and whether it is the reference."""
     if sheet.is_reference:
         role = " (the reference)"
     else:
@@ -38,6 +40,7 @@ def _named(sheet: EngineSheet) -> str:
 
 
 def _head(contents: Contents) -> str:
+    """The title, how many findings have each outcome, what to do about them, and the engines."""
     counts = contents.counts()
     listed = ", ".join(f"**{number} {outcome}**" for outcome, number in counts.items())
     engines = ", ".join(_named(sheet) for sheet in contents.engines)
@@ -61,22 +64,24 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
         "C",
         "farthest engine",
     ]
-    lines = [
-        _tolerance_line(row) for sheet in contents.cases for row in worst_rows(rows[sheet.label])
-    ]
+    lines = []
+    for sheet in contents.cases:
+        lines += [_tolerance_line(row) for row in worst_rows(rows[sheet.label])]
+    if not lines:
+        return ""
     note = (
         "Errors are in units of each quantity's scale, the largest over the run and over all"
         " quantities. A step with ≥ is the coarsest one that ran. The reference is shown as the"
         " reference."
     )
-    return f"## Tolerance table\n\n{note}\n\n{table(head, lines)}" if lines else ""
+    return f"## Tolerance table\n\n{note}\n\n{table(head, lines)}"
 
 
 def _tolerance_line(row: Row) -> list[str]:
+    """The cells of one row, escaped; only a step has an order."""
+    order: str = row.control
     if row.control == "step":
         order = f"{two(row.order_seen)} / {two(row.order_claimed)}"
-    else:
-        order = row.control
     if row.apart:
         apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}"
     else:
@@ -92,70 +97,78 @@ def _engine(record: Record) -> str:
 
 def _tagged(engine: str, is_reference: bool) -> str:
     """The engine, said to be the reference if its name does not say so."""
-    return markdown_text(engine) + (
-        " (reference)" if is_reference and engine != "reference" else ""
-    )
+    name = markdown_text(engine)
+    if is_reference and engine != "reference":
+        return f"{name} (reference)"
+    return name
 
 
 def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
     """Correct digits of the best method of each engine."""
     lines = []
     for sheet in contents.cases:
-        cells = [
-            cell(contents, rows[sheet.label], sheet.label, engine.engine)
-            for engine in contents.engines
-        ]
-        texts = [
-            f"{'' if c.worst in (None, 'pass', 'unsupported') else MARKS[c.worst] + ' '}"
-            + (
-                ("exact" if c.digits == float("inf") else f"{c.digits:.0f}")
-                if c.digits is not None
-                else (c.worst or ABSENT)
-            )
-            for c in cells
-        ]
+        texts = []
+        for engine in contents.engines:
+            found = cell(contents, rows[sheet.label], sheet.label, engine.engine)
+            texts.append(_digits(found))
         lines.append([markdown_text(sheet.label), *texts])
+    if not lines:
+        return ""
     head = ["case", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
     note = (
         "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best"
         " method of each engine."
     )
-    return f"## Correct digits\n\n{note}\n\n{table(head, lines)}" if lines else ""
+    return f"## Correct digits\n\n{note}\n\n{table(head, lines)}"
+
+
+def _digits(found: Cell) -> str:
+    """A cell of the matrix: the mark of the worst outcome, then the number of correct digits, or
+    the outcome where nothing was measured.
+    """
+    if found.worst in (None, "pass", "unsupported"):
+        mark = ""
+    else:
+        mark = f"{MARKS[found.worst]} "
+    if found.digits is None:
+        return f"{mark}{found.worst or ABSENT}"
+    if found.digits == math.inf:
+        return f"{mark}exact"
+    return f"{mark}{found.digits:.0f}"
 
 
 def _findings(contents: Contents) -> str:
+    """Every finding that is not a pass, by outcome, then by sentence."""
     parts = []
     for outcome in WORST_FIRST:
-        if outcome != "pass":
-            groups = grouped(contents, outcome)
-        else:
-            groups = {}
-        if groups:
-            lines = [
-                _group(sentence, [record.id(finding) for record, finding in found])
-                for sentence, found in groups.items()
-            ]
+        if outcome == "pass":
+            continue
+        lines = []
+        for sentence, found in grouped(contents, outcome).items():
+            places = [record.id(finding) for record, finding in found]
+            lines.append(_group(sentence, places))
+        if lines:
             parts.append(f"### {outcome}\n\n" + "\n".join(lines))
     return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
 
 
 def _group(sentence: str, places: list[str]) -> str:
-    if len(places) > MOST_PLACES:
-        more = f" and {len(places) - MOST_PLACES} more"
+    """One sentence, and below it where it holds."""
+    listed = ", ".join(map(markdown_text, places[:MOST_PLACES]))
+    hidden = len(places) - MOST_PLACES
+    if hidden > 0:
+        more = f" and {hidden} more"
     else:
         more = ""
-    return (
-        f"- {markdown_text(sentence)}  \n "
-        f" {', '.join(map(markdown_text, places[:MOST_PLACES]))}{more}"
-    )
+    return f"- {markdown_text(sentence)}  \n  {listed}{more}"
 
 
 def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
+    """The section of one instance: its title, how its truth is known, how to run it again."""
     name = f"{page(label)}.svg"
+    picture = ""
     if name in pictures:
         picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
-    else:
-        picture = ""
     if method:
         truth = f"Truth: {markdown_text(method)}. "
     else:
@@ -169,4 +182,5 @@ def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str
 
 def table(head: list[str], lines: list[list[str]]) -> str:
     """A Markdown table of cells that are escaped already."""
-    return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
+    rule = ["---"] * len(head)
+    return "\n".join("| " + " | ".join(line) + " |" for line in (head, rule, *lines))

@@ -96,14 +96,15 @@ def _equation(latex: str) -> Markup:
 
 def _clean(element: Element) -> str:
     """The element as markup; what is not on the lists is left out, its text is kept as text."""
-    inside = _text(element.text) + "".join(_clean(child) + _text(child.tail) for child in element)
+    inside = _text(element.text)
+    for child in element:
+        inside += _clean(child) + _text(child.tail)
     if element.tag not in ELEMENTS:
         return inside
-    attributes = "".join(
-        f' {name}="{html.escape(value)}"'
-        for name, value in element.attrib.items()
-        if name in ATTRIBUTES
-    )
+    attributes = ""
+    for name, value in element.attrib.items():
+        if name in ATTRIBUTES:
+            attributes += f' {name}="{html.escape(value)}"'
     if element.tag == "math":
         attributes += ' display="block"'
     return f"<{element.tag}{attributes}>{inside}</{element.tag}>"

@@ -36,8 +36,7 @@ def styles(pairs: Iterable[tuple[str, str]], colours: dict[str, str]) -> list[tu
     for engine, method in pairs:
         mine = methods.setdefault(engine, [])
         if method not in mine:
+            shape = SHAPES[len(mine) % len(SHAPES)]
             mine.append(method)
-            found.append(
-                (f"{engine} {method}", colours[engine], SHAPES[(len(mine) - 1) % len(SHAPES)])
-            )
+            found.append((f"{engine} {method}", colours[engine], shape))
     return found

@@ -36,17 +36,15 @@ def specification(figure: Figure) -> dict[str, Any]:
         if len(drawn) == 1:
             chart = drawn[0]
         else:
-            chart = alt.concat(*drawn, columns=figure.columns, spacing=18)
-        if len(drawn) > 1:
-            chart = chart.resolve_scale(color="independent", strokeDash="independent")
-        else:
-            chart = chart
+            # Each panel has colours and dashes of its own.
+            beside = alt.concat(*drawn, columns=figure.columns, spacing=18)
+            chart = beside.resolve_scale(color="independent", strokeDash="independent")
         spec: dict[str, Any] = chart.to_dict(validate=False)
     return spec
 
 
 def colour(ink: int) -> str:
-    """The colour of an ink."""
+    """The colour of an ink, as #rrggbb; a negative ink is that of the reference."""
     if ink < 0:
         return REFERENCE
     return ENGINES[ink % len(ENGINES)]
@@ -75,36 +73,40 @@ def _scaled(panel: Panel, name: Any) -> Any:
     else:
         kept_zero = {"zero": False}
     scale = alt.Scale(domain=panel.ends(name), nice=False, **kept_zero)
-    ticks = max(3, panel.size[name == "y"] // (70 if name == "x" else 50))
+    width, height = panel.size
+    # A tick label takes about 70 pixels across and 50 up.
+    if name == "x":
+        room = width // 70
+    else:
+        room = height // 50
+    ticks = max(3, room)
     if axis.is_log:
         written: dict[str, Any] = {"format": "~e"}
     else:
         written = {}
-    if axis.is_hidden:
-        shown = None
-    else:
+    shown = None
+    if not axis.is_hidden:
         shown = alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
     return kind(f"{name}:Q", title=axis.title or None, scale=scale, axis=shown)
 
 
 def _layer(series: Series, panel: Panel, x: Any, y: Any, labels: dict[str, Series]) -> Any:
+    """The chart of one series, with the axes of its panel."""
     if series.mark == "cloud":
-        picture = alt.Chart(alt.InlineData(values=[{}])).mark_image(
-            url=density(series, panel), width=panel.size[0], height=panel.size[1], aspect=False
-        )
-        return picture.encode(
-            x=alt.value(panel.size[0] / 2), y=alt.value(panel.size[1] / 2)
-        ) + _frame(panel, x, y)
+        return _cloud(series, panel, x, y)
     base = alt.Chart(_rows(series, panel))
     paint = colour(series.ink)
     if series.mark == "text":
         return base.mark_text(color=paint, fontSize=12, align="center").encode(x=x, y=y, text="w:N")
-    tips = [
-        alt.Tooltip(f"{name}:Q", title=getattr(panel, name).title or name, format=".5~g")
-        for name in "xy"
-    ]
+    tips = []
+    for name in ("x", "y"):
+        title = getattr(panel, name).title or name
+        tips.append(alt.Tooltip(f"{name}:Q", title=title, format=".5~g"))
+    # Lines join their points in the order of the rows, not of x.
+    in_order: dict[str, Any] = {"order": alt.Order("i:Q")}
     if series.mark == "points":
         drawn = base.mark_point(filled=True, size=26, opacity=0.9, clip=True)
+        in_order = {}
     elif series.mark == "area":
         drawn = base.mark_line(
             filled=True,
@@ -115,32 +117,47 @@ def _layer(series: Series, panel: Panel, x: Any, y: Any, labels: dict[str, Serie
             interpolate="linear-closed",
         )
     else:
-        drawn = base.mark_line(
-            strokeWidth=series.width, strokeDash=[5, 4] if series.dashed else [1, 0], clip=True
-        )
-    encoded = drawn.encode(
-        x=x, y=y, tooltip=tips, **({} if series.mark == "points" else {"order": alt.Order("i:Q")})
-    )
+        drawn = base.mark_line(strokeWidth=series.width, strokeDash=_dash(series), clip=True)
+    encoded = drawn.encode(x=x, y=y, tooltip=tips, **in_order)
     if not series.label:
         return encoded.encode(color=alt.value(paint))
     return encoded.encode(**_legend(series, labels, panel.size[0]))
+
+
+def _cloud(series: Series, panel: Panel, x: Any, y: Any) -> Any:
+    """The picture of a cloud's density, laid over the whole panel."""
+    width, height = panel.size
+    blank = alt.Chart(alt.InlineData(values=[{}]))
+    picture = blank.mark_image(url=density(series, panel), width=width, height=height, aspect=False)
+    centred = picture.encode(x=alt.value(width / 2), y=alt.value(height / 2))
+    return centred + _frame(panel, x, y)
+
+
+def _dash(series: Series) -> list[int]:
+    """Lengths [px] of the dashes of a line and of the gaps between them."""
+    if series.dashed:
+        return [5, 4]
+    return [1, 0]
 
 
 def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, Any]:
     """Colour and dash of a label, joined in one legend of as many columns as fit under the panel;
     of more than three labels two.
     """
-    fit = max(1, int(width // (SYMBOL + LETTER * max(map(len, labels)))))
-    columns = min(fit, 2 if len(labels) > 3 else len(labels))
+    longest = max(map(len, labels))
+    fit = max(1, int(width // (SYMBOL + LETTER * longest)))
+    if len(labels) > 3:
+        wanted = 2
+    else:
+        wanted = len(labels)
+    columns = min(fit, wanted)
     legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
     found: dict[str, Any] = {
         "color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)
     }
     if any(s.dashed for s in labels.values()):
-        dashes = alt.Scale(
-            domain=list(labels), range=[[5, 4] if s.dashed else [1, 0] for s in labels.values()]
-        )
+        dashes = alt.Scale(domain=list(labels), range=[_dash(s) for s in labels.values()])
         found["strokeDash"] = alt.StrokeDashDatum(
             series.label, type="nominal", title=None, scale=dashes, legend=legend
         )
@@ -148,8 +165,9 @@ def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, 
 
 
 def _frame(panel: Panel, x: Any, y: Any) -> Any:
-    """Nothing but the axes."""
-    (left, right), (low, high) = panel.ends("x"), panel.ends("y")
+    """An invisible chart that gives a panel its axes: points at two of its corners."""
+    left, right = panel.ends("x")
+    low, high = panel.ends("y")
     ends = alt.InlineData(values=[{"x": left, "y": low}, {"x": right, "y": high}])
     return alt.Chart(ends).mark_point(opacity=0).encode(x=x, y=y)
 
@@ -162,22 +180,33 @@ def _rows(series: Series, panel: Panel) -> Any:
         pick = kept(series, panel)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["i", "x", "y", *(["w"] if series.words else [])])
+    head = ["i", "x", "y"]
+    if series.words:
+        head.append("w")
+    writer.writerow(head)
     for i, k in enumerate(pick):
-        place = [
-            format(value, ".6g") if np.isfinite(value) else ""
-            for value in (series.x[k], series.y[k])
-        ]
-        writer.writerow([i, *place, *([series.words[k]] if series.words else [])])
+        row = [i, _coordinate(series.x[k]), _coordinate(series.y[k])]
+        if series.words:
+            row.append(series.words[k])
+        writer.writerow(row)
     parse = {"i": "number", "x": "number", "y": "number"}
-    return alt.InlineData(values=out.getvalue(), format=alt.CsvDataFormat(type="csv", parse=parse))
+    columns = alt.CsvDataFormat(type="csv", parse=parse)
+    return alt.InlineData(values=out.getvalue(), format=columns)
+
+
+def _coordinate(value: float) -> str:
+    """A coordinate with six digits; empty where it is not finite."""
+    if np.isfinite(value):
+        return format(value, ".6g")
+    return ""
 
 
 def pixels(series: Series, panel: Panel) -> Array:
     """Places (N, 2) on the panel in pixels from its lower left corner."""
     columns = []
     for name, size in zip(("x", "y"), panel.size, strict=True):
-        (low, high), values = panel.ends(name), getattr(series, name)  # type: ignore[arg-type]
+        low, high = panel.ends(name)  # type: ignore[arg-type]
+        values = getattr(series, name)
         if getattr(panel, name).is_log:
             low = np.log(low)
             high = np.log(high)
@@ -192,12 +221,17 @@ def kept(series: Series, panel: Panel) -> NDArray[np.int64]:
     """
     place = pixels(series, panel)
     if series.mark == "points":
-        return np.sort(np.unique(np.round(place), axis=0, return_index=True)[1])
+        _, first = np.unique(np.round(place), axis=0, return_index=True)
+        return np.sort(first)
     finite: Any = np.isfinite(place).all(axis=1)
     breaks = np.flatnonzero(np.diff(finite.astype(int)) != 0) + 1
     pick: list[int] = []
     for run in np.split(np.arange(len(place)), breaks):
-        pick.extend([int(run[0])] if not finite[run[0]] else run[_corners(place[run])].tolist())
+        if finite[run[0]]:
+            pick += run[_corners(place[run])].tolist()
+        else:
+            # One point of a gap is enough to break the curve.
+            pick.append(int(run[0]))
     return np.array(pick)
 
 
@@ -215,18 +249,17 @@ def _corners(place: Array) -> NDArray[np.int64]:
         inner = place[first + 1 : last] - place[first]
         chord = place[last] - place[first]
         length = float(np.hypot(*chord))
+        off: Any
         if length > FINE:
-            off: Any = np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
-        else:
-            off = np.hypot(*inner.T)
-        if length > FINE:
+            # Distance from the line of the chord, |r x chord| / |chord|; beyond an end of the
+            # chord, how far beyond it.
+            off = np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
             along = inner @ chord / length
+            beyond = np.maximum(-along, along - length)
+            off = np.maximum(off, beyond)
         else:
-            along = np.zeros(len(inner))
-        if length > FINE:
-            off = np.maximum(off, np.maximum(-along, along - length))
-        else:
-            off = off
+            # A chord without length, as of a closed curve: distance from its end.
+            off = np.hypot(*inner.T)
         worst = int(np.argmax(off))
         if off[worst] > FINE:
             middle = first + 1 + worst
@@ -244,22 +277,22 @@ def density(series: Series, panel: Panel) -> str:
     height = panel.size[1] * SHARP
     across, up = (np.floor(place * SHARP)).astype(np.int64).T
     inside = (across >= 0) & (across < width) & (up >= 0) & (up < height)
-    counts = np.bincount(
-        (height - 1 - up[inside]) * width + across[inside], minlength=width * height
-    ).reshape(height, width)
+    # Rows of a picture run from its top down.
+    dot = (height - 1 - up[inside]) * width + across[inside]
+    counts = np.bincount(dot, minlength=width * height).reshape(height, width)
+    # A point is as wide as its series says.
+    wide = round(series.width * SHARP)
     grown = counts
-    for axis in (0, 1):  # a point is as wide as its series says
-        grown = np.maximum.reduce(
-            [np.roll(grown, shift, axis) for shift in range(round(series.width * SHARP))]
-        )
+    for axis in (0, 1):
+        grown = np.maximum.reduce([np.roll(grown, shift, axis) for shift in range(wide)])
+    typical = 1.0
     if counts.any():
         typical = max(1.0, float(np.quantile(counts[counts > 0], 0.9)))
-    else:
-        typical = 1.0
-    alpha = np.where(
-        grown > 0, np.clip(FAINTEST + (255 - FAINTEST) * np.sqrt(grown / typical), 0, 255), 0
-    ).astype(np.uint8)
-    ink = tuple(int(colour(series.ink)[k : k + 2], 16) for k in (1, 3, 5))
+    # Opacity of 255: FAINTEST for the emptiest dots, then as the square root of their number.
+    opacity = FAINTEST + (255 - FAINTEST) * np.sqrt(grown / typical)
+    alpha = np.where(grown > 0, np.clip(opacity, 0, 255), 0).astype(np.uint8)
+    paint = colour(series.ink)
+    ink = tuple(int(paint[k : k + 2], 16) for k in (1, 3, 5))
     levels = (alpha // 16).astype(np.uint8)
     return "data:image/png;base64," + base64.b64encode(_png(levels, ink)).decode()
 
@@ -280,7 +313,9 @@ def _png(levels: NDArray[np.uint8], ink: tuple[int, ...]) -> bytes:
         (b"IDAT", zlib.compress(lines, 9)),
         (b"IEND", b""),
     ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in parts
-    )
+    picture = b"\x89PNG\r\n\x1a\n"
+    for kind, data in parts:
+        size = struct.pack(">I", len(data))
+        checksum = struct.pack(">I", zlib.crc32(kind + data))
+        picture += size + kind + data + checksum
+    return picture

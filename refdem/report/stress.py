@@ -46,7 +46,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Section:
-    """One battery."""
+    """The results of one battery: its question, its rungs, and tables for people."""
 
     id: str
     title: str
@@ -73,20 +73,15 @@ def chart(section: Section) -> ChartData | None:
             told = rounded(point.ratio)
             if math.isfinite(point.ratio):
                 height = min(max(point.ratio, LOW), HIGH)
-        if point.ratio is not None or point.verdict == "undecided":
+        # A rung without a run is an error, unless it says itself that it is undecided.
+        has_verdict = point.ratio is not None or point.verdict == "undecided"
+        if has_verdict:
             mark = point.verdict
         else:
             mark = "error"
-        writer.writerow(
-            (
-                ladders.index(_name(point)),
-                point.rung,
-                f"{point.engine} {point.method}",
-                told,
-                rounded(height),
-                mark,
-            )
-        )
+        ladder = ladders.index(_name(point))
+        series = f"{point.engine} {point.method}"
+        writer.writerow((ladder, point.rung, series, told, rounded(height), mark))
     return ChartData(
         "ladders",
         out.getvalue(),
@@ -103,11 +98,9 @@ def _name(point: Point) -> str:
 
 def _rungs(points: Sequence[Point]) -> tuple[str, ...]:
     """`ladder<tab>rung` of every rung, in order."""
-    pairs = sorted(
-        {(_name(point), point.index, point.rung) for point in points},
-        key=lambda pair: (pair[0], pair[1]),
-    )
-    return tuple(f"{ladder}\t{rung}" for ladder, _, rung in pairs)
+    rungs = {(_name(point), point.index, point.rung) for point in points}
+    in_order = sorted(rungs, key=lambda rung: (rung[0], rung[1]))
+    return tuple(f"{ladder}\t{rung}" for ladder, _, rung in in_order)
 
 
 def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
@@ -116,17 +109,20 @@ def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
     colours: dict[str, str] = {}
     for point in points:
         others = sum(colour != REFERENCE for colour in colours.values())
-        colours.setdefault(
-            point.engine, REFERENCE if point.is_reference else ENGINES[others % len(ENGINES)]
-        )
+        if point.is_reference:
+            colour = REFERENCE
+        else:
+            colour = ENGINES[others % len(ENGINES)]
+        colours.setdefault(point.engine, colour)
         mine = methods.setdefault(point.engine, [])
         if point.method not in mine:
             mine.append(point.method)
-    return [
-        (f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)])
-        for e, mine in methods.items()
-        for k, m in enumerate(mine)
-    ]
+    found = []
+    for engine, mine in methods.items():
+        for number, method in enumerate(mine):
+            shape = SHAPES[number % len(SHAPES)]
+            found.append((f"{engine} {method}", colours[engine], shape))
+    return found
 
 
 def markdown(
@@ -143,8 +139,9 @@ def markdown(
 
 
 def _markdown(cells: Cells) -> str:
+    """A title, and its table with every cell escaped."""
     title, header, rows = cells
-    told = [[markdown_text(cell) for cell in row] for row in rows]
+    told = [list(map(markdown_text, row)) for row in rows]
     return f"{title}:\n\n{table(list(header), told)}"
 
 
@@ -181,7 +178,10 @@ def write(
     """Writes stress.md, stress.html, figures/stress-BATTERY.svg and what the page needs into a
     folder.
     """
-    drawn = [None if data is None else specification(data, store) for data in map(chart, sections)]
+    drawn: list[str | None] = []
+    for section in sections:
+        data = chart(section)
+        drawn.append(None if data is None else specification(data, store))
     for section, spec in zip(sections, drawn, strict=True):
         if spec is not None:
             written(folder / "figures" / f"stress-{section.id}.svg", picture(spec, store))

@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from refdem.core.finding import Sheet
+from refdem.core.finding import Finding, Record, Sheet
 from refdem.core.outside import cell
 from refdem.report.contents import Contents, contents_of
 from refdem.report.tolerance import TARGETS, Row, rows_of
@@ -85,87 +85,70 @@ def tables(sheets: Sequence[Sheet]) -> Tables:
     import pandas as pd
 
     contents = contents_of(sheets)
-    rows = [row for sheet in contents.cases for row in rows_of(contents, sheet.label)]
+    rows: list[Row] = []
+    for sheet in contents.cases:
+        rows += rows_of(contents, sheet.label)
     return Tables(
-        pd.DataFrame(finding_rows(contents), columns=list(FINDING)),
-        pd.DataFrame(tolerance_rows(rows), columns=list(TOLERANCE)),
-        pd.DataFrame(level_rows(rows), columns=list(LEVEL)),
+        findings=pd.DataFrame(finding_rows(contents), columns=list(FINDING)),
+        tolerance=pd.DataFrame(tolerance_rows(rows), columns=list(TOLERANCE)),
+        levels=pd.DataFrame(level_rows(rows), columns=list(LEVEL)),
     )
 
 
 def finding_rows(contents: Contents) -> list[tuple[Any, ...]]:
     """A row a finding, in the columns FINDING."""
-    return [
-        (
-            record.id(f),
-            record.case,
-            record.label,
-            record.engine,
-            record.version,
-            record.method,
-            record.is_reference,
-            f.check,
-            f.quantity,
-            f.outcome,
-            f.value,
-            f.bound,
-            f.margin,
-            f.unit,
-            f.basis,
-            f.order_seen,
-            f.order_claimed,
-            f.constant_seen,
-            f.sentence,
-        )
-        for record, f in contents.findings()
-    ]
+    return [_finding_row(record, finding) for record, finding in contents.findings()]
+
+
+def _finding_row(record: Record, finding: Finding) -> tuple[Any, ...]:
+    """The cells of one finding: its id, then what its record and the finding itself say."""
+    of_record = ("case", "label", "engine", "version", "method", "is_reference")
+    of_finding = FINDING[1 + len(of_record) :]
+    run = [getattr(record, name) for name in of_record]
+    told = [getattr(finding, name) for name in of_finding]
+    return (record.id(finding), *run, *told)
 
 
 def tolerance_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
     """A row a line of the tolerance table, in the columns TOLERANCE."""
-    return [
-        (
-            row.record.case,
-            row.record.label,
-            row.record.engine,
-            row.record.version,
-            row.record.method,
-            row.record.is_reference,
-            row.quantity,
-            row.control,
-            row.outcome,
-            row.error,
-            row.bound_held,
-            *(step[0] if step else None for step in row.steps),
-            row.order_seen,
-            row.order_claimed,
-            row.constant,
-            row.seconds,
-            *(row.apart or (None, None, None)),
-        )
-        for row in rows
-    ]
+    return [_tolerance_row(row) for row in rows]
+
+
+def _tolerance_row(row: Row) -> tuple[Any, ...]:
+    """The cells of one line of the tolerance table; None where nothing was measured."""
+    record = row.record
+    largest_steps = [None if step is None else step[0] for step in row.steps]
+    apart = row.apart or (None, None, None)
+    return (
+        record.case,
+        record.label,
+        record.engine,
+        record.version,
+        record.method,
+        record.is_reference,
+        row.quantity,
+        row.control,
+        row.outcome,
+        row.error,
+        row.bound_held,
+        *largest_steps,
+        row.order_seen,
+        row.order_claimed,
+        row.constant,
+        row.seconds,
+        *apart,
+    )
 
 
 def level_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
     """A row a refinement level, in the columns LEVEL."""
-    return [
-        (
-            row.record.case,
-            row.record.label,
-            row.record.engine,
-            row.record.method,
-            row.quantity,
-            row.control,
-            level.level,
-            level.error,
-            level.bound,
-            level.seconds,
-            level.counts,
-        )
-        for row in rows
-        for level in row.levels
-    ]
+    found: list[tuple[Any, ...]] = []
+    for row in rows:
+        record = row.record
+        run = (record.case, record.label, record.engine, record.method, row.quantity, row.control)
+        for level in row.levels:
+            found.append((*run, level.level, level.error, level.bound, level.seconds, level.counts))
+    return found
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -173,5 +156,6 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([cell(value) for value in row] for row in rows)
+    for row in rows:
+        writer.writerow([cell(value) for value in row])
     return out.getvalue()

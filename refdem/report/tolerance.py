@@ -72,7 +72,10 @@ def rows_of(contents: Contents, label: str) -> list[Row]:
         ]
         each = [_row(record, finding) for finding in errors]
         if each:
-            rows += [_joined(record, each), *(each if len(each) > 1 else [])]
+            rows.append(_joined(record, each))
+        # A single quantity is the worst of all already.
+        if len(each) > 1:
+            rows += each
     return [replace(row, apart=_apart(row, rows)) for row in rows]
 
 
@@ -84,6 +87,7 @@ def worst_rows(rows: Iterable[Row]) -> list[Row]:
 def _row(record: Record, finding: Finding) -> Row:
     levels = finding.levels
     control = control_of(finding)
+    held = [level.bound for level in levels if level.error <= level.bound]
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record,
@@ -91,9 +95,7 @@ def _row(record: Record, finding: Finding) -> Row:
         control=control,
         outcome=finding.outcome,
         levels=levels,
-        bound_held=min(
-            (level.bound for level in levels if level.error <= level.bound), default=None
-        ),
+        bound_held=min(held, default=None),
         steps=steps,
         order_seen=finding.order_seen,
         order_claimed=finding.order_claimed,
@@ -111,12 +113,15 @@ def _joined(record: Record, each: list[Row]) -> Row:
         for level in row.levels:
             by_level.setdefault(level.level, []).append(level)
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
-    held = [row.bound_held for row in each]
-    seen = [
-        finding.order_seen
-        for finding in record.findings
-        if finding.check == "order" and finding.order_seen is not None
-    ]
+    # The bound that all hold; none if some quantity holds none.
+    held = [row.bound_held for row in each if row.bound_held is not None]
+    if len(held) == len(each):
+        bound_held = max(held)
+    else:
+        bound_held = None
+    orders = [finding.order_seen for finding in record.findings if finding.check == "order"]
+    seen = [order for order in orders if order is not None]
+    constants = [row.constant for row in each if row.constant is not None]
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record,
@@ -124,11 +129,11 @@ def _joined(record: Record, each: list[Row]) -> Row:
         control=each[0].control,
         levels=levels,
         outcome=min((row.outcome for row in each), key=WORST_FIRST.index),
-        bound_held=None if None in held else max(x for x in held if x is not None),
+        bound_held=bound_held,
         steps=steps,
         order_seen=min(seen, default=None),
         order_claimed=each[0].order_claimed,
-        constant=max((row.constant for row in each if row.constant is not None), default=None),
+        constant=max(constants, default=None),
         seconds=_seconds_at(levels, steps[1]),
     )
 
@@ -159,6 +164,7 @@ def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | N
 
 
 def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:
+    """The seconds that the level of a step took; None where no step holds the target."""
     if step is None:
         return None
     return next(level.seconds for level in levels if level.level == step[0])
@@ -174,11 +180,9 @@ def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
 
 
 def _apart(row: Row, rows: list[Row]) -> tuple[str, float, float] | None:
-    others = {
-        name: error
-        for name, error in best_errors(rows, row.quantity).items()
-        if name != row.record.engine
-    }
+    """The engine that is farthest off, and bounds on the distance; None without other engines."""
+    others = best_errors(rows, row.quantity)
+    others.pop(row.record.engine, None)
     if not others:
         return None
     name = max(sorted(others), key=lambda other: abs(others[other] - row.error))

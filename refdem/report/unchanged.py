@@ -18,7 +18,7 @@ Files = dict[str, tuple[int, int]]
 
 
 class _State(msgspec.Struct):
-    """A report as it was left."""
+    """How a report was left: a digest of what it was made of, and the state of its files."""
 
     made_of: str
     files: Files
@@ -55,13 +55,10 @@ def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
 
 def _files(folder: Path) -> Files:
     """Every file of the folder and of the folders of a report in it."""
-    found = [
-        path
-        for part in (".", "cases", "figures", "assets")
-        for path in (folder / part).glob("*")
-        if path.is_file()
-    ]
-    return {
-        str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
-        for path in found
-    }
+    found: Files = {}
+    for part in (".", "cases", "figures", "assets"):
+        for path in (folder / part).glob("*"):
+            if path.is_file():
+                state = path.stat()
+                found[str(path.relative_to(folder))] = (state.st_size, state.st_mtime_ns)
+    return found

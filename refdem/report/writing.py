@@ -1,6 +1,7 @@
 """Writing the whole report into a folder."""
 
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 from refdem.core.finding import CaseSheet, Record, Sheet
@@ -21,20 +22,18 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     contents = contents_of(sheets)
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
     _clear(folder, set(rows))
-    everything = [row for label in rows for row in rows[label]]
     written(folder / RECORDS, lines(sheets))
-    written(folder / "findings.csv", tables.csv_text(tables.FINDING, tables.finding_rows(contents)))
-    written(
-        folder / "tolerance.csv",
-        tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything)),
-    )
+    findings = tables.csv_text(tables.FINDING, tables.finding_rows(contents))
+    written(folder / "findings.csv", findings)
+    everything = list(chain.from_iterable(rows.values()))
+    tolerance = tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything))
+    written(folder / "tolerance.csv", tolerance)
     written(folder / "junit.xml", junit(contents))
     figures.equip(folder, store)
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
-    for name, text in html.pages(
-        contents, rows, specs, has_gallery=(folder / "gallery" / "gallery.html").exists()
-    ):
+    has_gallery = (folder / "gallery" / "gallery.html").exists()
+    for name, text in html.pages(contents, rows, specs, has_gallery=has_gallery):
         written(folder / name, text)
 
 
@@ -57,28 +56,26 @@ def _charts(
     folder: Path, contents: Contents, rows: dict[str, list[Row]], store: Store | None
 ) -> tuple[set[str], dict[str, dict[str, str]]]:
     """Names of the pictures drawn in figures/, and the specifications of every page by kind."""
-    everything = [row for label in rows for row in rows[label]]
+    everything = list(chain.from_iterable(rows.values()))
+    # The charts of every page by kind; the page "" is the index.
     charts: dict[str, dict[str, chart_data.ChartData | None]] = {
         "": {"tolerance": chart_data.overview(contents, everything)}
     }
     for label, mine in rows.items():
-        errors = chart_data.errors(contents, mine)
-        costs = chart_data.costs(contents, mine)
         charts[label] = {
-            "errors": errors,
+            "errors": chart_data.errors(contents, mine),
             "drifts": chart_data.drifts(contents, label),
-            "costs": costs,
+            "costs": chart_data.costs(contents, mine),
         }
-    specs = {
-        label: {kind: figures.specification(data, store) for kind, data in mine.items() if data}
-        for label, mine in charts.items()
-    }
+    specs: dict[str, dict[str, str]] = {}
+    for label, drawn in charts.items():
+        specs[label] = {
+            kind: figures.specification(data, store) for kind, data in drawn.items() if data
+        }
     pictures = set()
     for label, mine_specs in specs.items():
-        for kind in (
-            "tolerance",
-            "errors",
-        ):  # costs hold times, which a committed file must not; curves are in the pages
+        # Costs hold times, which a committed file must not; curves over time are in the pages.
+        for kind in ("tolerance", "errors"):
             if kind in mine_specs:
                 if label:
                     name = f"{page(label)}.svg"

@@ -53,12 +53,13 @@ class Bodies:
 
     @classmethod
     def of(cls, bodies: "list[Body] | tuple[Body, ...]") -> "Bodies":
-        """Columns from single bodies."""
+        """The columns of single bodies, in their order."""
         if not bodies:
             raise SceneError("scene.bodies: no body came; expected at least one")
-        columns: dict[str, Any] = {
-            name: np.array([getattr(body, name) for body in bodies], float) for name in COLUMNS
-        }
+        columns: dict[str, Any] = {}
+        for name in COLUMNS:
+            values = [getattr(body, name) for body in bodies]
+            columns[name] = np.array(values, float)
         return cls(
             shape=tuple(body.shape for body in bodies),
             fixed=np.array([body.fixed for body in bodies]),
@@ -67,9 +68,11 @@ class Bodies:
 
     def single(self) -> list[Body]:
         """The bodies one by one, as JSON has them."""
-        columns: Any = (getattr(self, name).tolist() for name in COLUMNS)
-        return [
-            Body(
+        columns: Any = [getattr(self, name).tolist() for name in COLUMNS]
+        found = []
+        for row in zip(*columns, self.shape, self.fixed.tolist(), strict=True):
+            mass, inertia, position, velocity, attitude, omega, shape, fixed = row
+            body = Body(
                 mass=mass,
                 inertia=tuple(inertia),
                 position=tuple(position),
@@ -79,10 +82,8 @@ class Bodies:
                 shape=shape,
                 fixed=fixed,
             )
-            for mass, inertia, position, velocity, attitude, omega, shape, fixed in zip(
-                *columns, self.shape, self.fixed.tolist(), strict=True
-            )
-        ]
+            found.append(body)
+        return found
 
     def with_state(self, **columns: Array) -> "Bodies":
         """The same bodies with other positions, velocities, attitudes or omegas."""
@@ -95,9 +96,8 @@ class Bodies:
     @cached_property
     def radius(self) -> Array:
         """Radius (N,) [m], not to be written to; zero for a body that is no sphere."""
-        found = np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shapes])[
-            self.shape_number
-        ]
+        of_shape = [shape.radius if isinstance(shape, Sphere) else 0.0 for shape in self.shapes]
+        found = np.array(of_shape)[self.shape_number]
         found.setflags(write=False)
         return found
 
@@ -118,11 +118,10 @@ class Bodies:
         """
         if self.shape[:1] and self.shape.count(self.shape[0]) == len(self.shape):
             return self.shape[:1], np.zeros(len(self.shape), np.int64)
-        shapes = {id(s): s for s in self.shape}
+        shapes = {id(shape): shape for shape in self.shape}
         numbers = {key: number for number, key in enumerate(shapes)}
-        return tuple(shapes.values()), np.fromiter(
-            map(numbers.__getitem__, map(id, self.shape)), np.int64, len(self.shape)
-        )
+        each = (numbers[id(shape)] for shape in self.shape)
+        return tuple(shapes.values()), np.fromiter(each, np.int64, len(self.shape))
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
@@ -132,16 +131,15 @@ def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
     """Bodies (N,) that have to be looked at one by one: all that cannot exist are among them."""
     with np.errstate(all="ignore"):
         wrong = ~(bodies.mass > 0) | np.any(bodies.inertia < 0, axis=1)
-        wrong |= np.any(2 * bodies.inertia > bodies.inertia.sum(axis=1, keepdims=True), axis=1)
+        # No moment of inertia exceeds the sum of the other two.
+        total = bodies.inertia.sum(axis=1, keepdims=True)
+        wrong |= np.any(2 * bodies.inertia > total, axis=1)
         wrong |= ~(np.abs(np.linalg.norm(bodies.attitude, axis=1) - 1) < 5e-10)
         for name in COLUMNS:
-            wrong |= ~np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1).all(axis=1)
-    return np.asarray(
-        wrong
-        | np.array([isinstance(s, Polyhedron) or not _is_sound(s) for s in bodies.shapes])[
-            bodies.shape_number
-        ]
-    )
+            is_finite = np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1)
+            wrong |= ~is_finite.all(axis=1)
+    doubtful = [isinstance(shape, Polyhedron) or not _is_sound(shape) for shape in bodies.shapes]
+    return np.asarray(wrong | np.array(doubtful)[bodies.shape_number])
 
 
 def _is_sound(shape: Shape) -> bool:

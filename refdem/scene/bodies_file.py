@@ -54,7 +54,7 @@ def content(bodies: Bodies) -> str:
 
 
 def packed(bodies: Bodies) -> bytes:
-    """The file."""
+    """The bytes of the file, which hold every array of the bodies."""
     held = io.BytesIO()
     np.savez(held, allow_pickle=False, **_columns(bodies))
     return held.getvalue()
@@ -91,9 +91,9 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
 def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     """Every array of the file by name, in the byte order that the file has."""
     shapes: dict[Shape, int] = {}
-    number = np.array([shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes], "<i8")[
-        bodies.shape_number
-    ]
+    # Equal shapes are written once.
+    each = [shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes]
+    number = np.array(each, "<i8")[bodies.shape_number]
     held: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS
     }
@@ -105,14 +105,26 @@ def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     }
 
 
+def _kinds(count: int) -> dict[str, tuple[str, tuple[int, ...]]]:
+    """Type and shape of every array of so many bodies; no shape where any length is right."""
+    found: dict[str, tuple[str, tuple[int, ...]]] = {}
+    for name, width in WIDTH.items():
+        rows: tuple[int, ...] = (count,)
+        if width > 1:
+            rows = (count, width)
+        found[name] = ("<f8", rows)
+    return found | {
+        "fixed": ("|b1", (count,)),
+        "shape": ("<i8", (count,)),
+        "shapes": ("|u1", ()),
+    }
+
+
 def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]:
     """The arrays, each of the type and shape it must have; sizes are looked at before anything is
     read.
     """
-    kinds: dict[str, tuple[str, tuple[int, ...]]] = {
-        n: ("<f8", (count, w) if w > 1 else (count,)) for n, w in WIDTH.items()
-    }
-    kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
+    kinds = _kinds(count)
     if isinstance(data, bytes):
         source: Any = io.BytesIO(data)
     else:
@@ -120,12 +132,14 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     if sizes.keys() != kinds.keys():
-        raise SceneError(
-            f"{where} has {', '.join(sorted(sizes)) or 'nothing'}; expected"
-            f" {', '.join(sorted(kinds))}"
-        )
+        came = ", ".join(sorted(sizes)) or "nothing"
+        expected = ", ".join(sorted(kinds))
+        raise SceneError(f"{where} has {came}; expected {expected}")
     for name, (kind, shape) in kinds.items():
-        most = HEADER + (int(np.prod(shape)) * np.dtype(kind).itemsize if shape else MOST_SHAPES)
+        content = MOST_SHAPES
+        if shape:
+            content = int(np.prod(shape)) * np.dtype(kind).itemsize
+        most = HEADER + content
         if sizes[name] > most:
             raise SceneError(
                 f"{where}: {name} has {sizes[name]} bytes; expected at most {most} for {count}"
@@ -134,12 +148,17 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     found: dict[str, NDArray[Any]] = {}
     with np.load(source, allow_pickle=False) as archive:
         for name, (kind, shape) in kinds.items():
-            column = found[name] = archive[name]
-            if column.dtype.str != kind or (column.shape != shape if shape else column.ndim != 1):
+            column = archive[name]
+            if shape:
+                has_shape = column.shape == shape
+            else:
+                has_shape = column.ndim == 1
+            if column.dtype.str != kind or not has_shape:
                 raise SceneError(
                     f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind}"
                     f" {shape or '(bytes,)'}"
                 )
+            found[name] = column
     return found
 
 

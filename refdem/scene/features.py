@@ -24,13 +24,10 @@ def features(scene: "Scene") -> frozenset[str]:
         names |= element.features()
     if scene.has_shapes() and "contact" in names:
         for shape in scene.bodies.shapes:
-            names |= (
-                {"shape:sphere"}
-                if isinstance(shape, Sphere)
-                else {"shape:polyhedron"}
-                if isinstance(shape, Polyhedron)
-                else set()
-            )
+            if isinstance(shape, Sphere):
+                names.add("shape:sphere")
+            elif isinstance(shape, Polyhedron):
+                names.add("shape:polyhedron")
     if _turns(scene):
         names.add("rotation")
         if _tumbles(scene):
@@ -54,9 +51,8 @@ def _turns(scene: "Scene") -> bool:
                 return True
         if "contact:friction" in element.features() and scene.has_shapes():
             return True
-    return "contact" in {e.kind for e in scene.elements} and any(
-        isinstance(s, Polyhedron) for s in bodies.shapes
-    )
+    has_contact = any(element.kind == "contact" for element in scene.elements)
+    return has_contact and any(isinstance(shape, Polyhedron) for shape in bodies.shapes)
 
 
 def _tumbles(scene: "Scene") -> bool:
@@ -66,7 +62,9 @@ def _tumbles(scene: "Scene") -> bool:
     from refdem.mechanics.quaternion import conjugate, rotated
 
     bodies = scene.bodies
-    momentum = bodies.inertia * (body_omega := rotated(conjugate(bodies.attitude), bodies.omega))
+    body_omega = rotated(conjugate(bodies.attitude), bodies.omega)
+    momentum = bodies.inertia * body_omega
+    # The gyroscopic torque omega x J omega vanishes about a principal axis.
     torque = np.linalg.norm(np.cross(body_omega, momentum), axis=1)
     size = np.linalg.norm(body_omega, axis=1) * np.linalg.norm(momentum, axis=1)
     return bool(np.any(torque > ALIGNED * size))

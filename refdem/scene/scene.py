@@ -88,18 +88,17 @@ class Scene:
 
     def document(self, *, listed: bool = False) -> SceneDocument:
         """The scene as JSON has it; `listed`: with every body, however many there are."""
-        refers = self.has_bodies_file and not listed
-        return SceneDocument(
-            bodies=bodies_file.reference(self.bodies) if refers else self.bodies.single(),
-            elements=list(self.elements),
-        )
+        elements = list(self.elements)
+        if self.has_bodies_file and not listed:
+            return SceneDocument(bodies=bodies_file.reference(self.bodies), elements=elements)
+        return SceneDocument(bodies=self.bodies.single(), elements=elements)
 
     def to_json(self) -> bytes:
         """The scene as JSON; the same bytes for the same scene."""
         return encoded(self.document())
 
     def all(self, kind: type[E]) -> list[E]:
-        """The elements of one kind."""
+        """The elements of one kind, in their order."""
         return [element for element in self.elements if isinstance(element, kind)]
 
     def with_state(self, **columns: Array) -> "Scene":

@@ -1,12 +1,14 @@
 """Shapes that bodies can have; a point cannot touch anything."""
 
+from itertools import product
+
 import msgspec
 
 from refdem.scene.dimension import Length, Position
 
 
 class Point(msgspec.Struct, frozen=True, tag="point", tag_field="kind", forbid_unknown_fields=True):
-    """No extent."""
+    """A point: it has no extent and can touch nothing."""
 
 
 class Sphere(
@@ -43,8 +45,8 @@ Shape = Point | Sphere | Polyhedron
 
 def box(x: float, y: float, z: float) -> Polyhedron:
     """A box with full side lengths x, y, z [m] about its centre."""
-    vertices = tuple(
-        (sx * x / 2, sy * y / 2, sz * z / 2) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)
-    )
+    # z changes its sign first, x last.
+    signs = product((-1, 1), repeat=3)
+    vertices = tuple((sx * x / 2, sy * y / 2, sz * z / 2) for sx, sy, sz in signs)
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     return Polyhedron(vertices=vertices, faces=faces)

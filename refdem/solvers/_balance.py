@@ -34,11 +34,7 @@ def unbalanced(scene: Scene) -> str | None:
             size[body] += np.linalg.norm(force)
 
     for spring in scene.all(Spring):
-        ends = (
-            bodies.position[spring.a],
-            bodies.position[spring.b] if spring.b >= 0 else np.array(spring.anchor_b),
-        )
-        line = ends[1] - ends[0]
+        line = _end(scene, spring) - bodies.position[spring.a]
         distance = float(np.linalg.norm(line))
         stretch = distance - spring.length
         pull = float(spring.pull(np.array(stretch)))
@@ -50,14 +46,10 @@ def unbalanced(scene: Scene) -> str | None:
     for number, mass in enumerate(bodies.mass):
         for gravity in scene.all(UniformGravity):
             push(number, mass * np.array(gravity.g))
+        place = bodies.position[number]
         for field in scene.all(CentralField):
-            push(
-                number,
-                -field.gm
-                * mass
-                * bodies.position[number]
-                / np.linalg.norm(bodies.position[number]) ** 3,
-            )
+            # F = -gm m r/|r|^3.
+            push(number, -field.gm * mass * place / np.linalg.norm(place) ** 3)
     for i, j in _particles.pairs(scene):
         overlap, normal = _overlap(scene, i, j)
         law = scene.all(Contact)[0]
@@ -71,6 +63,13 @@ def unbalanced(scene: Scene) -> str | None:
     return None
 
 
+def _end(scene: Scene, spring: Spring) -> Array:
+    """Where the second end of a spring is (3,) [m]: at a body, or fixed in space."""
+    if spring.b >= 0:
+        return scene.bodies.position[spring.b]
+    return np.array(spring.anchor_b)
+
+
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
     """Overlap [m] of sphere i with sphere j or plane -1 - j, and the unit normal from i to the
     other.
@@ -79,10 +78,8 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
     if j < 0:
         plane = scene.all(Plane)[-1 - j]
         normal = -np.array(plane.normal)
-        return (
-            float(bodies.radius[i] + (bodies.position[i] - np.array(plane.point)) @ normal),
-            normal,
-        )
+        depth = (bodies.position[i] - np.array(plane.point)) @ normal
+        return float(bodies.radius[i] + depth), normal
     line = bodies.position[j] - bodies.position[i]
     distance = float(np.linalg.norm(line))
     return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance
@@ -92,11 +89,13 @@ def falling(scene: Scene, law: Contact) -> str | None:
     """None if every body stands on the one plane, or on exactly one other body, with its load's
     centre over the support.
     """
-    if isinstance(load := pressed(scene), str):
+    load = pressed(scene)
+    if isinstance(load, str):
         return load
     if load.steepness > law.friction * (1 + SLACK):
         return "static friction does not hold them"
-    return _Standing(scene, load.normal, load.point, load.gravity / load.pressing).fault()
+    down = load.gravity / load.pressing
+    return _Standing(scene, load.normal, load.point, down).fault()
 
 
 @dataclass(frozen=True)
@@ -117,14 +116,15 @@ class Load:
 
     @property
     def steepness(self) -> float:
-        """Tangent of the slope."""
+        """The tangent of the plane's slope: gravity along the plane over gravity against it."""
         return float(np.linalg.norm(self.along)) / self.pressing
 
 
 def pressed(scene: Scene) -> Load | str:
     """Gravity on the one plane, or why there is no such thing."""
     planes = scene.all(Plane)
-    gravity = np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
+    fields = [np.array(field.g) for field in scene.all(UniformGravity)]
+    gravity = np.sum([np.zeros(3), *fields], axis=0)
     if len(planes) != 1:
         return f"{len(planes)} planes; expected one"
     normal = np.array(planes[0].normal)
@@ -141,7 +141,9 @@ def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
     if not load.steepness > law.friction * (1 + SLACK):
         return "static friction holds it"
     downhill = load.along / np.linalg.norm(load.along)
-    return _Standing(scene, load.normal, load.point, law.friction * downhill - load.normal).fault()
+    # What carries the body is the normal force with friction mu of it, uphill: this is its reverse.
+    down = law.friction * downhill - load.normal
+    return _Standing(scene, load.normal, load.point, down).fault()
 
 
 class _Standing:
@@ -172,18 +174,21 @@ class _Standing:
     def below(self, body: int) -> list[int]:
         """What the lowest face is level with, of that which it stands over: -1 is the plane."""
         low = self.heights[body].min()
-        if abs(low) <= SLACK * self.size:
+        rounding = SLACK * self.size
+        if abs(low) <= rounding:
             found = [-1]
         else:
             found = []
-        others = [other for other in range(len(self.heights)) if other != body]
-        return found + [
-            other
-            for other in others
-            if abs(self.heights[other].max() - low) <= SLACK * self.size and self._over(body, other)
-        ]
+        for other in range(len(self.heights)):
+            if other == body:
+                continue
+            is_level = abs(self.heights[other].max() - low) <= rounding
+            if is_level and self._over(body, other):
+                found.append(other)
+        return found
 
     def _over(self, body: int, other: int) -> bool:
+        """Whether the centre of the lowest face of a body lies over the highest face of another."""
         centre = self.faces(body, highest=False).mean(axis=0)
         return self._inside(centre, self.faces(other, highest=True))
 
@@ -198,8 +203,10 @@ class _Standing:
         y = flat @ np.cross(self.normal, first)
         if np.any(np.hypot(x, y) <= SLACK * self.size):
             return True
+        # Inside, no two neighbouring corners are seen more than half a turn apart.
         angles = np.sort(np.arctan2(y, x))
-        return bool(np.diff([*angles, angles[0] + 2 * np.pi]).max() <= np.pi * (1 + SLACK))
+        gaps = np.diff([*angles, angles[0] + 2 * np.pi])
+        return bool(gaps.max() <= np.pi * (1 + SLACK))
 
     def fault(self) -> str | None:
         """None if all stand, else what is missing."""
@@ -245,10 +252,10 @@ def _outline(scene: Scene, body: int, normal: Array) -> Array:
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:
-        from_centre = (
-            np.array([-1.0, 1.0])[:, None]
-            * (shape.radius if isinstance(shape, Sphere) else 0.0)
-            * normal
-        )
+        if isinstance(shape, Sphere):
+            radius = shape.radius
+        else:
+            radius = 0.0
+        from_centre = np.array([-1.0, 1.0])[:, None] * radius * normal
     outline: Array = place + from_centre
     return outline

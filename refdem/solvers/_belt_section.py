@@ -3,6 +3,7 @@ Lyapunov exponent (kernels/stick_slip.c).
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -39,23 +40,19 @@ def section(scene: Scene, frequency: Array, *, skip: int, keep: int, workers: in
     """
     axis = np.array(scene.all(Slider)[0].axis)
     origin = float(axis @ single.anchor(scene.all(Spring)[0]))
-    start = [
-        float(axis @ scene.bodies.position[0]) - origin,
-        float(axis @ scene.bodies.velocity[0]),
-    ]
+    place = float(axis @ scene.bodies.position[0]) - origin
+    speed = float(axis @ scene.bodies.velocity[0])
+    start = [place, speed]
+
+    def part(own: Array) -> tuple[list[Array], Array]:
+        return _part(scene, own, origin, start, skip, keep)
+
     with ThreadPoolExecutor(workers) as pool:
-        parts = list(
-            pool.map(
-                lambda own: _part(scene, own, origin, start, skip, keep),
-                np.array_split(frequency, 4 * workers),
-            )
-        )
+        parts = list(pool.map(part, np.array_split(frequency, 4 * workers)))
     growth = np.concatenate([sums for _, sums in parts])
-    return Section(
-        frequency,
-        tuple(place for places, _ in parts for place in places),
-        exponent(growth, 2 * np.pi / frequency * keep),
-    )
+    places = tuple(chain.from_iterable(own for own, _ in parts))
+    seconds = 2 * np.pi / frequency * keep
+    return Section(frequency, places, exponent(growth, seconds))
 
 
 def _part(

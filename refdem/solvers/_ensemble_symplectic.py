@@ -129,12 +129,13 @@ class _Frame:
     def __init__(self, scene: Scene) -> None:
         rod = scene.all(Rod)[0]
         gravity = single.gravity(scene)
-        arm = scene.bodies.position[0] - single.anchor(scene.all(Rod)[0])
+        arm = scene.bodies.position[0] - single.anchor(rod)
         size = float(np.linalg.norm(gravity))
         self.anchor = single.anchor(rod)
         self.length = rod.length
         self.square = size / rod.length
         self.down = gravity / size
+        # The direction across gravity in which the point is, or else goes.
         aside = [
             vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
         ]
@@ -145,16 +146,18 @@ class _Frame:
         """Angles [rad] and rates [rad/s] (M,)."""
         arm = position - self.anchor
         angle = np.arctan2(arm @ self.across, arm @ self.down)
-        rate = (
-            np.cos(angle) * (velocity @ self.across) - np.sin(angle) * (velocity @ self.down)
-        ) / self.length
+        # The velocity at right angles to the rod, over its length.
+        sideways = velocity @ self.across
+        downwards = velocity @ self.down
+        rate = (np.cos(angle) * sideways - np.sin(angle) * downwards) / self.length
         return angle, rate
 
     def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:
         """Positions and velocities (M, 3)."""
         s = np.sin(angle)[:, None]
         c = np.cos(angle)[:, None]
-        return (
-            self.anchor + self.length * (c * self.down + s * self.across),
-            (self.length * rate)[:, None] * (c * self.across - s * self.down),
-        )
+        along = c * self.down + s * self.across
+        across = c * self.across - s * self.down
+        position = self.anchor + self.length * along
+        velocity = (self.length * rate)[:, None] * across
+        return position, velocity

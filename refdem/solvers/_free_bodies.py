@@ -65,13 +65,11 @@ class FreeBodies(Solver):
             steps = 0
         else:
             steps = request.stride * (len(t) - 1)
-        cost = Cost(
-            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps
+        setup = perf_counter() - begun - repeats() * seconds
+        found = Trajectory(
+            t=t, position=position, velocity=velocity, attitude=attitude, omega=omega
         )
-        return (
-            Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega),
-            cost,
-        )
+        return found, Cost(seconds=seconds, setup=setup, steps=steps)
 
 
 class SteppedFreeBodies(FreeBodies):
@@ -86,11 +84,12 @@ class SteppedFreeBodies(FreeBodies):
 
     def refusal(self, problem: Motion) -> str | None:
         """None if nothing acts on any body and some body turns."""
-        if "rotation" in problem.scene.features:
-            idle = None
-        else:
-            idle = "nothing turns; uniform motion needs no steps"
-        return super().refusal(problem) or idle
+        reason = super().refusal(problem)
+        if reason:
+            return reason
+        if "rotation" not in problem.scene.features:
+            return "nothing turns; uniform motion needs no steps"
+        return None
 
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""

@@ -88,17 +88,20 @@ def line_of(request: Request) -> Line:
     axis = _axis(scene)
     origin = np.array(spring.anchor_b) + spring.length * axis
     dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
-    drives = [
-        (f.amplitude * float(axis @ np.array(f.axis)), f.frequency, f.phase)
-        for f in scene.all(Force)
-    ]
+    drives = []
+    for force in scene.all(Force):
+        amplitude = force.amplitude * float(axis @ np.array(force.axis))
+        drives.append((amplitude, force.frequency, force.phase))
+    # Places count from where the spring is at rest, not from its anchor.
+    from_anchor = float(axis @ (bodies.position[0] - np.array(spring.anchor_b)))
+    mass = float(bodies.mass[0])
     return Line(
         axis=axis,
         origin=origin,
-        place=float(axis @ (bodies.position[0] - np.array(spring.anchor_b))) - spring.length,
+        place=from_anchor - spring.length,
         speed=float(axis @ bodies.velocity[0]),
-        mass=float(bodies.mass[0]),
-        weight=float(bodies.mass[0]) * float(axis @ single.gravity(scene)),
+        mass=mass,
+        weight=mass * float(axis @ single.gravity(scene)),
         spring=spring,
         damping=dashpot.damping,
         van_der_pol=dashpot.van_der_pol,
@@ -116,8 +119,10 @@ def _axis(scene: Scene) -> Array:
         scene.bodies.velocity[0],
         single.gravity(scene),
     ]
-    longest = next((vector for vector in candidates if np.any(vector)), np.array([1.0, 0.0, 0.0]))
-    axis: Array = longest / np.linalg.norm(longest)
+    # What rests without a force may be taken along x.
+    candidates.append(np.array([1.0, 0.0, 0.0]))
+    first = next(vector for vector in candidates if np.any(vector))
+    axis: Array = first / np.linalg.norm(first)
     return axis
 
 
@@ -129,13 +134,10 @@ def _askew(scene: Scene) -> str | None:
     axis = _axis(scene)
     anchor = np.array(scene.all(Spring)[0].anchor_b)
     vectors = [scene.bodies.position[0] - anchor, scene.bodies.velocity[0], single.gravity(scene)]
-    vectors += [np.array(force.axis) for force in scene.all(Force)] + [
-        np.array(pot.anchor_b) - anchor for pot in scene.all(Dashpot)
-    ]
-    off = any(
-        np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
-        for vector in vectors
-    )
-    if off:
-        return "the motion is not along one line"
+    vectors += [np.array(force.axis) for force in scene.all(Force)]
+    vectors += [np.array(dashpot.anchor_b) - anchor for dashpot in scene.all(Dashpot)]
+    for vector in vectors:
+        aside = np.linalg.norm(vector - (vector @ axis) * axis)
+        if aside > ASKEW * np.linalg.norm(vector):
+            return "the motion is not along one line"
     return None

@@ -29,14 +29,14 @@ W, V, P, Q = range(4)
 
 @dataclass(frozen=True)
 class Spring:
-    """`ratio` is k_t/k."""
+    """A tangential spring: `ratio` = k_t/k of the stiffnesses, and `friction` = mu."""
 
     ratio: float
     friction: float
 
     @property
     def slack(self) -> float:
-        """g."""
+        """g = mu k/k_t: the longest stretch over the overlap."""
         return self.friction / self.ratio
 
     def series(self, start: Sequence[float], side: int, hangs: float) -> Array:
@@ -47,20 +47,25 @@ class Spring:
         c[:, 0] = start
         square, fourth, pull = np.zeros((3, ORDER + 1))
         for n in range(ORDER):
+            # A product's coefficient n is the sum over k of a_k b_(n-k).
+            upto = slice(0, n + 1)
             if n:
                 back = slice(n, None, -1)
             else:
                 back = slice(0, 1)
-            square[n] = c[W, : n + 1] @ c[W, back]
-            fourth[n] = square[: n + 1] @ square[back]
-            stretch = c[Q, : n + 1] - np.eye(1, n + 1)[0] * hangs
-            pull[n] = (
-                self.ratio * (square[: n + 1] @ stretch[::-1])
-                if side == STICKS
-                else side * self.friction * fourth[n]
-            )
-            rates = c[V, n] / 2, -1.25 * fourth[n], -4.375 * pull[n], c[W, : n + 1] @ c[P, back]
-            c[:, n + 1] = np.array(rates) / (n + 1)
+            square[n] = c[W, upto] @ c[W, back]
+            fourth[n] = square[upto] @ square[back]
+            if side == STICKS:
+                stretch = c[Q, upto] - np.eye(1, n + 1)[0] * hangs
+                pull[n] = self.ratio * (square[upto] @ stretch[::-1])
+            else:
+                pull[n] = side * self.friction * fourth[n]
+            # w' = v/2, v' = -5/4 w^4, p' = -35/8 pull, q' = w p.
+            w_rate = c[V, n] / 2
+            v_rate = -1.25 * fourth[n]
+            p_rate = -4.375 * pull[n]
+            q_rate = c[W, upto] @ c[P, back]
+            c[:, n + 1] = np.array([w_rate, v_rate, p_rate, q_rate]) / (n + 1)
         return c
 
     def ends(self, c: Array, side: int, hangs: float) -> list[tuple[Value, int | None]]:
@@ -69,10 +74,13 @@ class Spring:
         def limit(to: int, s: float) -> float:
             return self.slack * _at(c[W], s) ** 2 - to * (_at(c[Q], s) - hangs)
 
+        def slip(s: float) -> float:
+            return side * _at(c[P], s) - self.slack * _at(c[V], s)
+
         apart: tuple[Value, int | None] = (partial(_at, c[W]), None)
         if side == STICKS:
             return [(partial(limit, 1), 1), (partial(limit, -1), -1), apart]
-        return [(lambda s: side * _at(c[P], s) - self.slack * _at(c[V], s), STICKS), apart]
+        return [(slip, STICKS), apart]
 
 
 @dataclass(frozen=True)
@@ -85,10 +93,16 @@ class Course:
         """Slip and its way at an overlap and its rate: by the one of w and v that changes faster
         there.
         """
-        row, goal = (W, sqrt(depth)) if abs(rate) > 0.7 else (V, rate)
-        c, length = next(
-            (piece for piece in self.pieces if _at(piece[0][V], piece[1]) <= rate), self.pieces[-1]
-        )
+        if abs(rate) > 0.7:
+            row = W
+            goal = sqrt(depth)
+        else:
+            row = V
+            goal = rate
+        # The rate falls all the time: the first piece that ends at or below it.
+        for c, length in self.pieces:
+            if _at(c[V], length) <= rate:
+                break
         s = length / 2
         slope = polynomial.polyder(c[row])
         for _ in range(50):
@@ -135,17 +149,23 @@ def _first(ends: Sequence[tuple[Value, int | None]], mode: int) -> tuple[float, 
     for look in range(LOOKS):
         low = STEP * look / LOOKS
         high = STEP * (look + 1) / LOOKS
-        fallen = [
-            (_zero(value, low, high), n) for n, (value, _) in enumerate(ends) if value(high) < 0
-        ]
+        fallen = []
+        for number, (value, _) in enumerate(ends):
+            if value(high) < 0:
+                fallen.append((_zero(value, low, high), number))
         if fallen:
-            length, n = min(fallen)
-            return length, ends[n][1]
+            length, first = min(fallen)
+            _, after = ends[first]
+            return length, after
     return STEP, mode
 
 
 def _zero(value: Value, low: float, high: float) -> float:
+    """Where a function that is positive at `low` and negative at `high` falls through 0."""
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if value(middle) > 0 else (low, middle)
+        if value(middle) > 0:
+            low = middle
+        else:
+            high = middle
     return high

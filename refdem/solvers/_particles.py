@@ -2,6 +2,7 @@
 kernel's words.
 """
 
+from itertools import combinations, product
 from time import perf_counter
 from typing import Any
 
@@ -46,9 +47,9 @@ def contact_of(scene: Scene) -> Contact | None:
 def _can_meet(scene: Scene) -> bool:
     """Whether there is a pair at all; of many spheres nobody writes all of them down."""
     shaped = np.array([not isinstance(shape, Point) for shape in scene.bodies.shape])
-    return bool(np.any(shaped & ~scene.bodies.fixed)) and bool(
-        np.count_nonzero(shaped) > 1 or scene.all(Plane)
-    )
+    can_move = bool(np.any(shaped & ~scene.bodies.fixed))
+    has_partner = bool(np.count_nonzero(shaped) > 1 or scene.all(Plane))
+    return can_move and has_partner
 
 
 def pairs(scene: Scene) -> NDArray[np.int64]:
@@ -61,8 +62,9 @@ def pairs(scene: Scene) -> NDArray[np.int64]:
         number for number, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)
     ]
     fixed = scene.bodies.fixed
-    found = [(i, j) for i in has_shape for j in has_shape if i < j and not (fixed[i] and fixed[j])]
-    found += [(i, -1 - k) for i in has_shape for k in range(len(scene.all(Plane))) if not fixed[i]]
+    planes = range(len(scene.all(Plane)))
+    found = [(i, j) for i, j in combinations(has_shape, 2) if not (fixed[i] and fixed[j])]
+    found += [(i, -1 - plane) for i, plane in product(has_shape, planes) if not fixed[i]]
     return np.array(found, np.int64).reshape(-1, 2)
 
 
@@ -104,7 +106,8 @@ def _body_refusal(scene: Scene) -> str | None:
     spin = rotated(conjugate(bodies.attitude), bodies.omega)
     momentum = bodies.inertia * spin
     gyroscopic = np.linalg.norm(np.cross(spin, momentum), axis=1)
-    if np.any(gyroscopic > 1e-14 * np.linalg.norm(spin, axis=1) * np.linalg.norm(momentum, axis=1)):
+    size = np.linalg.norm(spin, axis=1) * np.linalg.norm(momentum, axis=1)
+    if np.any(gyroscopic > 1e-14 * size):
         return "a body that tumbles"
     if np.any(bodies.velocity[bodies.fixed]) or np.any(bodies.omega[bodies.fixed]):
         return "a fixed body that moves"
@@ -160,32 +163,20 @@ class Packed:
         turns = free & (inertia > 0)
         springs = scene.all(Spring)
         planes = scene.all(Plane)
+        fields = [field.g for field in scene.all(UniformGravity)]
+        if fields:
+            gravity = np.sum(fields, axis=0)
+        else:
+            gravity = np.zeros(3)
         self._kept: dict[str, Any] = {
             "mass": bodies.mass,
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
             "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
             "radius": bodies.radius,
-            "gravity": (
-                np.sum([e.g for e in scene.all(UniformGravity)], axis=0)
-                if scene.all(UniformGravity)
-                else np.zeros(3)
-            ),
-            "spring": np.array(
-                [
-                    (
-                        s.stiffness,
-                        s.length,
-                        s.exponent,
-                        *(s.anchor_b - origin),
-                        s.quadratic,
-                        s.cubic,
-                    )
-                    for s in springs
-                ],
-                float,
-            ),
-            "spring_end": np.array([(s.a, s.b) for s in springs], np.int64),
-            "plane": np.array([(*(p.point - origin), *p.normal) for p in planes], float),
+            "gravity": gravity,
+            "spring": np.array([_spring_row(spring, origin) for spring in springs], float),
+            "spring_end": np.array([(spring.a, spring.b) for spring in springs], np.int64),
+            "plane": np.array([_plane_row(plane, origin) for plane in planes], float),
             "pair": self.pairs,
         }
         numbers: dict[str, Any] = {
@@ -213,23 +204,38 @@ class Packed:
         self.struct = ffi.new("refdem_particles *", {**arrays, **numbers})
 
     def start(self, scene: Scene, size: int) -> Array:
-        """The state (size,) at the start."""
+        """The state (size,) at the start: of all bodies the places [m], then the velocities [m/s],
+        then spins and attitudes where they are in it, and zeros for the rest.
+        """
         bodies = scene.bodies
-        columns = [bodies.position - self.origin, bodies.velocity] + (
-            [bodies.omega, bodies.attitude] if self.turning else []
-        )
+        columns = [bodies.position - self.origin, bodies.velocity]
+        if self.turning:
+            columns += [bodies.omega, bodies.attitude]
         flat = np.concatenate([column.ravel() for column in columns])
         return np.concatenate([flat, np.zeros(size - len(flat))])
 
 
+def _spring_row(spring: Spring, origin: Array) -> tuple[float, ...]:
+    """A spring in the kernel's order of numbers, its anchor counted from `origin` (3,) [m]."""
+    anchor = spring.anchor_b - origin
+    law = (spring.stiffness, spring.length, spring.exponent)
+    return (*law, *anchor, spring.quadratic, spring.cubic)
+
+
+def _plane_row(plane: Plane, origin: Array) -> tuple[float, ...]:
+    """A plane in the kernel's order of numbers: its point from `origin` (3,) [m], its normal."""
+    return (*(plane.point - origin), *plane.normal)
+
+
 def _address(ffi: Any, array: NDArray[Any]) -> Any:
+    """Where the kernel finds an array; NULL for an empty one."""
+    if not array.size:
+        return ffi.NULL
     if array.dtype == np.int64:
         kind = "int64_t[]"
     else:
         kind = "double[]"
-    if array.size:
-        return ffi.from_buffer(kind, array)
-    return ffi.NULL
+    return ffi.from_buffer(kind, array)
 
 
 def run(
@@ -279,30 +285,32 @@ def _trajectory(
     """The kernel's rows as states, channels and events."""
     count = len(times)
     n = len(scene.bodies)
-    blocks = np.split(
-        out[:, : 13 * n if packed.turning else 6 * n],
-        np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1],
-        axis=1,
-    )
-    columns: dict[str, Any] = {
-        name: np.ascontiguousarray(b).reshape(count, n, -1)
-        for name, b in zip(_COLUMNS, blocks, strict=False)
-    }
+    # A row has the numbers of all bodies column by column; after them come the springs' states.
+    columns: dict[str, Any] = {}
+    begin = 0
+    for name, width in _COLUMNS.items() if packed.turning else _MOVING.items():
+        block = out[:, begin : begin + width * n]
+        columns[name] = np.ascontiguousarray(block).reshape(count, n, width)
+        begin += width * n
     columns["position"] += packed.origin
     columns["position"][0] = scene.bodies.position
     if not packed.turning:
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
-    told = tuple(
-        Event(time=float(times[0] + t), kind="contact" if what == 1 else "release", body=int(body))
-        for t, what, body in event
-    )
+    told = []
+    for t, what, body in event:
+        if what == 1:
+            kind = "contact"
+        else:
+            kind = "release"
+        told.append(Event(time=float(times[0] + t), kind=kind, body=int(body)))
+    channels = {}
     if len(packed.pairs):
         channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True))
-    else:
-        channels = {}
-    return Trajectory(t=times, channels=channels, events=told, **columns)
+    return Trajectory(t=times, channels=channels, events=tuple(told), **columns)
 
 
-_COLUMNS = ("position", "velocity", "omega", "attitude")
+_MOVING = {"position": 3, "velocity": 3}
+_COLUMNS = {**_MOVING, "omega": 3, "attitude": 4}
+"""Columns of the kernel's rows in their order, and the numbers that each has of a body."""
 _CHANNELS = ("contacts", "overlap", "contact_force", "dissipated_work")

@@ -19,9 +19,8 @@ ORDINARY = 2.0**20
 
 def gravity(scene: Scene) -> Array:
     """Acceleration (3,) [m/s^2] of all uniform fields together."""
-    return np.sum(
-        [np.zeros(3), *(np.asarray(field.g, float) for field in scene.all(UniformGravity))], axis=0
-    )
+    fields = [np.asarray(field.g, float) for field in scene.all(UniformGravity)]
+    return np.sum([np.zeros(3), *fields], axis=0)
 
 
 def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
@@ -38,14 +37,15 @@ def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
     if others:
         return f"{others[0]} is more than the closed form has"
     for kind in kinds:
-        if len(scene.all(kind)) != 1:
-            return (
-                f"{len(scene.all(kind))} elements of kind {kind.__struct_config__.tag};"
-                " expected one"
-            )
-    return turning(scene) or (
-        None if len(scene.bodies) == 1 else f"{len(scene.bodies)} bodies; expected one"
-    )
+        count = len(scene.all(kind))
+        if count != 1:
+            return f"{count} elements of kind {kind.__struct_config__.tag}; expected one"
+    reason = turning(scene)
+    if reason:
+        return reason
+    if len(scene.bodies) != 1:
+        return f"{len(scene.bodies)} bodies; expected one"
+    return None
 
 
 def turning(scene: Scene) -> str | None:
@@ -54,13 +54,9 @@ def turning(scene: Scene) -> str | None:
     """
     if "rotation" in scene.features:
         return "rotation is coupled to the motion"
-    off_centre = (
-        link
-        for link in scene.all(Link)
-        if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b))
-    )
-    if any(off_centre):
-        return "a link is off a body's centre"
+    for link in scene.all(Link):
+        if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)):
+            return "a link is off a body's centre"
     return None
 
 

@@ -37,9 +37,8 @@ def _in_a_plane(scene: Scene) -> bool:
     spins = scene.bodies.omega[scene.bodies.radius > 0]
     loads = _directions(scene)
     normals = _normals(scene)
-    flat: list[Array] = [
-        vector / float(np.linalg.norm(vector)) for vector in (*normals, *loads) if np.any(vector)
-    ]
+    vectors = [vector for vector in (*normals, *loads) if np.any(vector)]
+    flat: list[Array] = [vector / float(np.linalg.norm(vector)) for vector in vectors]
     across = np.cross(flat[0], flat)
     widest = across[np.argmax(np.linalg.norm(across, axis=1))]
     if np.linalg.norm(widest) <= ASKEW:  # all on one line: the spins say across which plane
@@ -49,31 +48,41 @@ def _in_a_plane(scene: Scene) -> bool:
             return True
     normal = widest / np.linalg.norm(widest)
     aside = np.linalg.norm(spins - np.outer(spins @ normal, normal), axis=1)
-    return bool(
-        np.all(np.abs(flat @ normal) <= ASKEW) and np.all(aside <= ASKEW * np.linalg.norm(spins))
-    )
+    is_flat = np.all(np.abs(flat @ normal) <= ASKEW)
+    spins_across = np.all(aside <= ASKEW * np.linalg.norm(spins))
+    return bool(is_flat and spins_across)
 
 
 def _normals(scene: Scene) -> list[Array]:
     """From body to body, and of planes, of every pair that may meet."""
     places = scene.bodies.position
     planes = scene.all(Plane)
-    return [
-        np.array(planes[-1 - j].normal) if j < 0 else places[j] - places[i]
-        for i, j in _particles.pairs(scene)
-    ]
+    found = []
+    for i, j in _particles.pairs(scene):
+        if j < 0:
+            found.append(np.array(planes[-1 - j].normal))
+        else:
+            found.append(places[j] - places[i])
+    return found
 
 
 def _directions(scene: Scene) -> list[Array]:
     """Along which pairs move, and loads pull."""
     bodies = scene.bodies
-    moving = [
-        bodies.velocity[i] - (0.0 if j < 0 else bodies.velocity[j])
-        for i, j in _particles.pairs(scene)
-    ]
-    pulls = [
-        bodies.position[s.a] - (np.array(s.anchor_b) if s.b < 0 else bodies.position[s.b])
-        for s in scene.all(Spring)
-    ]
-    falls = [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
-    return [*moving, *pulls, *falls, *(bodies.position if scene.all(CentralField) else ())]
+    found = []
+    for i, j in _particles.pairs(scene):
+        if j < 0:
+            other = 0.0
+        else:
+            other = bodies.velocity[j]
+        found.append(bodies.velocity[i] - other)
+    for spring in scene.all(Spring):
+        if spring.b < 0:
+            end = np.array(spring.anchor_b)
+        else:
+            end = bodies.position[spring.b]
+        found.append(bodies.position[spring.a] - end)
+    found += [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
+    if scene.all(CentralField):
+        found += list(bodies.position)
+    return found

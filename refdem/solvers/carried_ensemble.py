@@ -45,9 +45,9 @@ class CarriedEnsemble(Solver):
 
     def refusal(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a line or on a rod whose motion has a closed form."""
-        reasons = [solver.refusal(problem.motion(0)) for solver, _ in FLOWS]
+        reasons = [solver.refusal(problem.motion(0)) or "" for solver, _ in FLOWS]
         if all(reasons):
-            return "; ".join(reason for reason in reasons if reason)
+            return "; ".join(reasons)
         return _astray(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -62,10 +62,8 @@ class CarriedEnsemble(Solver):
         started = perf_counter()
         flow(problem, position, velocity)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        return (
-            Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}),
-            cost,
-        )
+        values = {"position": position, "velocity": velocity}
+        return Trajectory.of_values(problem.times, values), cost
 
 
 def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
@@ -77,18 +75,18 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     place = (problem.position[:, 0] - origin) @ axis
     rate = problem.velocity[:, 0] @ axis
     units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
-    columns = [
-        _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
-        for x, v in ((0.0, 0.0), (units, 0.0), (0.0, units))
-    ]
-    rest = columns[0]
-    by_place = (columns[1] - columns[0]) / units
-    by_rate = (columns[2] - columns[0]) / units
-    carried = (
-        rest[:, None]
-        + by_place[:, None] * place[None, :, None]
-        + by_rate[:, None] * rate[None, :, None]
-    )
+
+    def alone(x: float, v: float) -> Array:
+        return _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
+
+    rest = alone(0.0, 0.0)
+    displaced = alone(units, 0.0)
+    pushed = alone(0.0, units)
+    by_place = (displaced - rest) / units
+    by_rate = (pushed - rest) / units
+    from_place = by_place[:, None] * place[None, :, None]
+    from_rate = by_rate[:, None] * rate[None, :, None]
+    carried = rest[:, None] + from_place + from_rate
     position[:, :, 0] = origin + carried[..., :1] * axis
     velocity[:, :, 0] = carried[..., 1:] * axis
 
@@ -99,11 +97,13 @@ def _alone(
     """Place and rate (T, 2) along the axis of one motion."""
     scene = problem.scene.with_state(position=place[None], velocity=rate[None])
     run, _ = solver.run(Request(problem=Motion(scene, problem.times), method=solver.claims.name))
-    return np.stack(((run.position[:, 0] - origin) @ axis, run.velocity[:, 0] @ axis), axis=-1)
+    x = (run.position[:, 0] - origin) @ axis
+    v = run.velocity[:, 0] @ axis
+    return np.stack((x, v), axis=-1)
 
 
 def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
-    """Half cycles, start by start."""
+    """The motions under dry friction in exact half cycles, start by start."""
     scene = problem.scene
     t = problem.times
     spring = scene.all(Spring)[0]
@@ -146,7 +146,8 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     fixed = [pointer("pendulum", column) for column in (single.gravity(scene), single.anchor(rod))]
     out = [np.empty((members, count, 3)), np.empty((members, count, 3)), np.empty((members, count))]
     x, v, force = (pointer("pendulum", column, output=True) for column in out)
-    (r, u), samples = (pointer("pendulum", column) for column in starts), pointer("pendulum", t)
+    r, u = (pointer("pendulum", column) for column in starts)
+    samples = pointer("pendulum", t)
     call = load("pendulum").lib.refdem_pendulum
     mass = float(scene.bodies.mass[0])
     begin = float(t[0])
@@ -166,7 +167,8 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
             v + row,
             force + count * member,
         )
-    position[:, :, 0], velocity[:, :, 0] = out[0].transpose(1, 0, 2), out[1].transpose(1, 0, 2)
+    position[:, :, 0] = out[0].transpose(1, 0, 2)
+    velocity[:, :, 0] = out[1].transpose(1, 0, 2)
 
 
 FLOWS: tuple[tuple[Any, Flow], ...] = (
@@ -191,13 +193,10 @@ def _astray(problem: Ensemble) -> str | None:
     """None if every start lies on the line, or the rod, of the first."""
     if problem.scene.all(Rod):
         solver: Solver = exact_pendulum.METHOD
-        off = next(
-            (member for member in _doubtful(problem) if solver.refusal(problem.motion(member))),
-            None,
-        )
-        if off is None:
-            return None
-        return f"start {off} does not swing in the plane on its rod"
+        for member in _doubtful(problem):
+            if solver.refusal(problem.motion(member)):
+                return f"start {member} does not swing in the plane on its rod"
+        return None
     if any(spring.length for spring in problem.scene.all(Spring)):
         return "the spring has a length: the starts may lie on both sides of its anchor"
     origin, axis = _frame(problem)
@@ -206,7 +205,8 @@ def _astray(problem: Ensemble) -> str | None:
     slider = next(iter(problem.scene.all(Slider)), None)
     if slider is not None and abs(abs(float(axis @ np.array(slider.axis))) - 1) > OFF:
         return "the starts do not lie on the slider's line"
-    if off_line.max() > OFF * np.linalg.norm(arms, axis=1).max():
+    longest = np.linalg.norm(arms, axis=1).max()
+    if off_line.max() > OFF * longest:
         return "the starts do not lie on one line"
     return None
 
@@ -220,12 +220,12 @@ def _doubtful(problem: Ensemble) -> list[int]:
     velocity = problem.velocity[:, 0]
     down = single.gravity(problem.scene)
     speed = np.linalg.norm(velocity, axis=1)
+    weight = float(np.linalg.norm(down))
+    # The rod has another length, or it stretches, or the motion leaves the plane of gravity.
     length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
     along = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed
-    sideways = (
-        np.abs(np.sum(np.cross(arm, down) * velocity, axis=1))
-        > OFF * rod.length * float(np.linalg.norm(down)) * speed
-    )
+    out_of_plane = np.abs(np.sum(np.cross(arm, down) * velocity, axis=1))
+    sideways = out_of_plane > OFF * rod.length * weight * speed
     return [int(member) for member in np.flatnonzero(length | along | sideways)]
 
 

@@ -48,12 +48,13 @@ class ContactEvents(Solver):
         scene = request.problem.scene
         law = _particles.contact_of(scene)
         assert law is not None
+        # Half a period of the lightest pair lasts pi sqrt(m/(2 k)).
         lightest = float(scene.bodies.mass.min())
         most = pi * sqrt(lightest / 2 / law.stiffness) / 20
-        stride = 2 ** max(0, ceil(log2(abs(request.problem.interval) / most)))
-        return _particles.run(
-            request, request.problem.interval / stride, stride, _particles.middle(scene)
-        )
+        interval = request.problem.interval
+        halvings = max(0, ceil(log2(abs(interval) / most)))
+        stride = 2**halvings
+        return _particles.run(request, interval / stride, stride, _particles.middle(scene))
 
 
 METHOD = ContactEvents()

@@ -62,13 +62,16 @@ class DissipatingBody(Solver):
         damping = scene.all(InternalDamping)[0].coefficient
         inertia = np.ascontiguousarray(bodies.inertia[0])
         attitude = bodies.attitude[0]
+        # A row: angular momentum in principal axes [kg m^2/s], attitude.
+        momentum = inertia * rotated(conjugate(attitude), bodies.omega[0])
         out = np.empty((len(t), 7))
-        out[0] = np.concatenate([inertia * rotated(conjugate(attitude), bodies.omega[0]), attitude])
-        given = [pointer("dissipating_body", column) for column in (inertia, t)]
+        out[0] = np.concatenate([momentum, attitude])
+        moments = pointer("dissipating_body", inertia)
+        samples = pointer("dissipating_body", t)
         row = pointer("dissipating_body", out, output=True)
         started = perf_counter()
         failed = load("dissipating_body").lib.refdem_dissipating_body(
-            given[0], damping, len(t), given[1], row
+            moments, damping, len(t), samples, row
         )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:

@@ -45,7 +45,7 @@ class Equilibrium(Solver):
         return _particles.refusal(problem) or _balance.unbalanced(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The start at every sample."""
+        """The start again at every sample; no work is dissipated."""
         bodies = request.problem.scene.bodies
         times = request.problem.times
         started = perf_counter()
@@ -53,9 +53,8 @@ class Equilibrium(Solver):
             name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE
         }
         seconds = perf_counter() - started
-        return Trajectory(
-            t=times, channels={"dissipated_work": np.zeros(len(times))}, **state
-        ), Cost(seconds=seconds)
+        channels = {"dissipated_work": np.zeros(len(times))}
+        return Trajectory(t=times, channels=channels, **state), Cost(seconds=seconds)
 
 
 def _rigid_refusal(scene: Scene, law: Contact) -> str | None:

@@ -54,49 +54,49 @@ class ExactCapture(Solver):
         arm = scene.bodies.position[0] - single.anchor(hook)
         v = scene.bodies.velocity[0]
         speed2 = v @ v
+        speed = np.sqrt(speed2)
+        # Closest approach: d/dt |arm + v t|^2 = 0 at t = -arm.v/v^2.
         along = arm @ v
-        if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2):
+        late = 0.0
+        if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * speed:
             late = -along / speed2
-        else:
-            late = 0.0
         nearest = arm + v * late
         distance = float(np.linalg.norm(nearest))
         holds = late >= 0 and 0 < distance <= hook.radius * REACH
+        # Before the catch: the straight line. After it: a circle of this radius at this speed.
         if holds:
             since = (t - t[0]) - late
         else:
             since = np.full(len(t), -1.0)
         caught = since > 0
         flight = np.where(since > 0, late, t - t[0])
+        angle = np.zeros((len(t), 1))
         if distance:
-            angle = np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None]
-        else:
-            angle = np.zeros((len(t), 1))
+            angle = np.where(caught, speed / distance * since, 0.0)[:, None]
         cosine = np.cos(angle)
         sine = np.sin(angle)
-        ahead = v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0)
-        place = np.where(
-            caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None]
-        )
-        velocity = np.where(
-            caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v
-        )
-        force = np.where(since >= 0, mass * speed2 / (distance or 1.0), 0.0)
+        radius = distance or 1.0
+        if speed2 > 0:
+            quarter_turn = distance / speed
+        else:
+            quarter_turn = 0.0
+        ahead = v * quarter_turn
+        on_line = arm + v * flight[:, None]
+        on_circle = nearest * cosine + ahead * sine
+        along_circle = v * cosine - nearest * (speed / radius) * sine
+        place = np.where(caught[:, None], on_circle, on_line)
+        velocity = np.where(caught[:, None], along_circle, v)
+        force = np.where(since >= 0, mass * speed2 / radius, 0.0)
         events: tuple[Event, ...] = ()
         if holds and t[0] + late <= t[-1]:
             events = (Event(float(t[0] + late), "catch", 0),)
         cost = Cost(seconds=perf_counter() - begun)
         position = (place + single.anchor(hook))[:, None]
-        return (
-            Trajectory.of_points(
-                t,
-                position,
-                velocity[:, None],
-                channels={"rod_force": force[:, None]},
-                events=events,
-            ),
-            cost,
+        channels = {"rod_force": force[:, None]}
+        found = Trajectory.of_points(
+            t, position, velocity[:, None], channels=channels, events=events
         )
+        return found, cost
 
 
 METHOD = ExactCapture()

@@ -67,16 +67,14 @@ class ExactCoulomb(Solver):
         bodies = scene.bodies
         axis = np.array(slider.axis)
         anchor = single.anchor(spring)
-        start = [
-            float(axis @ vector)
-            for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])
-        ]
         numbers = (
             float(bodies.mass[0]),
             spring.stiffness,
             slider.friction,
             slider.normal_force,
-            *start,
+            float(axis @ single.gravity(scene)),
+            float(axis @ (bodies.position[0] - anchor)),
+            float(axis @ bodies.velocity[0]),
             float(t[0]),
         )
         out = np.empty((len(t), 3))
@@ -95,12 +93,9 @@ class ExactCoulomb(Solver):
         events: tuple[Event, ...] = ()
         if stop[0] <= t[-1]:
             events = (Event(time=float(stop[0]), kind="stop", body=0),)
-        return (
-            Trajectory.of_points(
-                t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
-            ),
-            cost,
-        )
+        channels = {"dissipated_work": out[:, 2].copy()}
+        found = Trajectory.of_points(t, position, velocity, channels=channels, events=events)
+        return found, cost
 
 
 def _off_line(scene: Scene, axis: Array) -> str | None:
@@ -111,12 +106,10 @@ def _off_line(scene: Scene, axis: Array) -> str | None:
         bodies.velocity[0],
         single.gravity(scene),
     )
-    across = [
-        np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector)
-        for vector in vectors
-    ]
-    if any(across):
-        return "the motion is not along the slider"
+    for vector in vectors:
+        across = np.linalg.norm(vector - (vector @ axis) * axis)
+        if across > 4e-16 * np.linalg.norm(vector):
+            return "the motion is not along the slider"
     return None
 
 

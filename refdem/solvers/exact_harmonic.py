@@ -58,18 +58,12 @@ class ExactHarmonic(Solver):
         position = np.empty((len(t), 1, 3))
         velocity = np.empty((len(t), 1, 3))
         columns = [pointer("oscillator", column) for column in given]
+        samples = pointer("oscillator", t)
         out = [pointer("oscillator", column, output=True) for column in (position, velocity)]
+        law = (scene.bodies.mass[0], spring.stiffness)
         lib = load("oscillator").lib
         started = perf_counter()
-        lib.refdem_harmonic(
-            scene.bodies.mass[0],
-            spring.stiffness,
-            *columns,
-            t[0],
-            len(t),
-            pointer("oscillator", t),
-            *out,
-        )
+        lib.refdem_harmonic(*law, *columns, t[0], len(t), samples, *out)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         return Trajectory.of_points(t, position, velocity), cost
 

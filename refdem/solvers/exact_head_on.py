@@ -95,32 +95,30 @@ class ExactHeadOn(Solver):
         started = perf_counter()
         lib.refdem_head_on(*numbers, len(t), pointer("head_on", since), *buffers)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position, velocity = states(
-            scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing
-        )
-        names = ("contacts", "contact_force", "dissipated_work")
-        channels = {"overlap": np.maximum(out[:, 0], 0.0)} | {
-            n: out[:, 2 + k].copy() for k, n in enumerate(names)
+        # The kernel's rows: overlap, its rate, contacts, force, dissipated work.
+        overlap_now = out[:, 0]
+        rate_now = sense * out[:, 1]
+        position, velocity = states(scene, since * sense, overlap_now - start, rate_now - closing)
+        channels = {
+            "overlap": np.maximum(overlap_now, 0.0),
+            "contacts": out[:, 2].copy(),
+            "contact_force": out[:, 3].copy(),
+            "dissipated_work": out[:, 4].copy(),
         }
-        pairs = zip(touch, ("contact", "release"), strict=True)
-        events = tuple(
-            Event(time=float(t[0] + sense * when), kind=kind, body=0)
-            for when, kind in pairs
-            if 0 < when <= since[-1]
+        events = []
+        for when, kind in zip(touch, ("contact", "release"), strict=True):
+            if 0 < when <= since[-1]:
+                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
+        found = Trajectory(
+            t=t,
+            position=position,
+            velocity=velocity,
+            attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
+            omega=np.zeros_like(velocity),
+            channels=channels,
+            events=tuple(events),
         )
-        attitude = np.repeat(bodies.attitude[None], len(t), axis=0)
-        return (
-            Trajectory(
-                t=t,
-                position=position,
-                velocity=velocity,
-                attitude=attitude,
-                omega=np.zeros_like(velocity),
-                channels=channels,
-                events=events,
-            ),
-            cost,
-        )
+        return found, cost
 
 
 def approach(scene: Scene) -> tuple[float, float, float]:
@@ -146,8 +144,10 @@ def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, 
     and `sped` [m/s].
     """
     bodies = scene.bodies
-    centre = bodies.mass @ bodies.velocity / bodies.mass.sum()
-    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / bodies.mass.sum() * along(scene)
+    total = bodies.mass.sum()
+    centre = bodies.mass @ bodies.velocity / total
+    # Of a change of the overlap, m2/(m1 + m2) moves the first and m1/(m1 + m2) the second.
+    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / total * along(scene)
     position = bodies.position + centre * t[:, None, None] + pressed[:, None, None] * share
     return position, bodies.velocity + sped[:, None, None] * share
 

@@ -26,10 +26,10 @@ ROUNDED = 4 * 2.0**-52
 
 
 class ExactHertzWall(Solver):
-    """The slip keeps its line.
+    """A sphere against a wall under Hertz's law; its slip keeps its line.
 
-    Sliding it falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a spring
-    takes it.
+    Sliding, the slip falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a
+    tangential spring takes it.
     """
 
     claims = Method(
@@ -63,36 +63,34 @@ class ExactHertzWall(Solver):
             return "friction with another lever than R, or on a sphere that is not solid"
         if np.any(bodies.omega) and not (solid and np.all(bodies.omega[0, :2] == 0)):
             return "the sphere turns about another axis than z"
-        gap = (
-            float((bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal))
-            - bodies.radius[0]
-        )
+        height = (bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal)
+        gap = float(height) - bodies.radius[0]
         if problem.interval < 0 or gap < -ROUNDED * bodies.radius[0]:
             return "time runs backwards, or they overlap at the start"
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States at the samples."""
+        """States, contact channels and events at the samples."""
         begun = perf_counter()
         scene = request.problem.scene
         t = request.problem.times
         impact = Impact(scene)
         started = perf_counter()
-        out, touch = impact.normal(t - t[0])
+        since = t - t[0]
+        out, touch = impact.normal(since)
         if impact.springs:
             across = impact.bent
         else:
             across = impact.rubbed
-        found = impact.moved(t - t[0], out, *across(t - t[0], out, touch))
-        pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
-        events = tuple(
-            Event(time=float(t[0] + when), kind=kind, body=0)
-            for when, kind in pairs
-            if 0 < when <= t[-1] - t[0]
-        )
-        return Trajectory(t=t, events=events, **found), Cost(
-            seconds=perf_counter() - started, setup=started - begun
-        )
+        lost, missed = across(since, out, touch)
+        found = impact.moved(since, out, lost, missed)
+        events = []
+        for when, kind in ((touch[0], "contact"), (touch[2], "release")):
+            if 0 < when <= since[-1]:
+                events.append(Event(time=float(t[0] + when), kind=kind, body=0))
+        trajectory = Trajectory(t=t, events=tuple(events), **found)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        return trajectory, cost
 
 
 class Impact:
@@ -102,11 +100,9 @@ class Impact:
         bodies = scene.bodies
         self.law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
-        self.n, self.mass, self.radius = (
-            -np.array(plane.normal),
-            float(bodies.mass[0]),
-            float(bodies.radius[0]),
-        )
+        self.n = -np.array(plane.normal)
+        self.mass = float(bodies.mass[0])
+        self.radius = float(bodies.radius[0])
         self.place = bodies.position[0]
         self.velocity = bodies.velocity[0]
         self.omega = bodies.omega[0]
@@ -118,16 +114,19 @@ class Impact:
             self.overlap = overlap
         self.rate = float(self.velocity @ self.n)
         self.across = self.velocity - self.rate * self.n
+        # Velocity of the point of contact: v + R omega x n, without its part along n.
         slip = self.across + self.radius * np.cross(self.omega, self.n)
-        if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity):
-            self.slip = float(np.linalg.norm(slip))
+        size = float(np.linalg.norm(slip))
+        if size > ROUNDED * np.linalg.norm(self.velocity):
+            self.slip = size
         else:
             self.slip = 0.0
         if self.slip:
             self.along = slip / self.slip
         else:
             self.along = 0.0 * slip
-        self.springs = self.slip > 0 and self.law.friction > 0 and self.law.tangential_stiffness > 0
+        has_spring = self.law.friction > 0 and self.law.tangential_stiffness > 0
+        self.springs = self.slip > 0 and has_spring
 
     def normal(self, t: Array) -> tuple[Array, Array]:
         """Overlap and rate (T, 2), and when it touches, turns and parts."""
@@ -138,16 +137,9 @@ class Impact:
         kernel = load("power_contact").lib
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         since = np.ascontiguousarray(t)
-        kernel.refdem_power_contact(
-            self.mass,
-            laws,
-            laws,
-            self.overlap,
-            self.rate,
-            len(t),
-            pointer("power_contact", since),
-            *buffers,
-        )
+        samples = pointer("power_contact", since)
+        start = (self.overlap, self.rate)
+        kernel.refdem_power_contact(self.mass, laws, laws, *start, len(t), samples, *buffers)
         return out, touch
 
     def stop(self, impulse: float, touch: Array) -> float:
@@ -158,11 +150,11 @@ class Impact:
         high = touch[2]
         for _ in range(60):
             middle = (low + high) / 2
-            low, high = (
-                (low, middle)
-                if self.rate - self.normal(np.array([middle]))[0][0, 1] > impulse
-                else (middle, high)
-            )
+            out, _ = self.normal(np.array([middle]))
+            if self.rate - out[0, 1] > impulse:
+                high = middle
+            else:
+                low = middle
         return float(low + high) / 2
 
     def rubbed(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
@@ -173,6 +165,7 @@ class Impact:
             friction = self.law.friction
         else:
             friction = 0.0
+        # The impulse per mass that ends the slip: 7/2 mu J = slip.
         if friction:
             enough = self.slip * 2 / 7 / friction
         else:
@@ -181,49 +174,49 @@ class Impact:
             end = self.stop(enough, touch)
         else:
             end = np.inf
+        # The integral of the impulse per mass over the time: while it slides, then while it rolls.
         until = np.minimum(t, end)
-        way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
+        then, _ = self.normal(until)
+        way = self.rate * until - (then[:, 0] - self.overlap)
         rolled = np.zeros_like(t)
         if np.isfinite(end):
             rolled = enough * (t - until)
-        return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (
-            way + rolled
-        )
+        impulse = np.minimum(self.rate - out[:, 1], enough)
+        return 3.5 * friction * impulse, 3.5 * friction * (way + rolled)
 
     def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
         """The same by a tangential spring, which begins unstretched at touch."""
+        # Units of the series: the speed at touch, and the greatest overlap.
         speed = self.rate
-        deep = float(self.normal(touch[1:2])[0][0, 0])
-        found = course(
-            Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction),
-            self.slip / speed,
-        )
+        turned, _ = self.normal(touch[1:2])
+        deep = float(turned[0, 0])
+        spring = Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction)
+        found = course(spring, self.slip / speed)
         slip = np.full(len(t), self.slip)
         way = self.slip * t
         last, gone = found.end()
         after = t - touch[2]
         for n in np.flatnonzero((t > touch[0]) & (after < 0)):
-            p, q = found.at(max(out[n, 0], 0.0) / deep, out[n, 1] / speed)
+            depth = max(out[n, 0], 0.0) / deep
+            p, q = found.at(depth, out[n, 1] / speed)
             slip[n] = p * speed
             way[n] = self.slip * touch[0] + q * deep
         parted = after >= 0
-        slip[parted], way[parted] = (
-            last * speed,
-            self.slip * touch[0] + gone * deep + last * speed * after[parted],
-        )
+        slip[parted] = last * speed
+        way[parted] = self.slip * touch[0] + gone * deep + last * speed * after[parted]
         return self.slip - slip, self.slip * t - way
 
     def moved(self, t: Array, out: Array, lost: Array, missed: Array) -> dict[str, Any]:
         """Columns and channels of a trajectory, from what the slip has lost and its way misses."""
         pressed = out[:, 0] - self.overlap
-        position = (
-            self.place
-            + self.across * t[:, None]
-            + pressed[:, None] * self.n
-            - missed[:, None] * self.along * (2 / 7)
-        )
-        velocity = self.across + out[:, 1:] * self.n - lost[:, None] * self.along * (2 / 7)
-        omega = self.omega - lost[:, None] * np.cross(self.n, self.along) * (5 / 7 / self.radius)
+        # Of what the slip loses the velocity takes 2/7, and the spin, times R, 5/7.
+        flown = self.place + self.across * t[:, None]
+        held_back = missed[:, None] * self.along * (2 / 7)
+        position = flown + pressed[:, None] * self.n - held_back
+        braked = lost[:, None] * self.along * (2 / 7)
+        velocity = self.across + out[:, 1:] * self.n - braked
+        turning = np.cross(self.n, self.along)
+        omega = self.omega - lost[:, None] * turning * (5 / 7 / self.radius)
         work = self.mass / 7 * lost * (2 * self.slip - lost)
         depth = np.maximum(out[:, 0], 0.0)
         force = self.law.stiffness * depth**self.law.exponent

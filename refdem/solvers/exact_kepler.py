@@ -48,10 +48,9 @@ class ExactKepler(Solver):
         scene = request.problem.scene
         t = request.problem.times
         gm = scene.all(CentralField)[0].gm
-        start = [
-            pointer("kepler", column[0].copy())
-            for column in (scene.bodies.position, scene.bodies.velocity)
-        ]
+        bodies = scene.bodies
+        start = [pointer("kepler", bodies.position[0].copy())]
+        start.append(pointer("kepler", bodies.velocity[0].copy()))
         position = np.empty((len(t), 1, 3))
         velocity = np.empty((len(t), 1, 3))
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
@@ -71,6 +70,7 @@ def _unbound(scene: Scene) -> str | None:
     velocity = scene.bodies.velocity[0]
     distance = float(np.linalg.norm(position))
     square = float(velocity @ velocity)
+    # r/a = 2 - r v^2/gm by the energy, and 1 - e^2 = L^2 (r/a)/(r gm).
     if distance > 0:
         inverse = 2.0 - distance * square / gm
     else:
@@ -79,9 +79,9 @@ def _unbound(scene: Scene) -> str | None:
         return "the orbit is not bound"
     moment = np.cross(position, velocity)
     flatness = float(moment @ moment) * inverse / (distance * gm)
-    if flatness > 1e-9:
-        return None
-    return "the orbit goes through the centre"
+    if flatness <= 1e-9:
+        return "the orbit goes through the centre"
+    return None
 
 
 METHOD = ExactKepler()

@@ -42,9 +42,9 @@ class ExactLinear(Solver):
             return "the spring is not linear"
         if any(dashpot.van_der_pol for dashpot in scene.all(Dashpot)):
             return "the dashpot is not linear"
-        if {"dashpot", "force"} & scene.features:
-            return None
-        return "nothing damps or drives: the motion is harmonic"
+        if not {"dashpot", "force"} & scene.features:
+            return "nothing damps or drives: the motion is harmonic"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
@@ -59,10 +59,10 @@ class ExactLinear(Solver):
             "linear": line.spring.stiffness,
             "damping": line.damping,
             "weight": line.weight,
+            "drives": len(line.drives),
+            "drive": drives,
         }
-        struct = kernel.ffi.new(
-            "refdem_linear *", {**given, "drives": len(line.drives), "drive": drives}
-        )
+        struct = kernel.ffi.new("refdem_linear *", given)
         samples = pointer("linear_oscillator", t)
         rows = pointer("linear_oscillator", out, output=True)
         started = perf_counter()

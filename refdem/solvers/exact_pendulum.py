@@ -59,23 +59,16 @@ class ExactPendulum(Solver):
             scene.bodies.velocity[0].copy(),
         )
         # Filled, not only allocated: the first touch of memory is set-up.
-        position, velocity, force = (
-            np.full((len(t), *shape), np.nan) for shape in ((1, 3), (1, 3), (1,))
-        )
+        position = np.full((len(t), 1, 3), np.nan)
+        velocity = np.full((len(t), 1, 3), np.nan)
+        force = np.full((len(t), 1), np.nan)
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
         lib = load("pendulum").lib
         motion = prepared("pendulum")
-        lib.refdem_pendulum_prepare(
-            scene.bodies.mass[0],
-            rod.length,
-            *columns,
-            t[0],
-            len(t),
-            pointer("pendulum", t),
-            *out,
-            motion,
-        )
+        body = (scene.bodies.mass[0], rod.length, *columns)
+        samples = pointer("pendulum", t)
+        lib.refdem_pendulum_prepare(*body, t[0], len(t), samples, *out, motion)
         started = perf_counter()
         seconds = timed(lib.refdem_pendulum_run, motion)
         cost = Cost(seconds=seconds, setup=started - begun)
@@ -94,10 +87,9 @@ def _astray(scene: Scene) -> str | None:
         return f"the rod of length {rod.length} starts {reach} long"
     if abs(arm @ velocity) > PLANAR * reach * speed:
         return "the point starts with a speed along the rod"
-    if (
-        abs(np.cross(arm, gravity) @ velocity)
-        > PLANAR * reach * float(np.linalg.norm(gravity)) * speed
-    ):
+    pull = float(np.linalg.norm(gravity))
+    out_of_plane = abs(np.cross(arm, gravity) @ velocity)
+    if out_of_plane > PLANAR * reach * pull * speed:
         return "the motion is not in a plane: a spherical pendulum"
     return None
 

@@ -48,7 +48,7 @@ class ExactPiecewiseField(Solver):
         scene = request.problem.scene
         t = request.problem.times
         field = scene.all(PiecewiseField)[0]
-        axis = np.array(scene.all(PiecewiseField)[0].axis)
+        axis = np.array(field.axis)
         sense = float(np.sign(request.problem.interval))
         place = float((scene.bodies.position[0] - field.point) @ axis)
         speed = sense * float(scene.bodies.velocity[0] @ axis)

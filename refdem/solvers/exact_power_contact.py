@@ -78,41 +78,34 @@ class ExactPowerContact(Solver):
         force = np.array([law.stiffness, law.exponent])
         kernel = load("power_contact").lib
         laws = pointer("power_contact", force)
+        samples = pointer("power_contact", since)
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         started = perf_counter()
         kernel.refdem_power_contact(
-            mass,
-            laws,
-            laws,
-            start,
-            sense * closing,
-            len(t),
-            pointer("power_contact", since),
-            *buffers,
+            mass, laws, laws, start, sense * closing, len(t), samples, *buffers
         )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position, velocity = states(
-            scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing
-        )
-        pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
-        events = tuple(
-            Event(time=float(t[0] + sense * when), kind=kind, body=0)
-            for when, kind in pairs
-            if 0 < when <= since[-1]
-        )
-        return Trajectory(
+        overlap_now = out[:, 0]
+        rate_now = sense * out[:, 1]
+        position, velocity = states(scene, since * sense, overlap_now - start, rate_now - closing)
+        events = []
+        for when, kind in ((touch[0], "contact"), (touch[2], "release")):
+            if 0 < when <= since[-1]:
+                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
+        found = Trajectory(
             t=t,
             position=position,
             velocity=velocity,
             attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
             omega=np.zeros_like(velocity),
-            channels=_channels(np.maximum(out[:, 0], 0.0), law),
-            events=events,
-        ), cost
+            channels=_channels(np.maximum(overlap_now, 0.0), law),
+            events=tuple(events),
+        )
+        return found, cost
 
 
 def _channels(overlap: Array, law: Contact) -> dict[str, Array]:
-    """What presses."""
+    """The channels of the contact, each (T,), from the overlap >= 0 (T,) [m]."""
     return {
         "overlap": overlap,
         "contacts": (overlap > 0).astype(float),

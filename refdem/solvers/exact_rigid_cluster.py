@@ -44,8 +44,10 @@ class ExactRigidCluster(Solver):
         """None for points that are not in one plane, all held by rods, and nothing else."""
         scene = problem.scene
         others = [element.kind for element in scene.elements if not isinstance(element, Rod)]
-        if others or not scene.elements:
-            return f"{others[0] if others else 'nothing'} beside rods"
+        if others:
+            return f"{others[0]} beside rods"
+        if not scene.elements:
+            return "nothing beside rods"
         if any(rod.b < 0 for rod in scene.all(Rod)) or scene.bodies.fixed.any():
             return "a rod to the world, or a point that is fixed"
         return single.turning(scene) or _loose(scene)
@@ -70,16 +72,13 @@ class ExactRigidCluster(Solver):
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         turn = axes @ matrix(attitude) @ axes.T
         away = np.einsum("tij,nj->tni", turn, arms)
-        velocity = drift + np.cross((spin @ axes.T)[:, None], away)
+        omega_space = spin @ axes.T
+        velocity = drift + np.cross(omega_space[:, None], away)
         position = (place + np.outer(t - t[0], drift))[:, None] + away
         position[0] = scene.bodies.position
         velocity[0] = scene.bodies.velocity
-        return (
-            Trajectory.of_points(
-                t, position, velocity, channels={"rod_force": _tension(scene, away, velocity)}
-            ),
-            cost,
-        )
+        channels = {"rod_force": _tension(scene, away, velocity)}
+        return Trajectory.of_points(t, position, velocity, channels=channels), cost
 
 
 def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
@@ -94,19 +93,20 @@ def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     bodies = scene.bodies
     part = mass / mass.sum()
     base = int(np.argmax(mass))
-    place, drift = (
-        column[base] + part @ (column - column[base])
-        for column in (bodies.position, bodies.velocity)
-    )
-    arms, rates = (
-        np.einsum("j,ijk->ik", part, column[:, None] - column)
-        for column in (bodies.position, bodies.velocity)
-    )
-    tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum(
-        "n,ni,nj->ij", mass, arms, arms
-    )
+
+    def mean(column: Array) -> Array:
+        return np.asarray(column[base] + part @ (column - column[base]))
+
+    def from_mean(column: Array) -> Array:
+        return np.asarray(np.einsum("j,ijk->ik", part, column[:, None] - column))
+
+    arms = from_mean(bodies.position)
+    rates = from_mean(bodies.velocity)
+    # J = sum m (r^2 1 - r r^T), and J omega = sum m r x v.
+    squares = np.einsum("n,nk,nk->", mass, arms, arms)
+    tensor = squares * np.eye(3) - np.einsum("n,ni,nj->ij", mass, arms, arms)
     omega = np.linalg.solve(tensor, mass @ np.cross(arms, rates))
-    return place, drift, arms, tensor, omega
+    return mean(bodies.position), mean(bodies.velocity), arms, tensor, omega
 
 
 def _rows(scene: Scene, away: Array) -> Array:
@@ -147,14 +147,12 @@ def _tension(scene: Scene, away: Array, velocity: Array) -> Array:
     rows = _rows(scene, away)
     weighted = rows / scene.bodies.mass[:, None]
     coupling = np.einsum("tink,tjnk->tij", rows, weighted)
-    speed2 = [
-        np.sum((velocity[:, rod.a] - velocity[:, rod.b]) ** 2, axis=1) / rod.length for rod in rods
-    ]
-    solved: Any = np.einsum(
-        "tij,tj->ti",
-        np.linalg.pinv(coupling, hermitian=True, rcond=1e-12),
-        np.stack(speed2, axis=1),
-    )
+    wanted = []
+    for rod in rods:
+        relative = velocity[:, rod.a] - velocity[:, rod.b]
+        wanted.append(np.sum(relative**2, axis=1) / rod.length)
+    inverse = np.linalg.pinv(coupling, hermitian=True, rcond=1e-12)
+    solved: Any = np.einsum("tij,tj->ti", inverse, np.stack(wanted, axis=1))
     return np.ascontiguousarray(solved)
 
 

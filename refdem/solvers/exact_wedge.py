@@ -56,18 +56,28 @@ class ExactWedge(Solver):
         sense = float(np.sign(request.problem.interval))
         start = float(wall.overlap(bodies.position[0]))
         rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
-        laws = [np.array([wall.quadratic, 2.0]), np.array([wall.stiffness, 1.0])]
-        inward, outward = laws if _comes_edge_first(scene, wall, start, rate) else laws[::-1]
+        # A law: factor and exponent of the overlap.
+        of_edge = np.array([wall.quadratic, 2.0])
+        of_side = np.array([wall.stiffness, 1.0])
+        is_edge_first = _comes_edge_first(scene, wall, start, rate)
+        if is_edge_first:
+            inward = of_edge
+        else:
+            inward = of_side
+        if is_edge_first:
+            outward = of_side
+        else:
+            outward = of_edge
         since = sense * (t - t[0])
         out = np.empty((len(t), 2))
         touch = np.empty(3)
         kernel = load("power_contact").lib
-        arrays = [pointer("power_contact", array) for array in (inward, outward, since)]
+        mass = float(bodies.mass[0])
+        laws = [pointer("power_contact", law) for law in (inward, outward)]
+        samples = pointer("power_contact", since)
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         started = perf_counter()
-        kernel.refdem_power_contact(
-            float(bodies.mass[0]), *arrays[:2], start, rate, len(t), arrays[2], *buffers
-        )
+        kernel.refdem_power_contact(mass, *laws, start, rate, len(t), samples, *buffers)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         normal = np.array(wall.normal)
         turned = (since > touch[1]) & (touch[1] > 0)
@@ -75,33 +85,36 @@ class ExactWedge(Solver):
         position = bodies.position - (out[:, :1, None] - start) * normal
         velocity = bodies.velocity - sense * (out[:, 1:, None] - rate) * normal
         pressed = np.maximum(out[:, 0], 0.0)
-        deepest = _deepest(float(bodies.mass[0]), inward, outward, start, rate)
-        gained = outward[0] / (outward[1] + 1) * deepest ** (outward[1] + 1) - inward[0] / (
-            inward[1] + 1
-        ) * deepest ** (inward[1] + 1)
+        deepest = _deepest(mass, inward, outward, start, rate)
+        gained = _stored(outward, deepest) - _stored(inward, deepest)
         channels = {
             "overlap": pressed,
             "contacts": (pressed > 0).astype(float),
             "dissipated_work": np.where(turned, -gained, 0.0),
         }
-        told = ((touch[0], "contact"), (touch[1], "turn"), (touch[2], "release"))
-        events = tuple(
-            Event(time=float(t[0] + sense * when), kind=kind, body=0)
-            for when, kind in told
-            if 0 < when <= since[-1]
+        events = []
+        for when, kind in zip(touch, ("contact", "turn", "release"), strict=True):
+            if 0 < when <= since[-1]:
+                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
+        found = Trajectory(
+            t=t,
+            position=position,
+            velocity=velocity,
+            attitude=attitude,
+            omega=np.zeros_like(velocity),
+            channels=channels,
+            events=tuple(events),
         )
-        return (
-            Trajectory(
-                t=t,
-                position=position,
-                velocity=velocity,
-                attitude=attitude,
-                omega=np.zeros_like(velocity),
-                channels=channels,
-                events=events,
-            ),
-            cost,
-        )
+        return found, cost
+
+
+def _stored(law: np.ndarray, overlap: float) -> float:
+    """Energy [J] stored in an overlap [m] under the force `factor d^exponent`:
+    factor d^(exponent + 1)/(exponent + 1).
+    """
+    factor, exponent = law
+    energy: float = factor / (exponent + 1) * overlap ** (exponent + 1)
+    return energy
 
 
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
@@ -118,11 +131,12 @@ def _deepest(
     """Greatest overlap [m] of the contact; 0 if there is none."""
     if overlap <= 0 and rate <= 0:
         return 0.0
-    stiffness, exponent = outward if overlap > 0 and rate < 0 else inward
-    return float(
-        (0.5 * mass * rate**2 * (exponent + 1) / stiffness + max(overlap, 0.0) ** (exponent + 1))
-        ** (1 / (exponent + 1))
-    )
+    factor, exponent = outward if overlap > 0 and rate < 0 else inward
+    power = exponent + 1
+    # factor d^power/power = m v^2/2 + factor d0^power/power at the turning point.
+    moving = 0.5 * mass * rate**2 * power / factor
+    pressed = max(overlap, 0.0) ** power
+    return float((moving + pressed) ** (1 / power))
 
 
 METHOD = ExactWedge()

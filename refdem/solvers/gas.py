@@ -59,17 +59,21 @@ class Buffers:
     room: NDArray[np.uint8]
 
     def addresses(self) -> tuple[Any, ...]:
-        """As the kernel takes them."""
+        """The addresses of the arrays in the kernel's order; NULL for states that are not told."""
         ffi = load("gas").ffi
-        of = [
-            pointer("gas", self.states[name], output=True) if name in self.states else ffi.NULL
-            for name in STATE
-        ]
+        states = []
+        for name in STATE:
+            rows = self.states.get(name)
+            if rows is None:
+                address = ffi.NULL
+            else:
+                address = pointer("gas", rows, output=True)
+            states.append(address)
+        room = ffi.from_buffer("uint8_t[]", self.room)
         events = ffi.from_buffer("int64_t[]", self.events)
-        event, channel = (
-            pointer("gas", array, output=True) for array in (self.event, self.channel)
-        )
-        return (ffi.from_buffer("uint8_t[]", self.room), events, event, channel, *of)
+        event = pointer("gas", self.event, output=True)
+        channel = pointer("gas", self.channel, output=True)
+        return (room, events, event, channel, *states)
 
 
 class Gas(Solver):
@@ -117,10 +121,12 @@ class Gas(Solver):
         ffi = load("gas").ffi
         lib = load("gas").lib
         planes = np.array([(*plane.point, *plane.normal) for plane in scene.all(Plane)]).ravel()
-        struct = ffi.new(
-            "refdem_gas *",
-            {**_numbers(scene), "plane": pointer("gas", planes) if planes.size else ffi.NULL},
-        )
+        # `planes` must live as long as the struct, which does not keep it.
+        if planes.size:
+            at_planes = pointer("gas", planes)
+        else:
+            at_planes = ffi.NULL
+        struct = ffi.new("refdem_gas *", {**_numbers(scene), "plane": at_planes})
         used = _buffers(scene, struct, len(t))
         started = perf_counter()
         counts = len(used.events), request.signed_step, len(t), request.stride, used.event.shape[1]
@@ -130,26 +136,19 @@ class Gas(Solver):
             setup=started - begun,
             steps=request.stride * (len(t) - 1),
         )
-        if fault:
+        if fault == 2:
             raise EngineError(
                 f"gas: {len(used.events)} threads asked for by {THREADS} could not be had"
-                if fault == 2
-                else (
-                    "gas: more bodies in one place than spheres can be; a smaller step would keep"
-                    " them apart"
-                )
+            )
+        if fault:
+            raise EngineError(
+                "gas: more bodies in one place than spheres can be; a smaller step would keep"
+                " them apart"
             )
         contacts, work = used.channel.T.copy()
-        return (
-            _trajectory(
-                scene,
-                t,
-                used.states,
-                {"contacts": contacts, "dissipated_work": work},
-                _begins(used, float(t[0])),
-            ),
-            cost,
-        )
+        channels = {"contacts": contacts, "dissipated_work": work}
+        events = _begins(used, float(t[0]))
+        return _trajectory(scene, t, used.states, channels, events), cost
 
 
 def _of_bodies(scene: Scene) -> str | None:
@@ -198,32 +197,35 @@ def _numbers(scene: Scene) -> dict[str, Any]:
     n = len(bodies)
     planes = len(scene.all(Plane))
     if boxes:
-        extent = [boxes[0].size] * 3
+        size = boxes[0].size
+    else:
+        size = 0.0
+    if boxes:
+        extent = [size] * 3
     else:
         extent = np.maximum(np.ptp(bodies.position, axis=0), diameter)
+    # The part of space that the spheres would fill at three times their density.
     filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
-    most = int(min(n * (n - 1) / 2, n * (20 + 0.5 * 8 * 1.5**3 * filled))) + n * planes
-    numbers: dict[str, Any] = {
+    # Half the partners of a sphere within 1.5 diameters, and some; never more than all pairs.
+    listed = n * (20 + 0.5 * 8 * 1.5**3 * filled)
+    most = int(min(n * (n - 1) / 2, listed)) + n * planes
+    return {
         "bodies": n,
         "planes": planes,
         "most_pairs": most,
-        "no_pull": law.cutoff == "zero_force",
-    }
-    numbers |= {
         "most_contacts": min(most, TOUCHING * n + n * min(planes, 3)),
         "turning": law.friction > 0 or bool(bodies.omega.any()),
-    }
-    numbers |= {
+        "size": size,
         "mass": bodies.mass[0],
         "inertia": bodies.inertia[0, 0],
         "diameter": diameter,
+        "stiffness": law.stiffness,
+        "damping": law.damping,
+        "tangential_stiffness": law.tangential_stiffness,
+        "friction": law.friction,
         "branch": BRANCH[law.branch],
+        "no_pull": law.cutoff == "zero_force",
     }
-    numbers |= {
-        name: getattr(law, name)
-        for name in ("stiffness", "damping", "tangential_stiffness", "friction")
-    }
-    return numbers | {"size": boxes[0].size if boxes else 0.0}
 
 
 def _buffers(scene: Scene, struct: Any, samples: int) -> Buffers:
@@ -263,13 +265,11 @@ def _begins(used: Buffers, start: float) -> tuple[Event, ...]:
     """
     if used.events.sum() > MOST_EVENTS:
         return ()
-    told = np.concatenate(
-        [rows[:count] for rows, count in zip(used.event, used.events, strict=True)]
-    )
-    told = told[np.argsort(told[:, 0], kind="stable")]
-    return tuple(
-        Event(time=start + when, kind="contact", body=int(body)) for when, body in told.tolist()
-    )
+    by_thread = [rows[:count] for rows, count in zip(used.event, used.events, strict=True)]
+    told = np.concatenate(by_thread)
+    in_time = told[np.argsort(told[:, 0], kind="stable")]
+    events = [Event(start + when, "contact", int(body)) for when, body in in_time.tolist()]
+    return tuple(events)
 
 
 def _trajectory(

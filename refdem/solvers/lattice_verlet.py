@@ -57,6 +57,8 @@ class LatticeVerlet(Solver):
             return "more than a spring and gravity acts on the point"
         if line.spring.length:
             return "the spring has a length: its force turns round at the anchor"
+        if line.spring.quadratic:
+            return "the square of the stretch turns round at the anchor"
         if _reach(line):
             return None
         return "the motion has no bound, or is rest"
@@ -73,9 +75,11 @@ class LatticeVerlet(Solver):
             "mass": line.mass,
             "stiffness": spring.stiffness,
             "exponent": spring.exponent,
-            "quadratic": spring.quadratic,
+            "cubic": spring.cubic,
+            "weight": line.weight,
+            "place": place,
+            "speed": speed,
         }
-        law |= {"cubic": spring.cubic, "weight": line.weight, "place": place, "speed": speed}
         told = load(FAMILY).ffi.new("refdem_lattice *", law)
         rows = pointer(FAMILY, out, output=True)
         step = (line.place, line.speed, request.signed_step, len(t), request.stride)
@@ -91,14 +95,18 @@ def _reach(line: Line) -> tuple[float, float] | None:
 
     def potential(x: float) -> float:
         power = spring.stiffness * abs(x) ** (spring.exponent + 1) / (spring.exponent + 1)
-        return power + spring.quadratic * x**3 / 3 + spring.cubic * x**4 / 4 - line.weight * x
+        return power + spring.cubic * x**4 / 4 - line.weight * x
 
     energy = potential(line.place) + line.mass * line.speed**2 / 2
     size = ldexp(1.0, frexp(abs(line.place) or abs(line.speed) or 1.0)[1] - 2)
     for _ in range(WIDEST):
         lowest = min(potential(size * part / 16) for part in range(-16, 17))
-        if min(potential(size), potential(-size)) - lowest >= ROOM * (energy - lowest) > 0:
-            return size, ldexp(1.0, ceil(log2(sqrt(2 * ROOM * (energy - lowest) / line.mass))))
+        # The barrier, and what the motion has of it, with room.
+        barrier = min(potential(size), potential(-size)) - lowest
+        needed = ROOM * (energy - lowest)
+        if barrier >= needed > 0:
+            fastest = sqrt(2 * ROOM * (energy - lowest) / line.mass)
+            return size, ldexp(1.0, ceil(log2(fastest)))
         size *= 2
     return None
 

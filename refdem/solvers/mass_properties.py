@@ -38,7 +38,7 @@ class MassProperties(Solver):
     answers = Solid
 
     def refusal(self, problem: Solid) -> str | None:
-        """None: it knows every shape."""
+        """None: every shape that a solid can have is known."""
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -53,9 +53,11 @@ class MassProperties(Solver):
 def said(piece: Piece) -> dict[str, float]:
     """All that is asked of one solid."""
     found = of_piece(piece)
-    return body(
-        found.mass, found.centre, found.inertia if piece.about is None else found.about(piece.about)
-    )
+    if piece.about is None:
+        tensor = found.inertia
+    else:
+        tensor = found.about(piece.about)
+    return body(found.mass, found.centre, tensor)
 
 
 def of_piece(piece: Piece) -> mechanics.MassProperties:

@@ -76,7 +76,8 @@ class ObliqueContact(Solver):
             and laws[0].stiffness * start[0] + laws[0].damping * start[1] <= 0
         ):
             return "the force would pull at the start"
-        aside = np.linalg.norm(bodies.omega - np.outer(bodies.omega @ axes[2], axes[2]), axis=1)
+        across_plane = np.outer(bodies.omega @ axes[2], axes[2])
+        aside = np.linalg.norm(bodies.omega - across_plane, axis=1)
         if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1)):
             return "a spin turns the motion out of its plane"
         return None
@@ -119,11 +120,12 @@ def frame(scene: Scene) -> Array:
     along = line / np.linalg.norm(line)
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
+        # Head on: the spins say in which plane they will move, or else any plane does.
         spin = bodies.omega[np.argmax(np.linalg.norm(bodies.omega, axis=1))]
-        if np.any(np.cross(spin, along)):
-            across = np.cross(spin, along)
-        else:
-            across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+        across = np.cross(spin, along)
+        if not np.any(across):
+            least = np.argmin(np.abs(along))
+            across = np.cross(along, np.eye(3)[least])
     across = across / np.linalg.norm(across)
     return np.array([along, across, np.cross(along, across)])
 
@@ -138,37 +140,34 @@ def beginning(scene: Scene, axes: Array) -> Array:
     overlap = reach - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     if abs(overlap) <= ROUNDED * reach:
         overlap = 0.0
-    else:
-        overlap = overlap
-    return np.array(
-        [overlap, -(relative @ axes[0]), relative @ axes[1], 0.0, *(bodies.omega @ axes[2])]
-    )
+    rate = -(relative @ axes[0])
+    transverse = relative @ axes[1]
+    spins = bodies.omega @ axes[2]
+    return np.array([overlap, rate, transverse, 0.0, *spins])
 
 
 def words(scene: Scene, longest: float) -> Any:
     """The pair in the kernel's words."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
-    turn_ease = [1.0 / inertia if inertia > 0 else 0.0 for inertia in bodies.inertia[:, 0]]
+    radius_i, radius_j = bodies.radius.tolist()
+    # 1/J, and 0 for a sphere that nothing turns.
+    turn_ease_i, turn_ease_j = (1.0 / j if j > 0 else 0.0 for j in bodies.inertia[:, 0])
     numbers = {
-        name: getattr(law, name)
-        for name in ("stiffness", "damping", "tangential_stiffness", "friction")
-    }
-    numbers |= dict(
-        zip(
-            ("radius_i", "radius_j", "turn_ease_i", "turn_ease_j"),
-            (*bodies.radius.tolist(), *turn_ease),
-            strict=True,
-        )
-    )
-    numbers |= {
+        "stiffness": law.stiffness,
+        "damping": law.damping,
+        "tangential_stiffness": law.tangential_stiffness,
+        "friction": law.friction,
+        "radius_i": radius_i,
+        "radius_j": radius_j,
+        "turn_ease_i": turn_ease_i,
+        "turn_ease_j": turn_ease_j,
         "ease": float(np.sum(1.0 / bodies.mass)),
         "branch": BRANCH[law.branch],
         "longest": longest,
+        "no_pull": law.cutoff == "zero_force",
     }
-    return load(FAMILY).ffi.new(
-        "refdem_oblique_pair *", numbers | {"no_pull": law.cutoff == "zero_force"}
-    )
+    return load(FAMILY).ffi.new("refdem_oblique_pair *", numbers)
 
 
 def _trajectory(
@@ -176,7 +175,7 @@ def _trajectory(
 ) -> Trajectory:
     """The kernel's rows about a centre of mass in uniform motion."""
     bodies = scene.bodies
-    (overlap, rate, transverse, angle) = out[:, :4].T
+    overlap, rate, transverse, angle = out[:, :4].T
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]
     across = np.stack([-np.sin(angle), np.cos(angle)], axis=-1) @ axes[:2]
     line = bodies.position[1] - bodies.position[0]
@@ -189,10 +188,18 @@ def _trajectory(
     velocity = centre + relative[:, None] * share
     half = 0.5 * out[:, 6:8, None]
     turned = np.concatenate([np.cos(half), np.sin(half) * axes[2]], axis=-1)
-    columns = {"position": position, "velocity": velocity, "omega": out[:, 4:6, None] * axes[2]}
-    columns |= {"attitude": product(turned, np.broadcast_to(bodies.attitude, turned.shape))}
-    channels = {"contacts": out[:, 9].copy(), "overlap": np.maximum(overlap, 0.0)}
-    channels |= {"contact_force": out[:, 10].copy(), "dissipated_work": out[:, 11].copy()}
+    columns = {
+        "position": position,
+        "velocity": velocity,
+        "omega": out[:, 4:6, None] * axes[2],
+        "attitude": product(turned, np.broadcast_to(bodies.attitude, turned.shape)),
+    }
+    channels = {
+        "contacts": out[:, 9].copy(),
+        "overlap": np.maximum(overlap, 0.0),
+        "contact_force": out[:, 10].copy(),
+        "dissipated_work": out[:, 11].copy(),
+    }
     for name in ("position", "velocity", "omega", "attitude"):
         columns[name][0] = getattr(bodies, name)
     return Trajectory(t=t, channels=channels, events=events, **columns)

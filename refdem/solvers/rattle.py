@@ -66,28 +66,15 @@ class Rattle(Solver):
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
         work = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
         position, velocity, force = _room(scene, len(t), len(rods))
-        inputs = (
-            len(rods),
-            *_links(rods),
-            _doubles(length),
-            len(springs),
-            *_links(springs),
-            _doubles(law),
-        )
+        bodies = (n, _doubles(mass), _doubles(single.gravity(scene)))
+        held = (len(rods), *_links(rods), _doubles(length))
+        sprung = (len(springs), *_links(springs), _doubles(law))
+        clock = (request.signed_step, len(t), request.stride)
         out = [
             pointer("rattle", column, output=True) for column in (work, position, velocity, force)
         ]
         started = perf_counter()
-        failed = load("rattle").lib.refdem_rattle(
-            n,
-            _doubles(mass),
-            _doubles(single.gravity(scene)),
-            *inputs,
-            request.signed_step,
-            len(t),
-            request.stride,
-            *out,
-        )
+        failed = load("rattle").lib.refdem_rattle(*bodies, *held, *sprung, *clock, *out)
         cost = Cost(
             seconds=perf_counter() - started,
             setup=started - begun,
@@ -108,7 +95,8 @@ def _doubles(values: Any) -> Any:
 def _links(links: "list[Rod] | list[Spring]") -> tuple[Any, Any]:
     """Ends (M, 2) and world anchors (M, 3) as the kernel reads them."""
     every: list[Link] = list(links)
-    ends = np.array([(link.a, max(link.b, -1)) for link in every], dtype=np.int64).reshape(-1, 2)
+    pairs = [(link.a, max(link.b, -1)) for link in every]
+    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
     anchors = np.array([link.anchor_b for link in every], dtype=float).reshape(-1, 3)
     return load("rattle").ffi.from_buffer("int64_t[]", ends), _doubles(anchors)
 
@@ -118,10 +106,8 @@ def _room(scene: Scene, samples: int, rods: int) -> tuple[Any, Any, Any]:
     n = len(scene.bodies)
     position = np.empty((samples, n, 3))
     velocity = np.empty((samples, n, 3))
-    position[0], velocity[0] = (
-        scene.bodies.position,
-        np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity),
-    )
+    position[0] = scene.bodies.position
+    velocity[0] = np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity)
     return position, velocity, np.empty((samples, rods))
 
 

@@ -69,15 +69,15 @@ class RodChain(Solver):
         pivot = _pivot(scene, t)
         aim, rate = _aim(scene, chain, pivot)
         n = len(chain.bobs)
-        states = np.empty((len(t), 2 * len(chain.bobs) + 1))
+        # A row: angles from the start [rad], rates [rad/s], work of the pivot.
+        states = np.empty((len(t), 2 * n + 1))
         states[0] = np.concatenate([np.zeros(n), rate, [0.0]])
         length = np.array([rod.length for rod in chain.rods])
         mass = scene.bodies.mass[chain.bobs]
         drive, frequency, phase = _drive(scene)
-        given = [
-            pointer("rod_chain", column)
-            for column in (length, aim, mass, single.gravity(scene)[:2].copy(), drive)
-        ]
+        gravity = single.gravity(scene)[:2].copy()
+        columns = (length, aim, mass, gravity, drive)
+        given = [pointer("rod_chain", column) for column in columns]
         out = pointer("rod_chain", states, output=True)
         started = perf_counter()
         failed = load("rod_chain").lib.refdem_rod_chain(
@@ -188,9 +188,9 @@ def _pivot(scene: Scene, t: Array) -> Pivot:
     """The pivot's motion; at rest where the first rod hangs from the world."""
     for anchor in scene.all(MovingAnchor):
         place = anchor.place(t)
-        return Pivot(
-            place, anchor.velocity(t), -(anchor.frequency**2) * (place - np.array(anchor.anchor_b))
-        )
+        # a = -w^2 x about the middle of the motion.
+        acceleration = -(anchor.frequency**2) * (place - np.array(anchor.anchor_b))
+        return Pivot(place, anchor.velocity(t), acceleration)
     hung = next(rod for rod in scene.all(Rod) if rod.b < 0)
     rest = np.zeros((len(t), 3))
     return Pivot(rest + single.anchor(hung), rest, rest)
@@ -206,8 +206,11 @@ def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
 def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     """Sines and cosines (N, 2) of the angles from (0, -1) at the start, and the rates (N,)."""
     arm, speed = _parts(scene, chain, pivot)
-    aim = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / np.linalg.norm(arm, axis=1, keepdims=True)
-    return aim, (arm[:, 0] * speed[:, 1] - arm[:, 1] * speed[:, 0]) / np.sum(arm**2, axis=1)
+    length = np.linalg.norm(arm, axis=1, keepdims=True)
+    aim = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / length
+    # theta' = (r x v)_z/r^2.
+    turning = arm[:, 0] * speed[:, 1] - arm[:, 1] * speed[:, 0]
+    return aim, turning / np.sum(arm**2, axis=1)
 
 
 def _places(
@@ -225,14 +228,14 @@ def _places(
     down = aim[:, 1] * cosine - aim[:, 0] * sine
     outward = np.stack([x, -down, nothing], axis=2)
     sideways = rate[..., None] * np.stack([down, x, nothing], axis=2)
-    position, velocity = (np.empty((len(states), len(scene.bodies), 3)) for _ in range(2))
-    for column, support, part in (
-        (position, pivot.place, outward),
-        (velocity, pivot.velocity, sideways),
-    ):
-        if chain.pivot >= 0:
-            column[:, chain.pivot] = support
-        column[:, chain.bobs] = support[:, None] + np.cumsum(part, axis=1)
+    shape = (len(states), len(scene.bodies), 3)
+    position = np.empty(shape)
+    velocity = np.empty(shape)
+    if chain.pivot >= 0:
+        position[:, chain.pivot] = pivot.place
+        velocity[:, chain.pivot] = pivot.velocity
+    position[:, chain.bobs] = pivot.place[:, None] + np.cumsum(outward, axis=1)
+    velocity[:, chain.bobs] = pivot.velocity[:, None] + np.cumsum(sideways, axis=1)
     position[0] = scene.bodies.position
     velocity[0] = scene.bodies.velocity
     return position, velocity
@@ -245,25 +248,32 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
     rods = scene.all(Rod)
     chain = _chain(scene)
     mass = scene.bodies.mass
+    gravity = single.gravity(scene)
     rows = np.zeros((len(position), len(rods), len(mass), 3))
     wanted = np.zeros((len(position), len(rods)))
+
+    def at(column: Array, end: int, of_pivot: Array) -> Array:
+        """What an end of a rod has: a body's column, or the pivot's where it hangs from it."""
+        if end >= 0:
+            own: Array = column[:, end]
+        else:
+            own = of_pivot
+        return own
+
     for number, rod in enumerate(rods):
-        ends = [
-            (end, side)
-            for end, side in ((rod.a, 1.0), (rod.b, -1.0))
-            if end >= 0 and end != chain.pivot
-        ]
-        place, speed = (
-            [column[:, end] if end >= 0 else other for end in (rod.a, rod.b)]
-            for column, other in ((position, pivot.place), (velocity, pivot.velocity))
-        )
-        direction = (place[0] - place[1]) / rod.length
-        wanted[:, number] = np.sum((speed[0] - speed[1]) ** 2, axis=1) / rod.length
-        for end, side in ends:
+        apart = at(position, rod.a, pivot.place) - at(position, rod.b, pivot.place)
+        relative = at(velocity, rod.a, pivot.velocity) - at(velocity, rod.b, pivot.velocity)
+        direction = apart / rod.length
+        wanted[:, number] = np.sum(relative**2, axis=1) / rod.length
+        # The ends that the force moves: bobs, not the pivot.
+        sides = {rod.a: 1.0, rod.b: -1.0}
+        ends = {end: side for end, side in sides.items() if end >= 0 and end != chain.pivot}
+        for end, side in ends.items():
             rows[:, number, end] = side * direction
-            wanted[:, number] += side * direction @ single.gravity(scene)
+            wanted[:, number] += side * direction @ gravity
         if len(ends) == 1:
-            wanted[:, number] -= ends[0][1] * np.sum(direction * pivot.acceleration, axis=1)
+            (side,) = ends.values()
+            wanted[:, number] -= side * np.sum(direction * pivot.acceleration, axis=1)
     coupling = np.einsum("tink,tjnk->tij", rows, rows / mass[:, None])
     solved: Any = np.linalg.solve(coupling, wanted[..., None])[..., 0]
     return np.ascontiguousarray(solved)
@@ -273,7 +283,9 @@ def _lost(scene: Scene, number: int, pivot: Pivot, work: Array) -> Array:
     """Energy (T,) [J] that the scene has lost to the anchor since the start: less what it did on
     the chain and on the pivot's mass.
     """
-    energy: Array = 0.5 * np.sum(pivot.velocity**2, axis=1) - pivot.place @ single.gravity(scene)
+    # Energy of the pivot per mass [J/kg].
+    kinetic = 0.5 * np.sum(pivot.velocity**2, axis=1)
+    energy: Array = kinetic - pivot.place @ single.gravity(scene)
     return work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
 
 

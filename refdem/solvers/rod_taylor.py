@@ -68,28 +68,19 @@ class RodTaylor(Solver):
         mass = float(scene.bodies.mass[0])
         gravity = single.gravity(scene)
         speed = scene.bodies.velocity[0]
+        # The kernel's unit of time [s]: accelerations are as its square, velocities as it.
         unit = single.time_unit([swing_time(rod.length, gravity), turn_time(rod.length, speed)])
-        given = (
-            gravity * unit**2,
-            single.anchor(rod),
-            scene.bodies.position[0].copy(),
-            speed * unit,
-        )
+        place = scene.bodies.position[0].copy()
+        given = (gravity * unit**2, single.anchor(rod), place, speed * unit)
         clock = np.ascontiguousarray(t / unit)
         position = np.empty((len(t), 1, 3))
         velocity = np.empty((len(t), 1, 3))
         force = np.empty((len(t), 1))
         columns = [pointer("rod_taylor", column) for column in given]
+        samples = pointer("rod_taylor", clock)
         out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
-        arguments = (
-            mass,
-            rod.length,
-            *columns,
-            float(clock[0]),
-            len(t),
-            pointer("rod_taylor", clock),
-            *out,
-        )
+        body = (mass, rod.length, *columns)
+        arguments = (*body, float(clock[0]), len(t), samples, *out)
         started = perf_counter()
         seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
         cost = Cost(seconds=seconds, setup=started - begun)
@@ -98,12 +89,8 @@ class RodTaylor(Solver):
                 "rod-taylor: the series do not reach the last sample; expected a motion of finite"
                 " speed"
             )
-        return (
-            Trajectory.of_points(
-                t, position, velocity / unit, channels={"rod_force": force / unit**2}
-            ),
-            cost,
-        )
+        channels = {"rod_force": force / unit**2}
+        return Trajectory.of_points(t, position, velocity / unit, channels=channels), cost
 
 
 def swing_time(length: float, gravity: Array) -> float:
@@ -115,7 +102,7 @@ def swing_time(length: float, gravity: Array) -> float:
 
 
 def turn_time(length: float, velocity: Array) -> float:
-    """l/|v| [s]; infinite at rest."""
+    """The time l/|v| [s] in which the point would fly a rod's length; infinite at rest."""
     size = float(np.linalg.norm(velocity))
     if size > 0:
         return length / size

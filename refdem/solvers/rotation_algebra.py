@@ -24,7 +24,7 @@ def turn(axis: Array, angle: Array) -> Array:
 
 
 def plane(angle: Array) -> Array:
-    """The rotation matrix (2, 2)."""
+    """The rotation matrix (2, 2) of a turn by an angle (1,) [rad]."""
     return rotation.about_axis(2, angle[0])[:2, :2]
 
 
@@ -39,7 +39,7 @@ def above(eigenvalues: NDArray[Any]) -> Array:
 
 
 def parts(z: complex) -> Array:
-    """Real and imaginary part."""
+    """The real and the imaginary part (2,) of a complex number."""
     return np.array([z.real, z.imag])
 
 
@@ -58,17 +58,17 @@ def complex_product(p: Array, q: Array) -> Array:
 
 
 def pure(v: Array) -> Array:
-    """The quaternion (0, v)."""
+    """The quaternion (0, v) (4,) of a vector (3,)."""
     return np.concatenate([[0.0], v])
 
 
 def pairs(rods: Array) -> list[tuple[int, int]]:
-    """Ends of the rods."""
+    """The pairs of points that the rods (2 R,) join."""
     return [(int(a), int(b)) for a, b in rods.reshape(-1, 2)]
 
 
 def square(m: Array) -> Array:
-    """The matrix (3, 3)."""
+    """The matrix (3, 3) of nine numbers (9,), row by row."""
     return m.reshape(3, 3)
 
 
@@ -141,9 +141,8 @@ class RotationAlgebra(Solver):
         problem = request.problem
         assert isinstance(problem, Identity)
         started = perf_counter()
-        return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(
-            seconds=perf_counter() - started
-        )
+        found = Trajectory.of_values(problem.times, results(problem, ANSWERS))
+        return found, Cost(seconds=perf_counter() - started)
 
 
 METHOD = RotationAlgebra()

@@ -82,14 +82,12 @@ class SpinningTop(Solver):
         joint = scene.all(BallJoint)[0]
         arm = -np.array(joint.anchor_a)
         weight = bodies.mass[0] * single.gravity(scene)
+        # A row: attitude, omega in body axes [rad/s].
+        omega_body = rotated(conjugate(bodies.attitude[0]), bodies.omega[0])
         states = np.empty((len(t), 7))
-        states[0] = np.concatenate(
-            [bodies.attitude[0], rotated(conjugate(bodies.attitude[0]), bodies.omega[0])]
-        )
-        given = [
-            pointer("spinning_top", np.ascontiguousarray(column))
-            for column in (_about_joint(scene), arm, weight)
-        ]
+        states[0] = np.concatenate([bodies.attitude[0], omega_body])
+        columns = (_about_joint(scene), arm, weight)
+        given = [pointer("spinning_top", np.ascontiguousarray(column)) for column in columns]
         out = pointer("spinning_top", states, output=True)
         started = perf_counter()
         failed = load("spinning_top").lib.refdem_spinning_top(
@@ -104,17 +102,17 @@ class SpinningTop(Solver):
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         omega = rotated(attitude, states[:, 4:])
         reach = rotated(attitude, arm)
-        columns: dict[str, Any] = {
+        found: dict[str, Any] = {
             "position": reach + single.anchor(joint),
             "velocity": np.cross(omega, reach),
             "attitude": attitude,
             "omega": omega,
         }
-        for name, values in columns.items():
+        rows: dict[str, Any] = {}
+        for name, values in found.items():
+            # The first row is the start as it came, not as it is rounded here.
             values[0] = getattr(bodies, name)[0]
-        rows: dict[str, Any] = {
-            name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()
-        }
+            rows[name] = np.ascontiguousarray(values[:, None])
         return Trajectory(t=t, **rows), cost
 
 
@@ -132,11 +130,11 @@ def _astray(scene: Scene) -> str | None:
     arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
     size = float(np.linalg.norm(arm))
     speed = float(np.linalg.norm(bodies.omega[0]))
-    if np.linalg.norm(bodies.position[0] - arm - single.anchor(joint)) > FITS * (
-        size + np.linalg.norm(joint.anchor_b)
-    ):
+    gap = np.linalg.norm(bodies.position[0] - arm - single.anchor(joint))
+    if gap > FITS * (size + np.linalg.norm(joint.anchor_b)):
         return "the joint is open at the start"
-    if np.linalg.norm(bodies.velocity[0] - np.cross(bodies.omega[0], arm)) > FITS * size * speed:
+    joint_speed = np.linalg.norm(bodies.velocity[0] - np.cross(bodies.omega[0], arm))
+    if joint_speed > FITS * size * speed:
         return "the joint moves at the start"
     return None
 

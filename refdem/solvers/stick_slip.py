@@ -59,9 +59,8 @@ class StickSlip(Solver):
             return f"{others[0]} is more than an oscillator with dry friction has"
         springs = scene.all(Spring)
         sliders = scene.all(Slider)
-        if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(
-            scene.all(Force)
-        ) > 1:
+        counts = (len(scene.bodies), len(springs), len(sliders))
+        if counts != (1, 1, 1) or len(scene.all(Force)) > 1:
             return "expected one body, one spring, one slider and at most one force"
         if scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
@@ -80,36 +79,30 @@ class StickSlip(Solver):
         t = np.ascontiguousarray(request.problem.times)
         axis = np.array(scene.all(Slider)[0].axis)
         anchor = single.anchor(scene.all(Spring)[0])
-        start = [
-            float(axis @ vector)
-            for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])
-        ]
         out = np.empty((len(t), 3))
         told = np.empty((MOST_EVENTS, 2))
+        # The kernel is told the motion in its own unit of time [s].
         unit = law_time_unit(scene)
         law = belt_law(scene, unit)
-        start[1] *= unit
+        place = float(axis @ (scene.bodies.position[0] - anchor))
+        speed = float(axis @ scene.bodies.velocity[0]) * unit
         clock = np.ascontiguousarray(t / unit)
         buffers = [pointer(FAMILY, array, output=True) for array in (told, out)]
         lib = load(FAMILY).lib
         started = perf_counter()
         count = lib.refdem_stick_slip(
-            law, *start, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers
+            law, place, speed, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers
         )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        events = tuple(
-            Event(time=float(time * unit), kind=KINDS[int(kind)], body=0)
-            for time, kind in told[:count]
-            if time <= clock[-1]
-        )
+        events = []
+        for time, kind in told[:count]:
+            if time <= clock[-1]:
+                events.append(Event(time=float(time * unit), kind=KINDS[int(kind)], body=0))
         position = anchor + out[:, :1, None] * axis
         velocity = out[:, 1:2, None] / unit * axis
-        return (
-            Trajectory.of_points(
-                t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
-            ),
-            cost,
-        )
+        channels = {"dissipated_work": out[:, 2].copy()}
+        found = Trajectory.of_points(t, position, velocity, channels=channels, events=tuple(events))
+        return found, cost
 
 
 def law_time_unit(scene: Scene) -> float:
@@ -129,35 +122,37 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
     spring = scene.all(Spring)[0]
     axis = np.array(slider.axis)
     mass = float(scene.bodies.mass[0])
-    plain = slider.law == "coulomb"
     force = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
-    names = ("mu0", "mu1", "lambda0", "lambda1")
-    if not plain:
-        law = {name: getattr(slider, name) for name in names}
-    else:
-        law = dict.fromkeys(names, 0.0)
-    law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
-    by_speed: tuple[str, ...] = ("lambda0",)
+    numbers = _friction(slider, unit) | {
+        "mass": mass / unit**2,
+        "stiffness": spring.stiffness,
+        "weight": mass * float(axis @ single.gravity(scene)),
+        "normal_force": slider.normal_force,
+        "belt": slider.belt_velocity * unit,
+        "amplitude": force.amplitude * float(axis @ np.array(force.axis)),
+        "frequency": force.frequency * unit,
+        "phase": force.phase,
+        "linear": slider.law == "stribeck_linear",
+    }
+    return load(FAMILY).ffi.new("refdem_belt *", numbers)
+
+
+def _friction(slider: Slider, unit: float) -> dict[str, float]:
+    """Coefficients of mu(v) = (mu0 - mu1)/(1 + lambda0 v) + mu1 + lambda1 v^2 (1.126), or of its
+    form that is linear in v, for speeds in units of 1/unit; Coulomb's law is the constant mu.
+    """
+    if slider.law == "coulomb":
+        return {"mu0": slider.friction, "mu1": slider.friction, "lambda0": 0.0, "lambda1": 0.0}
     if slider.law == "stribeck_linear":
-        by_speed = ("lambda0", "lambda1")
-    law |= {name: law[name] / unit for name in by_speed}
-    if "lambda1" not in by_speed:
-        law["lambda1"] /= unit**2
-    return load(FAMILY).ffi.new(
-        "refdem_belt *",
-        law
-        | {
-            "mass": mass / unit**2,
-            "stiffness": spring.stiffness,
-            "weight": mass * float(axis @ single.gravity(scene)),
-            "normal_force": slider.normal_force,
-            "belt": slider.belt_velocity * unit,
-            "amplitude": force.amplitude * float(axis @ np.array(force.axis)),
-            "frequency": force.frequency * unit,
-            "phase": force.phase,
-            "linear": slider.law == "stribeck_linear",
-        },
-    )
+        power = 1
+    else:
+        power = 2
+    return {
+        "mu0": slider.mu0,
+        "mu1": slider.mu1,
+        "lambda0": slider.lambda0 / unit,
+        "lambda1": slider.lambda1 / unit**power,
+    }
 
 
 def _off_line(scene: Scene) -> str | None:
@@ -172,12 +167,10 @@ def _off_line(scene: Scene) -> str | None:
         single.gravity(scene),
     ]
     vectors += [np.array(force.axis) for force in scene.all(Force)]
-    across = [
-        np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
-        for vector in vectors
-    ]
-    if any(across):
-        return "the motion is not along the slider"
+    for vector in vectors:
+        across = np.linalg.norm(vector - (vector @ axis) * axis)
+        if across > ASKEW * np.linalg.norm(vector):
+            return "the motion is not along the slider"
     return None
 
 

@@ -71,10 +71,8 @@ class StringWheel(Solver):
         string, down, out = _frame(scene)
         states = np.empty((len(t), 4))
         states[0] = _start(scene, string, down, out)
-        (pendulum, counter), g = (
-            scene.bodies.mass[[string.a, string.b]],
-            float(np.linalg.norm(single.gravity(scene))),
-        )
+        pendulum, counter = scene.bodies.mass[[string.a, string.b]]
+        g = float(np.linalg.norm(single.gravity(scene)))
         given = pointer("string_wheel", t)
         row = pointer("string_wheel", states, output=True)
         started = perf_counter()
@@ -99,8 +97,11 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
     gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     out = np.array([-down[1], down[0], 0.0])
+    # With a wheel of no radius both sides are the same.
     away = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
-    return string, down, -out if string.radius > 0 and away > 0 else out
+    if string.radius > 0 and away > 0:
+        out = -out
+    return string, down, out
 
 
 def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
@@ -114,7 +115,11 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
-    return np.array([r, theta, velocity @ along, velocity @ across / r if r > 0 else 0.0])
+    if r > 0:
+        rate = velocity @ across / r
+    else:
+        rate = 0.0
+    return np.array([r, theta, velocity @ along, rate])
 
 
 def _astray(scene: Scene) -> str | None:
@@ -143,9 +148,11 @@ def _places(
     r, theta, u, rate = (column[:, None] for column in states.T)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
-    position, velocity = (np.empty((len(states), 2, 3)) for _ in range(2))
+    position = np.empty((len(states), 2, 3))
+    velocity = np.empty((len(states), 2, 3))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across
+    # What the pendulum has drawn over the wheel: its free string, less what it unwound.
     drawn = (r - r[0]) - string.radius * (theta - theta[0])
     position[:, string.b] = scene.bodies.position[string.b] - drawn * down
     velocity[:, string.b] = -u * down

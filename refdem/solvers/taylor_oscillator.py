@@ -58,17 +58,23 @@ class TaylorOscillator(Solver):
         out = np.empty((len(t), 3))
         spring = line.spring
         powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
-        powers["linear" if spring.exponent == 1 else "cubic"] += spring.stiffness
+        if spring.exponent == 1:
+            own_power = "linear"
+        else:
+            own_power = "cubic"
+        powers[own_power] += spring.stiffness
+        drives = pointer("taylor_oscillator", line.drives)
         given = {
             "mass": line.mass,
             **powers,
             "damping": line.damping,
             "van_der_pol": line.van_der_pol,
             "offset": line.offset,
+            "weight": line.weight,
+            "drives": len(line.drives),
+            "drive": drives,
         }
-        drives = pointer("taylor_oscillator", line.drives)
-        more = {"weight": line.weight, "drives": len(line.drives), "drive": drives}
-        struct = kernel.ffi.new("refdem_oscillator *", given | more)
+        struct = kernel.ffi.new("refdem_oscillator *", given)
         samples = pointer("taylor_oscillator", t)
         rows = pointer("taylor_oscillator", out, output=True)
         started = perf_counter()
@@ -80,10 +86,9 @@ class TaylorOscillator(Solver):
             raise UnsupportedError(
                 f"taylor-oscillator: the motion goes to infinity before sample {failed - 1}"
             )
-        if request.problem.scene.is_conservative():
-            channels = {}
-        else:
-            channels = {"dissipated_work": out[:, 2].copy()}
+        channels = {}
+        if not request.problem.scene.is_conservative():
+            channels["dissipated_work"] = out[:, 2].copy()
         return line.trajectory(t, out[:, 0], out[:, 1], channels=channels), cost
 
 

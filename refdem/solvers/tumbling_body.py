@@ -94,20 +94,18 @@ class TumblingBody(Solver):
             "attitude": attitude,
             "omega": rotated(attitude, states[:, 4:7]),
         }
+        rows: dict[str, Any] = {}
         for name, values in columns.items():
+            # The first row is the start as it came, not as it is rounded here.
             values[0] = getattr(scene.bodies, name)[0]
-        rows: dict[str, Any] = {
-            name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()
-        }
-        shown = dict(zip(CHANNELS, channels.T.copy(), strict=True)) | {
-            "dissipated_work": states[:, 13].copy()
-        }
-        told = tuple(
-            Event(time=float(t), kind=KINDS[int(mode)], body=0)
-            for t, mode, _ in events
-            if mode in KINDS
-        )
-        return Trajectory(t=times, channels=shown, events=told, **rows), cost
+            rows[name] = np.ascontiguousarray(values[:, None])
+        shown = dict(zip(CHANNELS, channels.T.copy(), strict=True))
+        shown["dissipated_work"] = states[:, 13].copy()
+        told = []
+        for t, mode, _ in events:
+            if mode in KINDS:
+                told.append(Event(time=float(t), kind=KINDS[int(mode)], body=0))
+        return Trajectory(t=times, channels=shown, events=tuple(told), **rows), cost
 
 
 def _law_refusal(law: Contact) -> str | None:
@@ -160,14 +158,18 @@ def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, C
         "plane": np.array([*plane.point, *plane.normal]),
         "corner": np.array(shape.vertices, float),
     }
+    # The arrays must live as long as the struct, which does not keep them.
     kept = {
         name: pointer(FAMILY, np.ascontiguousarray(column, float)) for name, column in given.items()
     }
-    numbers = {name: getattr(law, name) for name in ("stiffness", "damping", "friction")}
-    struct = kernel.ffi.new(
-        "refdem_tumbling_body *",
-        {**kept, **numbers, "mass": bodies.mass[0], "corners": len(shape.vertices)},
-    )
+    numbers = {
+        "stiffness": law.stiffness,
+        "damping": law.damping,
+        "friction": law.friction,
+        "mass": bodies.mass[0],
+        "corners": len(shape.vertices),
+    }
+    struct = kernel.ffi.new("refdem_tumbling_body *", {**kept, **numbers})
     event, channel, out = (
         pointer(FAMILY, array, output=True) for array in (events, channels, states)
     )
@@ -176,7 +178,11 @@ def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, C
         struct, len(times), pointer(FAMILY, times), MOST_EVENTS, event, channel, out
     )
     cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-    return states, channels, events[:count] if count >= 0 else None, cost
+    if count >= 0:
+        reached = events[:count]
+    else:
+        reached = None
+    return states, channels, reached, cost
 
 
 METHOD = TumblingBody()

@@ -17,11 +17,8 @@ FOLDER = Path(__file__).with_name("batteries")
 @cache
 def names() -> tuple[str, ...]:
     """Ids of all batteries: a file each."""
-    return tuple(
-        path.stem.replace("_", "-")
-        for path in sorted(FOLDER.glob("*.py"))
-        if path.stem != "__init__"
-    )
+    stems = sorted(path.stem for path in FOLDER.glob("*.py"))
+    return tuple(stem.replace("_", "-") for stem in stems if stem != "__init__")
 
 
 def battery(name: str) -> Battery:
@@ -38,17 +35,21 @@ def batteries(asked: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
     """
     found = [battery(name) for name in asked or names()]
     if cases:
-        found = [
-            replace(one, ladders=tuple(ladder for entry in cases for ladder in _on(one, entry)))
-            for one in found
-        ]
+        found = [_limited(one, cases) for one in found]
     found = [one for one in found if one.ladders]
     if not found:
-        raise UsageError(
-            f"no ladder of {', '.join(asked or names())} is on"
-            f" {', '.join(entry.id for entry in cases)}"
-        )
+        batteries_asked = ", ".join(asked or names())
+        cases_asked = ", ".join(entry.id for entry in cases)
+        raise UsageError(f"no ladder of {batteries_asked} is on {cases_asked}")
     return found
+
+
+def _limited(one: Battery, cases: Sequence[Entry]) -> Battery:
+    """A battery with its ladders on these cases alone."""
+    ladders: list[Ladder] = []
+    for entry in cases:
+        ladders += _on(one, entry)
+    return replace(one, ladders=tuple(ladders))
 
 
 def _on(one: Battery, entry: Entry) -> list[Ladder]:
@@ -58,14 +59,14 @@ def _on(one: Battery, entry: Entry) -> list[Ladder]:
     What is made for a case sets its parameters itself, so that it is not for a case that came with
     parameters.
     """
-    own = [
-        ladder
-        for ladder in one.ladders
-        if not ladder.is_general and not entry.set and ladder.canonical()[0].id == entry.id
-    ]
-    label = entry.id + (
-        f"[{' '.join(f'{name}={value}' for name, value in entry.set.items())}]" if entry.set else ""
-    )
+    own = []
+    label = entry.id
+    if entry.set:
+        parameters = " ".join(f"{name}={value}" for name, value in entry.set.items())
+        label = f"{entry.id}[{parameters}]"
+    else:
+        made_for_cases = [ladder for ladder in one.ladders if not ladder.is_general]
+        own = [ladder for ladder in made_for_cases if ladder.canonical()[0].id == entry.id]
     general = {ladder.along: ladder for ladder in reversed(one.ladders) if ladder.is_general}
     put = [_put(ladder, label) for ladder in reversed(general.values())]
     return own + put

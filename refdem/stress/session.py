@@ -48,7 +48,7 @@ class Place:
 
     @property
     def x(self) -> Fraction:
-        """The rung."""
+        """The rung as an exact number."""
         return self.ladder.values[self.number]
 
     @property
@@ -77,28 +77,22 @@ class Stress:
     rungs: dict[tuple[str, str, str, str], dict[int, Rung]] = field(default_factory=dict)
 
     def record(self) -> Record:
-        """Everything found."""
-        engines, _ = plan.engines(
-            Specification(name="stress", case=[], engines=self.engines, method=self.method)
+        """Climbs all ladders: the record of everything found."""
+        specification = Specification(
+            name="stress", case=[], engines=self.engines, method=self.method
         )
-        places = [
-            place
-            for battery in self.batteries
-            for ladder in battery.ladders
-            for place in self._places(battery, ladder, engines)
-        ]
+        engines, _ = plan.engines(specification)
+        places: list[Place] = []
+        for battery in self.batteries:
+            for ladder in battery.ladders:
+                places += self._places(battery, ladder, engines)
         with Schedule(self.jobs, self.timeout) if self.jobs else InProcess() as schedule:
             tasks = self._tasks(schedule, places)
-            waves = sorted({self._wave(place) for place in places})
-            for wave in waves:
-                self._run(
-                    schedule,
-                    [
-                        pair
-                        for pair in zip(places, tasks, strict=True)
-                        if self._wave(pair[0]) == wave
-                    ],
-                )
+            waves: dict[int, list[tuple[Place, Task | Failure]]] = {}
+            for place, task in zip(places, tasks, strict=True):
+                waves.setdefault(self._wave(place), []).append((place, task))
+            for _, wave in sorted(waves.items()):
+                self._run(schedule, wave)
         versions = {engine.name: engine.version() for engine in engines}
         return self._recorded(places, versions)
 
@@ -106,13 +100,15 @@ class Stress:
         """Every rung for every method that answers motions."""
         case, given = ladder.canonical()
         instances = [ladder.measure.instance(case, given, x) for x in ladder.values]
-        return [
-            Place(battery, ladder, number, engine, method, instance)
-            for engine in engines
-            for method in engine.methods
-            if method.answers == instances[0].problem.kind and self.method in ("", method.name)
-            for number, instance in enumerate(instances)
-        ]
+        kind = instances[0].problem.kind
+        found: list[Place] = []
+        for engine in engines:
+            for method in engine.methods:
+                if method.answers != kind or self.method not in ("", method.name):
+                    continue
+                for number, instance in enumerate(instances):
+                    found.append(Place(battery, ladder, number, engine, method, instance))
+        return found
 
     def _wave(self, place: Place) -> int:
         """Costly ladders are climbed rung by rung, the others at once."""
@@ -152,29 +148,25 @@ class Stress:
             if isinstance(task, Failure) or task.refusal is not None or self._is_too_long(place):
                 continue
             for variant in task.variants:
-                request = requests[n, variant] = place.ladder.measure.request(
-                    task, variant, place.x
-                )
+                request = place.ladder.measure.request(task, variant, place.x)
+                requests[n, variant] = request
+                address = place.engine.address
                 body = request.packed()
-                key = hashlib.sha256(
-                    f"{place.engine.address}\0{request.repeat}\0".encode() + body
-                ).hexdigest()
+                head = f"{address}\0{request.repeat}\0".encode()
+                key = hashlib.sha256(head + body).hexdigest()
                 asked.setdefault(key, []).append((n, variant))
-                jobs.setdefault(
-                    key,
-                    Job(key, quiet_run, (place.engine.address, body), self._limit(place.engine)),
-                )
+                job = Job(key, quiet_run, (address, body), self._limit(place.engine))
+                jobs.setdefault(key, job)
         runs: dict[int, dict[Variant, Run]] = {}
         for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
             for n, variant in asked[job.key]:
-                runs.setdefault(n, {})[variant] = _run_of(
-                    job.key, requests[n, variant], wanted[n][0].engine, result
-                )
+                place, _ = wanted[n]
+                run = _run_of(job.key, requests[n, variant], place.engine, result)
+                runs.setdefault(n, {})[variant] = run
             self.progress("runs", done, len(jobs))
         for n, (place, task) in enumerate(wanted):
-            self.rungs.setdefault(place.climb, {})[place.number] = self._rung(
-                place, task, runs.get(n, {})
-            )
+            rung = self._rung(place, task, runs.get(n, {}))
+            self.rungs.setdefault(place.climb, {})[place.number] = rung
 
     def _limit(self, engine: Engine) -> float | None:
         """A time limit that a program keeps itself comes before the worker's."""
@@ -190,12 +182,12 @@ class Stress:
         """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one
         was left out.
         """
-        if place.ladder.costly:
-            below = self.rungs.get(place.climb, {}).get(place.number - 1)
-        else:
-            below = None
+        if not place.ladder.costly:
+            return None
+        below = self.rungs.get(place.climb, {}).get(place.number - 1)
         if below is None:
             return None
+        # At least as many times as long as the rung is harder.
         growth = float(place.x / place.ladder.values[place.number - 1])
         growth = max(growth, 1 / growth)
         if below.forecast is not None:
@@ -203,7 +195,7 @@ class Stress:
         return below.seconds * growth
 
     def _rung(self, place: Place, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
-        """The verdict on one rung."""
+        """The verdict on one rung, from the runs that it needed."""
         name = place.ladder.rungs[place.number]
         if isinstance(task, Failure):
             return Rung(rung=name, verdict="error", quantity="run: scene", sentence=task.sentence)
@@ -217,11 +209,8 @@ class Stress:
             )
         try:
             return rung_of(name, judging.record(task, "", runs, []))
-        except (
-            ArithmeticError,
-            IndexError,
-            ValueError,
-        ) as error:  # a check met what no run has shown it: one rung, and no verdict
+        except (ArithmeticError, IndexError, ValueError) as error:
+            # A check met what no run has shown it: one rung, and no verdict.
             told = (
                 f"a check of refdem could not judge it ({type(error).__name__}: {error}); please"
                 " report this"
@@ -238,9 +227,8 @@ class Stress:
         for place in reversed(first.values()):
             rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
             if rungs[0].verdict == "unsupported":
-                refused.setdefault(
-                    (place.battery.id, place.ladder.name, place.engine.name), rungs[0].sentence
-                )
+                climber = (place.battery.id, place.ladder.name, place.engine.name)
+                refused.setdefault(climber, rungs[0].sentence)
                 continue
             bare = Climb(
                 battery=place.battery.id,
@@ -253,23 +241,18 @@ class Stress:
                 is_reference=place.engine.is_reference,
                 rungs=[],
             )
-            climbs.append(
-                climbed(
-                    bare, place.ladder, rungs, is_required=self.require or place.engine.is_reference
-                )
-            )
-        able = {(climb.battery, climb.ladder, climb.engine) for climb in climbs}
+            is_required = self.require or place.engine.is_reference
+            climbs.append(climbed(bare, place.ladder, rungs, is_required=is_required))
+        # An engine that climbs a ladder with one method supports it.
+        for climb in climbs:
+            refused.pop((climb.battery, climb.ladder, climb.engine), None)
         used = {place.battery.id: place.battery for place in places}
         return Record(
             refdem=refdem.__version__,
             longest=self.longest,
             batteries=[Ask(id=b.id, title=b.title, question=b.question) for b in used.values()],
             climbs=climbs,
-            refused=[
-                (engine, ladder, why)
-                for (battery, ladder, engine), why in refused.items()
-                if (battery, ladder, engine) not in able
-            ],
+            refused=[(engine, ladder, why) for (_, ladder, engine), why in refused.items()],
         )
 
 
@@ -306,14 +289,13 @@ def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
     for place in places:
         if place.method.velocity_time != "synchronous":
             levels = place.ladder.measure.levels(place.instance, place.method, place.x)
-            found.setdefault(place.instance.label, set()).update(
-                place.method.delay(level) for level in levels
-            )
+            delays = {place.method.delay(level) for level in levels}
+            found.setdefault(place.instance.label, set()).update(delays)
     return {label: tuple(sorted(delays)) for label, delays in found.items()}
 
 
 def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
-    """The run of a job's result."""
+    """The run that a job's result tells of: its trajectory, or why there is none."""
     if isinstance(result, Failure):
         reply = worker.Reply(failure=result)
     else:

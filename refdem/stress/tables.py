@@ -36,34 +36,22 @@ def summary(record: Record) -> list[Table]:
     promises.
     """
     engines = list(dict.fromkeys(climb.engine for climb in record.climbs))
-    ladders = list(
-        dict.fromkeys((climb.battery, climb.ladder, climb.along) for climb in record.climbs)
-    )
+    ladders: dict[tuple[str, str, str], list[Climb]] = {}
+    for climb in record.climbs:
+        ladders.setdefault((climb.battery, climb.ladder, climb.along), []).append(climb)
     rows = []
-    for battery, ladder, along in ladders:
-        of = [
-            climb for climb in record.climbs if (climb.battery, climb.ladder) == (battery, ladder)
-        ]
-        rows.append(
-            (
-                battery,
-                ladder,
-                along,
-                *(_range([climb for climb in of if climb.engine == engine]) for engine in engines),
-            )
-        )
+    for ladder, climbs in ladders.items():
+        ranges = []
+        for engine in engines:
+            ranges.append(_range([climb for climb in climbs if climb.engine == engine]))
+        rows.append((*ladder, *ranges))
     title = "Each engine holds to (its methods from the first to break to the last; +: to the end)"
     found = [Table(title, ("battery", "ladder", "rung", *engines), rows)]
     broken = [climb for climb in record.climbs if climb.kept is False]
     required = [climb for climb in record.climbs if climb.required is not None]
     if broken:
-        found.append(
-            Table(
-                "Promises that broke",
-                ("ladder", "method", "promised", "why", "what happened"),
-                [_broken(c) for c in broken],
-            )
-        )
+        header = ("ladder", "method", "promised", "why", "what happened")
+        found.append(Table("Promises that broke", header, [_broken(climb) for climb in broken]))
     elif required:
         found.append(Table("Promises", ("ranges", "kept", "not run"), [_count(required)]))
     return found
@@ -75,18 +63,18 @@ def _count(required: Sequence[Climb]) -> tuple[str, str, str]:
 
 
 def _broken(climb: Climb) -> tuple[str, ...]:
+    """The cells of a climb that broke its promise."""
     end = climb.end
+    if end is None:
+        happened = ""
+    else:
+        happened = f"at {end.rung}: {end.sentence}"
     if climb.required is None:
         promised = NONE
     else:
         promised = number(climb.required)
-    return (
-        climb.ladder,
-        f"{climb.engine} {climb.method}",
-        promised,
-        climb.basis,
-        "" if end is None else f"at {end.rung}: {end.sentence}",
-    )
+    method = f"{climb.engine} {climb.method}"
+    return (climb.ladder, method, promised, climb.basis, happened)
 
 
 def _range(climbs: Sequence[Climb]) -> str:
@@ -96,9 +84,9 @@ def _range(climbs: Sequence[Climb]) -> str:
     """
     if not climbs:
         return NONE
-    steps = sorted((_steps(climb), climb.method, climb) for climb in climbs)
-    least = _told(steps[0][2])
-    most = _told(steps[-1][2])
+    in_order = sorted(climbs, key=lambda climb: (_steps(climb), climb.method))
+    least = _told(in_order[0])
+    most = _told(in_order[-1])
     if least == most:
         return least
     return f"{least} to {most}"
@@ -113,8 +101,11 @@ def _steps(climb: Climb) -> int:
 
 
 def _told(climb: Climb) -> str:
+    """How far a climb holds, with `+` where that is the end of the ladder."""
     holds, _ = words(climb)
-    return holds + ("+" if climb.end is None else "")
+    if climb.end is None:
+        return f"{holds}+"
+    return holds
 
 
 def details(record: Record, battery: str) -> list[Table]:
@@ -122,32 +113,28 @@ def details(record: Record, battery: str) -> list[Table]:
     climbs = [climb for climb in record.climbs if climb.battery == battery]
     ladders = {climb.ladder for climb in climbs}
     refused = [(engine, ladder, why) for engine, ladder, why in record.refused if ladder in ladders]
+    header = ("ladder", "rung", "method", "holds to", "ends", "promised", "why there")
     found = [
-        Table(
-            "Breaking points",
-            ("ladder", "rung", "method", "holds to", "ends", "promised", "why there"),
-            [_row(climb) for climb in climbs],
-        ),
+        Table("Breaking points", header, [_row(climb) for climb in climbs]),
         Table("Not supported", ("engine", "ladder", "reason"), refused),
     ]
     return [table for table in found if table.rows]
 
 
 def _row(climb: Climb) -> tuple[str, ...]:
+    """The cells of a climb in the table of breaking points."""
     holds, ends = words(climb)
-    if climb.required is None:
-        promised = NONE
-    else:
-        promised = (
-            number(climb.required)
-            + {True: ", kept", False: ", broken", None: ", not all run"}[climb.kept]
-        )
+    promised = NONE
+    if climb.required is not None:
+        kept = {True: "kept", False: "broken", None: "not all run"}[climb.kept]
+        promised = f"{number(climb.required)}, {kept}"
     end = climb.end
     if end is None:
         why = NONE
     else:
         why = end.sentence
-    return climb.ladder, climb.along, f"{climb.engine} {climb.method}", holds, ends, promised, why
+    method = f"{climb.engine} {climb.method}"
+    return climb.ladder, climb.along, method, holds, ends, promised, why
 
 
 def lines(record: Record) -> list[str]:
@@ -155,21 +142,21 @@ def lines(record: Record) -> list[str]:
     and counts.
     """
     broken = [climb for climb in record.climbs if climb.kept is False]
-    shown = [
-        f"BROKEN {_name(c)}: promised to {number(c.required or 0.0)}; {_sentence(c)}"
-        for c in broken
-    ]
-    shown += [f"       {_name(c)}: {_sentence(c)}" for c in record.climbs if c.kept is not False]
+    shown = []
+    for climb in broken:
+        promised = number(climb.required or 0.0)
+        shown.append(f"BROKEN {_name(climb)}: promised to {promised}; {_sentence(climb)}")
+    for climb in record.climbs:
+        if climb.kept is not False:
+            shown.append(f"       {_name(climb)}: {_sentence(climb)}")
     required = [climb for climb in record.climbs if climb.required is not None]
     rungs = sum(len(climb.rungs) for climb in record.climbs)
     held = sum(climb.kept is True for climb in required)
-    return [
-        *shown,
-        (
-            f"{len(record.climbs)} climbs, {rungs} rungs; {held} of {len(required)} promises kept,"
-            f" {len(broken)} broken"
-        ),
-    ]
+    shown.append(
+        f"{len(record.climbs)} climbs, {rungs} rungs; {held} of {len(required)} promises kept,"
+        f" {len(broken)} broken"
+    )
+    return shown
 
 
 def _name(climb: Climb) -> str:

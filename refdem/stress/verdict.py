@@ -34,20 +34,23 @@ def _worst(found: Sequence[Finding]) -> tuple[Verdict, Finding]:
     never a pass.
     """
     real = [f for f in found if (f.check, f.quantity) != ("record", "decided")]
-    of = {
-        outcome: [f for f in real if f.outcome == outcome]
-        for outcome in ("error", "unsupported", "pass")
-    }
     failed = [f for f in real if f.outcome in FAILING]
+    errors = [f for f in real if f.outcome == "error"]
+    passed = [f for f in real if f.outcome == "pass"]
+    unsupported = [f for f in real if f.outcome == "unsupported"]
     if failed:
         return "fail", min(failed, key=_margin)
-    if of["error"]:
-        return "error", of["error"][0]
-    if of["pass"]:
-        return "pass", min(of["pass"], key=_margin)
-    if of["unsupported"]:
-        return "unsupported", of["unsupported"][0]
-    return "undecided", (real or list(found))[0]
+    if errors:
+        return "error", errors[0]
+    if passed:
+        return "pass", min(passed, key=_margin)
+    if unsupported:
+        return "unsupported", unsupported[0]
+    if real:
+        first = real[0]
+    else:
+        first = found[0]
+    return "undecided", first
 
 
 def _margin(judged: Finding) -> float:
@@ -75,10 +78,9 @@ def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: 
     promised, basis = ladder.promise(bare.method)
     if not is_required or not promised:
         return found
+    required = float(Fraction(promised))
     due = rungs[: ladder.rungs.index(promised) + 1]
-    return msgspec.structs.replace(
-        found, required=float(Fraction(promised)), basis=basis, kept=_kept(due)
-    )
+    return msgspec.structs.replace(found, required=required, basis=basis, kept=_kept(due))
 
 
 def _kept(due: Sequence[Rung]) -> bool | None:
@@ -103,7 +105,8 @@ def words(climb: Climb) -> tuple[str, str]:
     end = climb.end
     if end is None:
         return holds, "not in these rungs"
-    again = sum(rung.verdict == "pass" for rung in climb.rungs[climb.rungs.index(end) :])
+    beyond = climb.rungs[climb.rungs.index(end) :]
+    again = sum(rung.verdict == "pass" for rung in beyond)
     if again:
         more = f", but holds at {again} beyond"
     else:

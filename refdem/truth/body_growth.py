@@ -28,9 +28,11 @@ kappa and q by the same factor in each period, so that with n periods more betwe
 
     D(t, s) = A + n N + q^n B,  N linear, B that of i q lambda alone.
 
-A norm is convex in n, and |q| = 1: over n >= RECENT it is at most the largest of |A + n N| at both
-ends plus |B|. Fewer periods are taken one by one. The first of the far ones exceeds B so much that
-this loses nothing. So one period of cells is S for ever.
+A norm is convex in n: over n >= RECENT that of A + n N is largest at an end. What is read of lambda
+has r . (q lambda), with r of two numbers, which is at most |r| |lambda| whatever the unit number q.
+So S is at most the largest of |A + n N| at both ends plus |r| |lambda|. Fewer periods are taken one
+by one. The first of the far ones exceeds B so much that this loses nothing. So one period of cells
+is S for ever.
 
 Theorem (cell): for |s - c| <= h a change of omega grows by at most g = exp(a h), a bounding the
 Jacobian of Euler's equations, and turns the body by at most h g. So |D(t, s)| <= |D(t, c)_psi| (1 +
@@ -38,18 +40,22 @@ h g) + |D(t, c)_omega| g.
 
 A steady spin has W = 0: J d across M obeys an equation of constant coefficients, all else stays,
 and D depends on tau alone.
+
+All of this is known in balls. What is read, D and what errors are made of are then doubles with the
+bounds of near.py, entry by entry: D of a needle has entries of 1e12 that meet others of 1e-12, and
+no bound by norms could tell that little is lost.
 """
 
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, isfinite
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import acb, arb
 from numpy.typing import NDArray
 
 from refdem.truth import rotation
@@ -57,23 +63,20 @@ from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.free_body import FreeBody, dot_exact
 from refdem.truth.growth import (
     BOUNDLESS,
-    KNOWN,
-    ROUNDED,
+    LOST,
     UPWARDS,
     WIDEST,
     Grows,
     Told,
     UnsharpError,
     bounded,
-    known,
-    rounded,
     spectral,
     upper,
 )
+from refdem.truth.near import Near, exact, near, together
 from refdem.truth.reals import Number
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Tensor = Sequence[Sequence[Number]]
 Balls = Sequence[Sequence[arb]]
 Attitude = Callable[[arb], Sequence[arb]]
@@ -85,11 +88,9 @@ SPIN = slice(3, 6)
 BODY = slice(3, 6)
 SPACE = slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
+ACROSS = slice(1, 3)
+"""Components along w and b."""
 
-DOUBLED = 1.0
-"""Part of S that what is lost by rounding may have. Only needles lose so much: J^-1 of one with
-1e-12 of the other moments cancels twelve digits of sixteen, and the bound of the loss is larger
-than the loss. S is at most twice what it bounds then."""
 RECENT = 4
 """Periods between an error and its effect that are taken one by one."""
 TURNS = 16
@@ -107,14 +108,14 @@ class Scales:
     equations [1/s].
     """
 
-    turn: float
-    spin: float
+    turn: Fraction
+    spin: Fraction
     quick: float
 
     @property
     def shear(self) -> float:
         """How fast a change of omega turns a body, in scales [1/s]."""
-        return self.spin / self.turn
+        return float(self.spin / self.turn)
 
 
 @dataclass(frozen=True)
@@ -159,9 +160,8 @@ class BodyGrowth(ABC):
     def __init__(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
         self.scales = scales
         self.attitude = attitude
-        self.balls = tensor
-        self.tensor = doubles(tensor)
-        self.inverse = doubles(inverse(tensor))
+        self.tensor = tensor
+        self.inverse = inverse(tensor)
         self.cells: list[Cell] = []
 
     def at(self, t: Fraction) -> float:
@@ -173,69 +173,67 @@ class BodyGrowth(ABC):
     def found_at(self, t: Fraction) -> float:
         """S(t), or what is not finite."""
 
-    def read(self, t: Fraction, frame: Array, omega: Sequence[arb], length: float) -> Array:
-        """What is read (9, 6) of psi and J d/L along the axes of `frame`, in scales: the turn,
-        omega in body axes and in space.
+    def read(self, t: Fraction, axes: Balls, omega: Sequence[arb], length: arb) -> Near:
+        """What is read (9, 6) of psi and J d/L along `axes`, in scales: the turn, omega in body
+        axes and in space.
         """
-        space = doubles(rotation.matrix(self.attitude(arb_of(t))), 1.0)
-        largest = max(float(abs(value).upper()) for value in omega)
-        x, y, z = (known(value, largest) for value in omega)
-        crossed = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        back = rotation.transposed(axes)
+        space = rotation.matrix(self.attitude(arb_of(t)))
+        spin = arb_of(self.scales.spin)
+        turn = arb_of(self.scales.turn)
         # d = J^-1 (J d), and in space the change of omega is R (d - omega x psi).
-        changed = length * self.inverse @ frame.T
-        found = np.zeros((9, 6))
-        found[TURN, TURN] = np.eye(3) / self.scales.turn
-        found[BODY, SPIN] = changed / self.scales.spin
-        found[SPACE, TURN] = -space @ crossed @ frame.T / self.scales.spin
-        found[SPACE, SPIN] = space @ changed / self.scales.spin
-        return found
+        changed = scaled(rotation.product(self.inverse, back), length / spin)
+        x, y, z = omega
+        crossed = [[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]]
+        swept = rotation.product(rotation.product(space, crossed), back)
+        found = [[arb(0)] * 6 for _ in range(9)]
+        put(found, TURN, TURN, scaled(diagonal([arb(1)] * 3), 1 / turn))
+        put(found, BODY, SPIN, changed)
+        put(found, SPACE, TURN, scaled(swept, -1 / spin))
+        put(found, SPACE, SPIN, rotation.product(space, changed))
+        return near(found)
 
-    def sources(self, frames: Array, length: float) -> Array:
-        """J d/L along the axes of frames (cells, 3, 3), of changes d of omega in scales: (cells, 3,
-        3).
-        """
-        found: Array = frames @ self.tensor * (self.scales.spin / length)
-        return found
+    def sources(self, axes: Balls, length: arb) -> Near:
+        """J d/L along axes (3, 3), of changes d of omega in scales."""
+        return near(scaled(rotation.product(axes, self.tensor), arb_of(self.scales.spin) / length))
 
-    def made(self, matrices: Array, sources: Array) -> tuple[Array, Array]:
-        """Matrices (cells, q, 6) on errors in scales: of psi, whose size no axes change, and of
-        omega, (cells, q, 3) each.
-        """
-        by_turn = matrices[..., TURN] * self.scales.turn
-        by_spin = matrices[..., SPIN] @ sources
-        return by_turn, by_spin
-
-    def largest(self, read: Array, parts: Sequence[Array], sources: Array, halves: Array) -> float:
+    def largest(
+        self,
+        read: Near,
+        parts: Sequence[Near],
+        sources: Near,
+        halves: Array,
+        *,
+        turns_anyhow: bool = False,
+    ) -> float:
         """The largest growth of the errors of cells whose ends are `halves` (cells,) [s] from where
         D is the sum of `parts`.
 
         Each part has shape (cells, 6, 6), and the norm of the sum is bounded by the sum of the
-        norms. Infinite where doubles end.
+        norms; `turns_anyhow` adds i q lambda for any q. Infinite where doubles end.
         """
-        turns = np.zeros((len(sources), 7))
-        spins = np.zeros((len(sources), 7))
-        lost = 0.0
+        one_turn = near([arb_of(self.scales.turn)])
+        turns = exact(np.zeros((1, 7)))
+        spins = exact(np.zeros((1, 7)))
         for part in parts:
-            by_turn, by_spin = self.made(read @ part, sources)
-            turns = turns + row_norms(by_turn)
-            spins = spins + row_norms(by_spin)
-            sizes = [
-                np.linalg.norm(block, axis=(-2, -1)).max(initial=0.0)
-                for block in self.made(part, sources)
-            ]
-            lost += ROUNDED * float(np.linalg.norm(read)) * (float(sizes[0]) + float(sizes[1]))
+            grown = read @ part
+            turns = turns + row_norms(grown[..., TURN] * one_turn)
+            spins = spins + row_norms(grown[..., SPIN] @ sources)
+        if turns_anyhow:
+            reach = row_norms(read[None, :, ACROSS])
+            turns = turns + reach * one_turn
+            spins = spins + reach * spectral_norms(sources[:, ACROSS])[:, None]
         # The theorem about cells.
-        grown = np.exp(self.scales.quick * halves)[:, None]
-        sheared = halves[:, None] * self.scales.shear * grown
-        found = float((turns * (1 + sheared) + spins * grown).max(initial=0.0)) * UPWARDS
+        omega_grown = np.exp(self.scales.quick * halves)[:, None]
+        turned_by_it = halves[:, None] * self.scales.shear * omega_grown
+        told = turns.middle * (1 + turned_by_it) + spins.middle * omega_grown
+        lost = turns.off * (1 + turned_by_it) + spins.off * omega_grown
+        found = float((told + lost).max(initial=0.0)) * UPWARDS
         if not isfinite(found):
             return inf
-        if lost > DOUBLED * found:
-            raise UnsharpError(
-                "rounding has a larger part in how errors of a body grow than doubles allow",
-                final=True,
-            )
-        return found + lost
+        if float(lost.max(initial=0.0)) > LOST * found:
+            raise UnsharpError("how errors of a body grow is not known well at this precision")
+        return found
 
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until]."""
@@ -253,14 +251,16 @@ class BodyGrowth(ABC):
 
 @dataclass(frozen=True)
 class Instant:
-    """The moving axes m, w, b (rows, in body axes), W [rad/s], k [s/J] and the unit number by which
-    w has turned about M in space.
+    """The moving axes m, w, b (rows, in body axes) at a time, W [rad/s], k [s/J] and the unit
+    number by which w has turned about M in space; `sources`: what errors are made of there.
     """
 
-    frame: Array
-    across: float
+    time: arb
+    axes: Balls
+    across: arb
     lead: arb
-    angle: complex
+    angle: acb
+    sources: Near
 
 
 class Tumbling(BodyGrowth):
@@ -271,14 +271,13 @@ class Tumbling(BodyGrowth):
         self.body = body
         omega = body.omega(arb(0))
         momentum = rotation.applied(tensor, omega)
-        self.length_ball = rotation.dot(momentum, momentum).sqrt()
-        self.length = known(self.length_ball)
-        self.along = known(rotation.dot(momentum, omega) / self.length_ball)
+        self.length = rotation.dot(momentum, momentum).sqrt()
+        self.along = rotation.dot(momentum, omega) / self.length
         self.first = self.axes(arb(0))
         self.instants: list[Instant] = []
         self.period = body.period()
         self.gained = arb(0)
-        self.swing = 1 + 0j
+        self.swing = acb(1)
         if self.period is not None:
             self.gained = body.lead(self.period) - body.lead(arb(0))
             self.swing = self.angle(self.period, self.axes(self.period))
@@ -286,10 +285,10 @@ class Tumbling(BodyGrowth):
     def axes(self, t: arb) -> list[list[arb]]:
         """m, w and b in body axes."""
         omega = self.body.omega(t)
-        momentum = rotation.applied(self.balls, omega)
+        momentum = rotation.applied(self.tensor, omega)
         rate = rotation.cross(momentum, omega)
         size = rotation.dot(rate, rate).sqrt()
-        along = [x / self.length_ball for x in momentum]
+        along = [x / self.length for x in momentum]
         beside = [x / size for x in rate]
         across = rotation.cross(beside, along)
         return [along, across, beside]
@@ -297,22 +296,22 @@ class Tumbling(BodyGrowth):
     def across(self, t: arb) -> arb:
         """W = |M x omega|/L."""
         omega = self.body.omega(t)
-        rate = rotation.cross(rotation.applied(self.balls, omega), omega)
-        return rotation.dot(rate, rate).sqrt() / self.length_ball
+        rate = rotation.cross(rotation.applied(self.tensor, omega), omega)
+        return rotation.dot(rate, rate).sqrt() / self.length
 
-    def angle(self, t: arb, axes: Balls) -> complex:
+    def angle(self, t: arb, axes: Balls) -> acb:
         """The unit number by which w has turned about M in space since the start."""
         seen = rotation.rotated(self.body.turn(t), axes[1])
         cosine = rotation.dot(seen, self.first[1])
         sine = rotation.dot(seen, self.first[2])
-        return complex(known(cosine, 1.0), known(sine, 1.0))
+        return acb(cosine, sine)
 
     def instant(self, t: arb) -> Instant:
-        """The axes and numbers of a time; UnsharpError where they are not known to doubles."""
+        """The axes and numbers of a time."""
         axes = self.axes(t)
-        return Instant(
-            doubles(axes, 1.0), known(self.across(t)), self.body.lead(t), self.angle(t, axes)
-        )
+        angle = self.angle(t, axes)
+        sources = self.sources(axes, self.length)
+        return Instant(t, axes, self.across(t), self.body.lead(t), angle, sources)
 
     def instants_of(self, count: int) -> list[Instant]:
         """Those of the middles of the first cells."""
@@ -331,7 +330,7 @@ class Tumbling(BodyGrowth):
         elif self.has_parted(time):
             return inf
         now = self.instant(since)
-        read = self.read(t, now.frame, self.body.omega(since), self.length)
+        read = self.read(t, now.axes, self.body.omega(since), self.length)
         passed = upper(since)
         self.cover(passed)
         # Errors of this period: those of whole cells, and those that are made since the last of
@@ -353,13 +352,12 @@ class Tumbling(BodyGrowth):
         """
         return bool(self.across(arb(0)) / self.across(time) > BOUNDLESS)
 
-    def own(self, read: Array, now: Instant, since: float) -> float:
+    def own(self, read: Near, now: Instant, since: float) -> float:
         """The growth of errors made during the last seconds: the cell about now."""
-        whole = np.eye(6)[None]
-        sources = self.sources(now.frame[None], self.length)
-        return self.largest(read, [whole], sources, np.array([since * UPWARDS]))
+        whole = exact(np.eye(6)[None])
+        return self.largest(read, [whole], now.sources[None], np.array([since * UPWARDS]))
 
-    def of_earlier(self, read: Array, now: Instant, since: arb, periods: int) -> float:
+    def of_earlier(self, read: Near, now: Instant, since: arb, periods: int) -> float:
         """The growth of errors made in all earlier periods."""
         assert self.period is not None
         end = upper(self.period)
@@ -375,7 +373,7 @@ class Tumbling(BodyGrowth):
 
     def grown(
         self,
-        read: Array,
+        read: Near,
         now: Instant,
         since: arb,
         count: int,
@@ -389,54 +387,50 @@ class Tumbling(BodyGrowth):
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
-        cells = self.cells[:count]
         if self.period is None:
             more = arb(0)
         else:
             more = periods * self.period
-        times = [since - arb_of(cell.middle) + more for cell in cells]
-        leads = [now.lead - instant.lead + periods * self.gained for instant in instants]
-        across = np.array([instant.across for instant in instants])
-        angles = np.array([instant.angle for instant in instants])
-        q = angles * np.conj(now.angle * self.swing**periods)
-        changed = self.changed(now.across, across, times, leads)
-        turned = rotating(q)
-        if is_far:
-            parts = [changed, turned]
-        else:
-            parts = [changed + turned]
-        frames = np.array([instant.frame for instant in instants])
-        return self.largest(
-            read, parts, self.sources(frames, self.length), np.array([cell.half for cell in cells])
-        )
+        elapsed = near([since - instant.time + more for instant in instants])
+        gained = periods * self.gained
+        leads = near([now.lead - instant.lead + gained for instant in instants])
+        grown = self.changed(now.across, [one.across for one in instants], elapsed, leads)
+        if not is_far:
+            # Of the unit number since the start, conj(q) is the inverse.
+            back = now.angle.conjugate() * self.swing.conjugate() ** periods
+            grown = grown + rotating([instant.angle * back for instant in instants])
+        sources = together([instant.sources for instant in instants])
+        halves = np.array([cell.half for cell in self.cells[:count]])
+        return self.largest(read, [grown], sources, halves, turns_anyhow=is_far)
 
-    def changed(
-        self, now: float, across: Array, times: Sequence[arb], leads: Sequence[arb]
-    ) -> Array:
+    def changed(self, now: arb, across: Sequence[arb], elapsed: Near, leads: Near) -> Near:
         """D without q (cells, 6, 6) of errors made where W is `across`, when it is `now`: A + n N
         of the theorem.
         """
-        elapsed, blur = rounded(times)
-        lead, lead_blur = rounded(leads)
-        found = np.zeros((len(across), 6, 6))
-        found[:, 0, 0] = 1.0
-        found[:, 0, 3] = elapsed * self.along
-        found[:, 0, 4] = elapsed * across
-        found[:, 3, 3] = 1.0
-        found[:, 4, 4] = across / now
-        found[:, 5, 3] = elapsed * now
-        found[:, 5, 4] = self.length * now * across * lead
-        found[:, 5, 5] = now / across
+        by_turn = elapsed * near([self.along])
+        by_energy = elapsed * near(across)
+        beta = near([then / now for then in across])
+        gamma_by_momentum = elapsed * near([now])
+        gamma_by_energy = leads * near([self.length * now * then for then in across])
+        gamma = near([now / then for then in across])
+        one = exact(np.ones(len(across)))
         # psi across M has gamma - i beta.
-        found[:, 1] = found[:, 5]
-        found[:, 2] = -found[:, 4]
-        fastest = self.along + now + float(across.max())
-        off = blur * fastest + lead_blur * self.length * now * float(across.max())
-        if off > float(KNOWN) * float(np.abs(found).max()):
-            raise UnsharpError(
-                "how errors of a body grow is not known well enough at this precision"
-            )
-        return found
+        return filled(
+            {
+                (0, 0): one,
+                (0, 3): by_turn,
+                (0, 4): by_energy,
+                (1, 3): gamma_by_momentum,
+                (1, 4): gamma_by_energy,
+                (1, 5): gamma,
+                (2, 4): -beta,
+                (3, 3): one,
+                (4, 4): beta,
+                (5, 3): gamma_by_momentum,
+                (5, 4): gamma_by_energy,
+                (5, 5): gamma,
+            }
+        )
 
 
 class Spinning(BodyGrowth):
@@ -453,93 +447,100 @@ class Spinning(BodyGrowth):
     ) -> None:
         super().__init__([[arb_of(x) for x in row] for row in tensor], scales, attitude)
         self.omega = [arb_of(x) for x in omega]
-        rate = rotation.dot(self.omega, self.omega).sqrt()
-        self.rate = known(rate)
+        self.rate = rotation.dot(self.omega, self.omega).sqrt()
         moment = own_moment(tensor, omega)
-        self.length = known(arb_of(moment) * rate)
-        axes = axes_about([x / rate for x in self.omega])
-        self.frame = doubles(axes, 1.0)
+        self.length = arb_of(moment) * self.rate
+        self.axes = axes_about([x / self.rate for x in self.omega])
         # C of v' = C v along the two axes across M: M x J^-1 - omega x, with J^-1 = g.
-        g = rotation.product(rotation.product(axes, inverse(self.balls)), rotation.transposed(axes))
-        momentum = arb_of(moment) * rate
-        matrix = [
-            [-momentum * g[1][2], rate - momentum * g[2][2]],
-            [momentum * g[1][1] - rate, momentum * g[1][2]],
+        back = rotation.transposed(self.axes)
+        g = rotation.product(rotation.product(self.axes, self.inverse), back)
+        self.matrix = [
+            [-self.length * g[1][2], self.rate - self.length * g[2][2]],
+            [self.length * g[1][1] - self.rate, self.length * g[1][2]],
         ]
-        self.matrix = doubles(matrix, float(rate.upper()))
-        self.square = known(arb_of(swinging(tensor, moment)) * rate * rate)
-        self.followed = Fraction(float(2 * arb.pi() * TURNS / rate))
+        # c, and its sign, which is exact where the tensor is.
+        share = swinging(tensor, moment)
+        self.square = arb_of(share) * self.rate * self.rate
+        self.followed = Fraction(float(2 * arb.pi() * TURNS / self.rate))
 
     def found_at(self, t: Fraction) -> float:
-        read = self.read(t, self.frame, self.omega, self.length)
-        near = min(t, self.followed)
-        self.cover(near)
-        cells = self.cells[: self.ended_by(near)]
+        read = self.read(t, self.axes, self.omega, self.length)
+        passed = min(t, self.followed)
+        self.cover(passed)
+        cells = self.cells[: self.ended_by(passed)]
         if cells:
             begun = cells[-1].high
         else:
             begun = Fraction(0)
-        times = np.array([float(cell.middle) for cell in cells] + [float(near)])
-        halves = np.array([cell.half for cell in cells] + [float(near - begun) * UPWARDS])
-        kept = self.kept(times)
-        swung = sum(self.swung(*self.waves(times)), np.zeros((len(times), 6, 6)))
-        turned = rotating(np.exp(-1j * self.rate * times))
-        found = self.largest(read, [kept + swung + turned], self.spread(len(times)), halves)
-        if t > near:
-            found = max(found, self.later(read, float(t)))
+        times = [arb_of(cell.middle) for cell in cells] + [arb_of(passed)]
+        halves = np.array([cell.half for cell in cells] + [float(passed - begun) * UPWARDS])
+        waves = [self.waves(time) for time in times]
+        cosines = [cosine for cosine, _ in waves]
+        sines = [sine for _, sine in waves]
+        swung = self.swung(cosines, sines)
+        turned = rotating([acb(0, -self.rate * time).exp() for time in times])
+        grown = self.kept(times) + swung[0] + swung[1] + turned
+        found = self.largest(read, [grown], self.spread(), halves)
+        if t > passed:
+            found = max(found, self.later(read, t))
         return found
 
-    def later(self, read: Array, t: float) -> float:
+    def later(self, read: Near, t: Fraction) -> float:
         """The growth from TURNS to t: by what is linear in time at both ends, and by the rest at
         its largest.
         """
-        times = np.array([float(self.followed), t])
-        turned = rotating(np.ones(2))
-        cosine, sine = self.most(t)
-        swung = self.swung(np.full(2, cosine), np.full(2, sine))
-        return self.largest(read, [self.kept(times), *swung, turned], self.spread(2), np.zeros(2))
+        times = [arb_of(self.followed), arb_of(t)]
+        cosine, sine = self.most(arb_of(t))
+        swung = self.swung([cosine, cosine], [sine, sine])
+        parts = [self.kept(times), *swung]
+        return self.largest(read, parts, self.spread(), np.zeros(2), turns_anyhow=True)
 
-    def spread(self, count: int) -> Array:
+    def spread(self) -> Near:
         """J d/L of errors, the same in all cells."""
-        sources = self.sources(self.frame[None], self.length)
-        return np.repeat(sources, count, axis=0)
+        return self.sources(self.axes, self.length)[None]
 
-    def kept(self, times: Array) -> Array:
+    def kept(self, times: Sequence[arb]) -> Near:
         """What errors along M become (cells, 6, 6)."""
-        found = np.zeros((len(times), 6, 6))
-        found[:, 0, 0] = 1.0
-        found[:, 0, 3] = times * self.rate
-        found[:, 3, 3] = 1.0
-        return found
+        one = exact(np.ones(len(times)))
+        turned = near([time * self.rate for time in times])
+        return filled({(0, 0): one, (0, 3): turned, (3, 3): one})
 
-    def swung(self, cosine: Array, sine: Array) -> list[Array]:
+    def swung(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[Near]:
         """What changes across M become, v and psi = -i v: the parts of x and of y (cells, 6, 6)."""
+        one = [[arb(1), arb(0)], [arb(0), arb(1)]]
         parts = []
-        for size, matrix in ((cosine, np.eye(2)), (sine, self.matrix)):
-            found = np.zeros((len(size), 6, 6))
-            found[:, 4:6, 4:6] = size[:, None, None] * matrix
-            found[:, 1] = found[:, 5]
-            found[:, 2] = -found[:, 4]
-            parts.append(found)
+        for sizes, matrix in ((cosines, one), (sines, self.matrix)):
+            entries = {}
+            for column in (0, 1):
+                first = near([size * matrix[0][column] for size in sizes])
+                second = near([size * matrix[1][column] for size in sizes])
+                entries[4, 4 + column] = first
+                entries[5, 4 + column] = second
+                entries[1, 4 + column] = second
+                entries[2, 4 + column] = -first
+            parts.append(filled(entries))
         return parts
 
-    def waves(self, times: Array) -> tuple[Array, Array]:
-        """x and y at times that have passed."""
-        root = abs(self.square) ** 0.5
-        if root == 0.0:
-            return np.ones_like(times), times
+    def waves(self, time: arb) -> tuple[arb, arb]:
+        """x and y at a time that has passed."""
+        if self.square.is_zero():
+            return arb(1), time
+        root = abs(self.square).sqrt()
+        angle = root * time
         if self.square > 0:
-            return np.cos(root * times), np.sin(root * times) / root
-        return np.cosh(root * times), np.sinh(root * times) / root
+            return angle.cos(), angle.sin() / root
+        if self.square < 0:
+            return angle.cosh(), angle.sinh() / root
+        raise UnsharpError("whether a spin is stable is not known at this precision")
 
-    def most(self, t: float) -> tuple[float, float]:
+    def most(self, t: arb) -> tuple[arb, arb]:
         """Bounds of |x| and |y| up to t."""
-        if self.square > 0:
-            quarter = np.pi / 2 / self.square**0.5
-            _, sine = self.waves(np.array([min(t, quarter)]))
-            return 1.0, float(sine[0])
-        cosine, sine = self.waves(np.array([t]))
-        return float(cosine[0]), float(sine[0])
+        if not self.square > 0:
+            return self.waves(t)
+        root = self.square.sqrt()
+        if t < arb.pi() / (2 * root):
+            return arb(1), (root * t).sin() / root
+        return arb(1), 1 / root
 
 
 def tumbling_growth(
@@ -551,7 +552,7 @@ def tumbling_growth(
     `turn` and `spin` are the scales of an attitude and of omega; `attitude(t)` is its quaternion,
     of either sign.
     """
-    scales = Scales(float(turn), float(spin), quickness(tensor, body.fastest()))
+    scales = Scales(turn, spin, quickness(tensor, body.fastest()))
     return Tumbling(tensor, body, scales, attitude)
 
 
@@ -565,7 +566,7 @@ def steady_growth(
     balls = [[arb_of(x) for x in row] for row in tensor]
     rates = [arb_of(x) for x in omega]
     fastest = rotation.dot(rates, rates).sqrt()
-    scales = Scales(float(turn), float(spin), quickness(balls, fastest))
+    scales = Scales(turn, spin, quickness(balls, fastest))
     return Spinning(tensor, omega, scales, attitude)
 
 
@@ -623,28 +624,62 @@ def axes_about(along: Sequence[arb]) -> list[list[arb]]:
     return [list(along), second, rotation.cross(along, second)]
 
 
-def rotating(q: Complex | Array) -> Array:
+def rotating(turns: Sequence[acb]) -> Near:
     """i q lambda, which psi across M has of lambda = v - i psi: (cells, 6, 6)."""
-    found = np.zeros((len(q), 6, 6))
-    for factor, columns in ((q, (1, 2)), (1j * q, (4, 5))):
-        first, second = columns
-        found[:, 1, first] = factor.real
-        found[:, 1, second] = -factor.imag
-        found[:, 2, first] = factor.imag
-        found[:, 2, second] = factor.real
+    cosine = near([q.real for q in turns])
+    sine = near([q.imag for q in turns])
+    return filled(
+        {
+            (1, 1): cosine,
+            (1, 2): -sine,
+            (2, 1): sine,
+            (2, 2): cosine,
+            # i q = -sine + i cosine.
+            (1, 4): -sine,
+            (1, 5): -cosine,
+            (2, 4): cosine,
+            (2, 5): -sine,
+        }
+    )
+
+
+def filled(entries: Mapping[tuple[int, int], Near]) -> Near:
+    """Matrices (cells, 6, 6) with these entries (cells,), and 0 elsewhere."""
+    count = max(len(entry.middle) for entry in entries.values())
+    found = exact(np.zeros((count, 6, 6)))
+    for (row, column), entry in entries.items():
+        found.middle[:, row, column] = entry.middle
+        found.off[:, row, column] = entry.off
     return found
 
 
-def row_norms(matrices: Array) -> Array:
-    """Norms (cells, 7) of the turn and of the other six rows of matrices (cells, 9, 3)."""
-    turn = spectral(matrices[:, TURN])
-    others = np.linalg.norm(matrices[:, 3:], axis=-1)
-    return np.concatenate([turn[:, None], others], axis=1)
+def row_norms(matrices: Near) -> Near:
+    """Upper bounds (cells, 7) of the norms of the turn and of the other six rows of matrices
+    (cells, 9, columns): `middle` of what stands for them, `off` of what that may be off.
+    """
+    turn = spectral_norms(matrices[:, TURN])
+    middle = np.linalg.norm(matrices.middle[:, 3:], axis=-1)
+    off = np.linalg.norm(matrices.off[:, 3:], axis=-1)
+    return Near(
+        np.concatenate([turn.middle[:, None], middle], axis=1),
+        np.concatenate([turn.off[:, None], off], axis=1),
+    )
 
 
-def doubles(matrix: Balls, size: float = 0.0) -> Array:
-    """The doubles of a matrix of balls."""
-    return np.array([[known(x, size) for x in row] for row in matrix])
+def spectral_norms(matrices: Near) -> Near:
+    """The same of the largest singular values (cells,) of matrices (cells, rows, columns)."""
+    return Near(spectral(matrices.middle), spectral(matrices.off))
+
+
+def scaled(matrix: Balls, factor: arb) -> list[list[arb]]:
+    """A matrix times a number."""
+    return [[entry * factor for entry in row] for row in matrix]
+
+
+def put(matrix: list[list[arb]], rows: slice, columns: slice, block: Balls) -> None:
+    """Writes a block into a matrix."""
+    for row, values in zip(matrix[rows], block, strict=True):
+        row[columns] = values
 
 
 def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:

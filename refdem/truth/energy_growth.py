@@ -36,7 +36,6 @@ from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.growth import (
     KNOWN,
     LOST,
-    ROUNDED,
     UPWARDS,
     WIDEST,
     UnsharpError,
@@ -47,6 +46,18 @@ from refdem.truth.growth import (
 )
 
 Array = NDArray[np.float64]
+
+ROUNDED = 2.0**-46
+"""Part of the product of their Euclidean norms by which the sum of a row of readings, axes, D and
+axes is off, at most.
+
+Counted in units of KNOWN = 2^-50. A number known to 1 and cut off to a double is off by 1.25, a
+rounding is 1/8. Each in parts of its own norm, a row of two readings is off by sqrt(2) 1.25 < 1.8,
+each pair of axes, a cosine and a sine, by as much, D by the 4 of its longest entry (two rates 2.5,
+two roundings 0.25, the lead 0.25 and its blur 1), and the three products, of two terms, by 2/8
+each, times sqrt(2) where one factor is a pair of axes: 1. In all 1.8 + 2 x 1.8 + 4 + 1 = 10.4. The
+sum of a row of two is at most sqrt(2) of its norm: 14.8 < 16.
+"""
 
 
 @dataclass(frozen=True)

@@ -49,19 +49,11 @@ doubles is off, at most.
 """
 UPWARDS = 1 + 2.0**-30
 """What norms in doubles are multiplied by at the end."""
-FAINT = 1e-3
-"""Part of a growth that may be unknown where it is found by differences."""
-DIFFERENCE_BITS = (384, 768, 1536, 3072)
-"""Working precisions for differences, which lose 120 bits."""
 BOUNDLESS = 1e300
 """An S that is larger is not told apart from this: no double has had a digit left for long."""
 
 KNOWN = arb(2) ** -50
 """Part by which a number of a closed form may be uncertain before it is rounded to a double."""
-ROUNDED = 2.0**-44
-"""Part of the product of their sizes by which a product of three matrices of six rows, made of such
-doubles, is off at most.
-"""
 CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
 """Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the
 start is off it.
@@ -760,23 +752,6 @@ class Told:
     def at(self, t: Fraction) -> float:
         """S(t) >= 1."""
         return bounded(float(self.formula(arb_of(t)).upper()))
-
-
-@dataclass(frozen=True)
-class FromTheStart:
-    """The growth of errors that are made at t = 0 alone, by differences: no bound of S, where none
-    is proved yet.
-    """
-
-    jacobian: Callable[[Fraction], arb_mat]
-
-    def at(self, t: Fraction) -> float:
-        """The largest sum of a row."""
-        found, off = doubles(self.jacobian(t))
-        sizes = np.abs(found).sum(axis=1)
-        if off > FAINT * (1 + float(sizes.max())):
-            raise UnsharpError("the motion is hardly differentiable in its start")
-        return bounded(float(sizes.max()) + off)
 
 
 @dataclass(frozen=True)

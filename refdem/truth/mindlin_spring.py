@@ -72,10 +72,13 @@ class MindlinSpring:
         """Since touch [s]."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
-        if x != 0:
-            since = self.contact.unit * self.contact.since_touch(x if leg == INWARD else -x)
+        if leg == INWARD:
+            depth = x
         else:
-            since = arb(0)
+            depth = -x
+        since = arb(0)
+        if depth != 0:
+            since = self.contact.unit * self.contact.since_touch(depth)
         if leg == INWARD:
             return since
         return 2 * self.contact.half - since
@@ -93,14 +96,18 @@ class MindlinSpring:
         b = self.b
         if leg == TURNING:
             w = x * x
+            c = _part(3, 5) - a
+            d = _part(3, 5) - b
             even = two_f_one(a, b, _part(1, 2), w)
-            odd = x * two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(3, 2), w)
-            slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _part(3, 2), w)
-            return even, odd, slope, two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(1, 2), w)
+            odd = x * two_f_one(c, d, _part(3, 2), w)
+            even_slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _part(3, 2), w)
+            odd_slope = two_f_one(c, d, _part(1, 2), w)
+            return even, odd, even_slope, odd_slope
         depth, sense = (x, 1) if leg == INWARD else (-x, -1)
         z = power_five_halves(depth)
         c = a + _part(2, 5)
         d = b + _part(2, 5)
+        # d 2F1(a, b; 3/5; z)/dD = a b/(3/5) 2F1(a + 1, b + 1; 8/5; z) dz/dD, with a b = -q.
         steep = (
             -_part(25, 6) * self.q * depth * root(depth) * two_f_one(a + 1, b + 1, _part(8, 5), z)
         )
@@ -160,24 +167,20 @@ class Stretched:
 
     def beyond(self) -> "Stretched":
         """The same on the next leg."""
-        x = self.spring.ends(self.leg)[1]
-        return started(
-            self.spring,
-            self.leg + 1,
-            self.spring.ends(self.leg + 1)[0],
-            self.at(x)[0],
-            self.rate(x),
-        )
+        last = self.spring.ends(self.leg)[1]
+        first = self.spring.ends(self.leg + 1)[0]
+        return started(self.spring, self.leg + 1, first, self.at(last)[0], self.rate(last))
 
 
 def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stretched:
     """The solution with this stretch [m] and rate [m/s] at x."""
     f, g, df, dg = spring.basis(leg, x)
     slope = rate / spring.pace(leg, x)
+    # Cramer's rule for first f + second g = s, first f' + second g' = slope.
     wronskian = f * dg - g * df
-    return Stretched(
-        spring, leg, (s * dg - g * slope) / wronskian, (f * slope - s * df) / wronskian
-    )
+    first = (s * dg - g * slope) / wronskian
+    second = (f * slope - s * df) / wronskian
+    return Stretched(spring, leg, first, second)
 
 
 def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:

@@ -16,7 +16,6 @@ from refdem.core.engine import Engine
 from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
 from refdem.errors import UsageError
-from refdem.gate.telling import settings
 
 ENGINES = ("mujoco", "pymunk", "rebound")
 TRIED = ("0", "1/2", "1", "3")
@@ -37,6 +36,7 @@ def instances(*campaigns: str) -> list[Instance]:
 
 
 MAIN = instances("main")
+TELLING = named("gate").case
 FULL = instances("full")
 
 
@@ -56,15 +56,16 @@ def values(parameter: Parameter) -> list[str]:
 
 
 def tried(case: Canonical) -> Iterator[Instance]:
-    """The case at its defaults, at telling settings and at those of main, each as it is and with
-    one parameter changed.
+    """The case at its defaults and at the settings of the campaigns gate and main, each as it is
+    and with one parameter changed.
     """
     if case.id == "granular-gas":
         common = CROWD
     else:
         common = {}
     own = [dict(instance.p.given) for instance in MAIN if instance.case.id == case.id]
-    bases = [*map(dict, settings(case.id)), *own]
+    telling = [entry.set for entry in TELLING if entry.id == case.id]
+    bases = [{}, *telling, *own]
     changes = [
         {p.name: value} for p in case.parameters if p.name not in common for value in values(p)
     ]

@@ -70,10 +70,10 @@ FAULTS = [
         "friction that pushes",
         "engines/pymunk/callbacks.py",
         (
-            "    joint.max_force, joint.error_bias = load * link.coefficient(0.0), 1.0\n",
+            "    joint.max_force = load * link.coefficient(0.0)\n",
             (
-                "    joint.max_force, joint.error_bias = 0.0, 1.0\n    push = load *"
-                " link.coefficient(0.0)\n    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
+                "    joint.max_force = 0.0\n    push = load * link.coefficient(0.0)\n"
+                "    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
                 "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) /"
                 " b.mass * dt, 0.0))\n"
             ),

@@ -3,6 +3,7 @@ late, or a wrong law, is outside.
 """
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -39,10 +40,17 @@ class OfFirstOrder(Transparent):
     )
 
 
+@cache
+def asked(case, given):
+    """An instance and its certified samples, proved once."""
+    instance = discovery.case(case).at(**dict(given))
+    return instance, truth_of(instance)
+
+
 def found(engine, method, given, case="two-spheres"):
     """The findings of the check alone, by quantity."""
-    instance = discovery.case(case).at(**given)
-    task = task_of(engine, method, instance, truth_of(instance), 3, ("contact-impulse",))
+    instance, truth = asked(case, tuple(given.items()))
+    task = task_of(engine, method, instance, truth, 3, ("contact-impulse",))
     return {
         finding.quantity: finding
         for finding in record_of(task).findings
@@ -120,6 +128,58 @@ def test_a_limit_of_friction_that_is_too_large_or_late_is_outside_the_cone_at_th
 def test_a_law_that_is_wrong_within_the_bound_of_first_order_is_seen_at_the_coarsest_step(planted):
     normal = found(planted.carrier(OfFirstOrder()), "verlet", KNOCK)["normal"]
     assert normal.outcome == "fail", normal.sentence
+
+
+WALLS = {
+    "damped": {"member": "co-4", "tangential_stiffness": "0", "angle": "1"},
+    "spinning": {"member": "co-6", "tangential_stiffness": "0"},
+    "shorter lever": {
+        "member": "co-6",
+        "tangential_stiffness": "0",
+        "spin": "-30",
+        "branch": "R-d",
+        "cutoff": "zero_overlap",
+    },
+    "hertz": {"member": "dem-05-hertz", "angle": "1.2"},
+}
+"""A sphere that slides along a wall."""
+
+
+@pytest.mark.parametrize("name", WALLS)
+@pytest.mark.parametrize(
+    ("engine", "method"),
+    [
+        (Transparent(), "verlet"),
+        (Transparent(), "verlet-single"),
+        (discovery.engine("reference"), "velocity-verlet"),
+        (discovery.engine("reference"), "rk4"),
+    ],
+)
+def test_friction_of_a_correct_code_along_a_wall_is_mu_times_the_normal_force_to_round_off(
+    name, engine, method
+):
+    seen = found(engine, method, WALLS[name], "impact-benchmarks")
+    assert {quantity: f.outcome for quantity, f in seen.items()} == dict.fromkeys(
+        ("normal", "cone", "sliding"), "pass"
+    )
+
+
+@pytest.mark.parametrize("factor", [1 + 1e-6, 1 - 1e-6])
+@pytest.mark.parametrize("name", WALLS)
+def test_friction_that_is_off_by_a_millionth_is_seen_along_a_wall(name, factor):
+    planted = fault(friction=scaled(factor))
+    seen = found(planted.carrier(OfFirstOrder()), "verlet", WALLS[name], "impact-benchmarks")
+    assert seen["sliding"].outcome == "fail", seen["sliding"].sentence
+    assert seen["sliding"].value > 100 * seen["sliding"].bound
+
+
+def test_a_sphere_that_sticks_or_keeps_a_spring_is_not_held_to_sliding():
+    sprung = found(Transparent(), "verlet", {"member": "co-4"}, "impact-benchmarks")
+    assert set(sprung) == {"normal"}
+    engine = discovery.engine("reference")
+    comes_to_roll = {"member": "dem-05-hertz", "friction": "0.5"}
+    rolling = found(engine, "velocity-verlet", comes_to_roll, "impact-benchmarks")
+    assert {f.outcome for f in rolling.values()} == {"pass"}
 
 
 def test_it_does_not_apply_where_something_else_acts_nor_without_steps():

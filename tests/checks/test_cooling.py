@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -107,6 +108,14 @@ def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
     assert why in found["temperature"].sentence
 
 
+def test_a_gas_is_dilute_up_to_a_tenth_of_the_volume_of_its_box():
+    """Spheres of 1 m take pi/6 of a cubic metre each, so that 0.19098 in a cubic metre fill 0.1."""
+    above = findings(n="30", duration="2", density="0.1915")["temperature"]
+    below = findings(n="30", duration="2", density="0.1905")["temperature"]
+    assert "dilute" in above.sentence
+    assert "dilute" not in below.sentence
+
+
 def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
     found = findings(n="20000", duration="1/16", samples="2")
     assert found["loss"].value > 0.1
@@ -118,6 +127,26 @@ def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
 
 def test_it_leaves_out_walls():
     assert "periodic" in findings(n="30", boundary="walls")
+
+
+@pytest.mark.parametrize(
+    ("check", "more"), [("cooling", {}), ("roughness", {"friction": "1000", "restitution": "1"})]
+)
+@pytest.mark.parametrize("odd", ["mass", "radius"])
+def test_a_gas_of_unequal_spheres_is_left_out(check, more, odd):
+    scene = discovery.case("granular-gas").at(n="30", **more).scene
+    bodies = scene.bodies
+    if odd == "mass":
+        mixed = replace(bodies, mass=bodies.mass * np.where(np.arange(30) == 29, 2.0, 1.0))
+    else:
+        mixed = replace(bodies, shape=(*bodies.shape[:-1], Sphere(radius=0.25)))
+
+    def reason(gas):
+        instance = SimpleNamespace(scene=gas, quantities={"temperature"})
+        return discovery.check(check).applies(SimpleNamespace(instance=instance))
+
+    assert reason(scene) is None
+    assert "not alike" in reason(Scene(mixed, scene.elements))
 
 
 def test_collisions_of_a_gas_that_follows_haffs_law_are_the_logarithm_of_time():

@@ -5,13 +5,14 @@ errors of the state can do.
 from dataclasses import replace
 from fractions import Fraction
 from math import exp, inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from refdem.campaign.in_process import truth_of
 from refdem.checks._crossings import Crossing, crossings
-from refdem.checks.event_times import CHECK, shift
+from refdem.checks.event_times import CHECK, interpolated, shift
 from refdem.core import discovery
 from refdem.core.check import Outcome, Trial
 from refdem.core.problem import Request
@@ -287,3 +288,22 @@ def observed(instance, run, other):
     one = instance.observe(run)
     two = instance.observe(other)
     return [(instance.quantities[name], one[name], two[name]) for name in one]
+
+
+@pytest.mark.parametrize(("order", "share"), [(1, 1.0), (2, 1.0), (3, 1 / 8), (4, 1 / 64)])
+def test_an_event_between_steps_is_off_by_a_chord_and_by_less_for_higher_orders(order, share):
+    """A chord of g misses its zero by |g''| h^2/(8 |g'|); each order beyond 2 counts h/tau more."""
+    step = 0.25
+    tau = 2.0
+    one = Crossing(time=1.0, radius=0.0, rate=0.5, bend=3.0, growth=0.0)
+    trial = SimpleNamespace(
+        method=SimpleNamespace(control="step"),
+        levels=(2 * step, step),
+        order=order,
+        instance=SimpleNamespace(scales=SimpleNamespace(tau=tau)),
+    )
+    chord = 3.0 * step**2 / (8 * 0.5)
+    assert interpolated(trial, one) == pytest.approx(chord * share)
+    assert interpolated(trial, replace(one, rate=0.0)) == inf
+    trial.method.control = "tolerance"
+    assert interpolated(trial, one) == 0.0

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -48,12 +49,14 @@ def marked(mark: str) -> list[str]:
     return found
 
 
-def eventually(holds: object, what: str) -> None:
-    """Waits until something holds."""
+def eventually(holds: Callable[[], object]) -> bool:
+    """Whether something comes to hold while one can wait for it."""
     until = time.monotonic() + PATIENCE
-    while not holds():  # type: ignore[operator]
-        assert time.monotonic() < until, what
+    while not holds():
+        if time.monotonic() > until:
+            return False
         time.sleep(0.05)
+    return True
 
 
 @pytest.mark.parametrize(
@@ -77,13 +80,13 @@ def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(
     with subprocess.Popen(
         command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, preexec_fn=as_by_a_shell
     ) as gate:
-        eventually(lambda: Path(mark).exists() and marked(mark), "the program has begun")
+        assert eventually(lambda: Path(mark).exists() and marked(mark)), "the program has begun"
         gate.send_signal(number)
         _, said = gate.communicate(timeout=PATIENCE)
     assert gate.returncode == status
     assert b"Traceback" not in said
-    eventually(lambda: not marked(mark), "what the program started has ended")
-    eventually(lambda: not list(own.glob("refdem-runs-*")), "the folders of runs are gone")
+    assert eventually(lambda: not marked(mark)), "what the program started has ended"
+    assert eventually(lambda: not list(own.glob("refdem-runs-*"))), "the folders of runs are gone"
 
 
 def test_worker_processes_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
@@ -104,10 +107,12 @@ def test_worker_processes_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
     with subprocess.Popen(
         command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, start_new_session=True
     ) as run:
-        eventually(lambda: children(run.pid), "a worker has begun")
+        assert eventually(lambda: children(run.pid)), "a worker has begun"
         workers = children(run.pid)
         run.kill()
-    eventually(lambda: not [pid for pid in workers if is_running(pid)], "the workers have ended")
+    assert eventually(lambda: not [pid for pid in workers if is_running(pid)]), (
+        "the workers have ended"
+    )
 
 
 def children(parent: int) -> list[str]:

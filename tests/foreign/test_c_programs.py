@@ -75,7 +75,11 @@ FAULTS = {
     ),
     "inertia axes swapped": (
         ("c", FREE, "error/omega_body.x"),
-        ("dem.c", '"inertia"),', '"inertia"), b->J[2] = b->J[0] + 0 * (b->J[0] = b->J[2]),'),
+        (
+            "dem.c",
+            '"inertia");',
+            '"inertia"); double kept = b->J[0]; b->J[0] = b->J[2]; b->J[2] = kept;',
+        ),
     ),
     "f in place of omega": (
         ("c", FREE, "error/omega.x"),

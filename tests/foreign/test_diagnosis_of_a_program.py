@@ -10,8 +10,8 @@ SPRING = "harmonic-oscillator[duration=4 samples=16]"
 HANGING = "harmonic-oscillator[gravity=1 duration=4 samples=16]"
 FREE = "free-rigid-body[duration=2 samples=8]"
 OMEGA = "memcpy(body[i].w, w, sizeof w);"
-WRITTEN = "i, b->r[0], b->r[1], b->r[2], b->v[0], b->v[1], b->v[2]);"
-FAST = "i, b->r[0], b->r[1], b->r[2], 1.07 * b->v[0], 1.07 * b->v[1], 1.07 * b->v[2]);"
+WRITTEN = "b->r[0], b->r[1], b->r[2], b->v[0], b->v[1], b->v[2]);"
+FAST = "b->r[0], b->r[1], b->r[2], 1.07 * b->v[0], 1.07 * b->v[1], 1.07 * b->v[2]);"
 KNOWN = {
     "a stiffer spring": (
         SPRING,

@@ -6,32 +6,31 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
+from refdem.faults.catalogue import chosen
 from refdem.faults.change import of_bodies, of_elements
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
 from refdem.gate.gate import supported
-from refdem.gate.telling import TELLING, settings
 from refdem.scene.elements.contact import Contact
 
+TELLING = named("gate").case
+TWO_SPHERES = [{}, *(entry.set for entry in TELLING if entry.id == "two-spheres")]
 
-@pytest.mark.parametrize(
-    ("case", "number"), [(case, k) for case, sets in TELLING.items() for k in range(len(sets))]
-)
-def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(case, number):
-    instance = discovery.case(case).at(**TELLING[case][number])
+
+@pytest.mark.parametrize("entry", TELLING, ids=lambda entry: entry.label)
+def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(entry):
+    instance = discovery.case(entry.id).at(**entry.set)
     last = instance.truth().at(Fraction(float(instance.times[-1])))
     assert all(float(ball.radius) < 1e-12 for ball in last.values())
 
 
 def test_a_gate_of_all_cases_has_them_beside_the_defaults():
     entries = [entry for entry in supported(ENGINE) if entry.id == "two-spheres"]
-    assert [entry.set for entry in entries] == [
-        {},
-        *(dict(given) for given in TELLING["two-spheres"]),
-    ]
+    assert [entry.set for entry in entries] == TWO_SPHERES
 
 
 def contact(**changed):
@@ -72,7 +71,7 @@ MISREADINGS = {
 @pytest.mark.parametrize("name", MISREADINGS)
 def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_there(name):
     misread, seen = MISREADINGS[name]
-    instances = [discovery.case("two-spheres").at(**given) for given in settings("two-spheres")]
+    instances = [discovery.case("two-spheres").at(**given) for given in TWO_SPHERES]
     asked = [
         Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
         for instance in instances
@@ -94,3 +93,30 @@ def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_t
     for engine, expected in ((Transparent(), False), (Carrier(Transparent(), fault), True)):
         record = record_of(task_of(engine, "verlet", instance, truth, 5, ["error"]))
         assert any(finding.outcome == "fail" for finding in record.findings) == expected
+
+
+TELLS = {
+    "drive-without-phase": ("van-der-pol", 1),
+    "square-of-one-sign": ("quadratic-response", 2),
+    "small-world": ("harmonic-oscillator", 2),
+    "friction-off-by-a-millionth": ("impact-benchmarks", 3),
+}
+"""By fault of the catalogue: the case, and the number, from 1, of the setting that tells it."""
+
+
+@pytest.mark.parametrize("name", TELLS)
+def test_a_fault_is_seen_at_the_setting_that_is_there_for_it_and_nothing_is_seen_without_it(name):
+    (fault,) = chosen([name])
+    check, quantity = fault.sees
+    case, number = TELLS[name]
+    beside = [entry.set for entry in TELLING if entry.id == case]
+    instance = discovery.case(case).at(**beside[number - 1])
+    truth = truth_of(instance)
+
+    def outcome(engine):
+        record = record_of(task_of(engine, "verlet", instance, truth, 4, [check]))
+        (finding,) = (f for f in record.findings if (f.check, f.quantity) == (check, quantity))
+        return finding.outcome
+
+    assert outcome(Transparent()) == "pass"
+    assert outcome(fault.carrier()) == "fail"

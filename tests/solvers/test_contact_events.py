@@ -492,3 +492,28 @@ def test_it_agrees_with_the_taylor_series_of_the_plane_contact(given):
         (one.velocity, other.velocity, scales.speed),
     ):
         assert np.abs(ours - theirs).max() < 1e-13 * unit
+
+
+@pytest.mark.parametrize("part", np.arange(3, 30) / 32)
+def test_a_touch_that_lasts_a_twentieth_of_a_step_is_found_wherever_in_the_step_it_falls(part):
+    """Sphere 2 flies past sphere 1, deepest at 1 + `part` steps; the impulse is the same for all.
+
+    On a straight line the overlap is 1 - sqrt((1 - depth)^2 + (v t)^2), and the way is bent by
+    less than 1e-5 of that.
+    """
+    speed = 4.0
+    depth = 0.004
+    stiffness = 0.012
+    own = {"mass": 1.0, "inertia": (0.1, 0.1, 0.1), "shape": Sphere(radius=0.5)}
+    start = (-speed * (1 + part), 1 - depth, 0.0)
+    bodies = [Body(**own), Body(**own, position=start, velocity=(speed, 0.0, 0.0))]
+    scene = Scene.of(bodies, [Contact(law="linear", stiffness=stiffness)])
+    motion = Motion(scene, np.arange(4.0))
+    run, cost = ENGINE.run(Request(problem=motion, method="contact-events"))
+    assert cost.steps == 3  # one step from sample to sample
+    half = np.sqrt(1 - (1 - depth) ** 2) / speed
+    t = np.linspace(-half, half, 4097)
+    distance = np.hypot(1 - depth, speed * t)
+    impulse = np.trapezoid(stiffness * (1 - distance) * (1 - depth) / distance, t)
+    assert 2 * half < 0.05
+    assert run.velocity[-1, 1, 1] == pytest.approx(impulse, rel=1e-4)

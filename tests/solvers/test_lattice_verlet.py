@@ -25,6 +25,7 @@ SCENES = {
     "harmonic": oscillator(),
     "hertz": oscillator(exponent=1.5),
     "duffing": oscillator(cubic=2.0, x=-0.75),
+    "softening": oscillator(cubic=-1.0, x=0.5),  # beyond |x| = sqrt(3) its potential falls for ever
     "heavy": oscillator(UniformGravity(g=(-9.8125, 0.0, 0.0))),
 }
 
@@ -74,6 +75,7 @@ def test_energy_wanders_no_farther_than_roundings_of_the_lattice_add_up_to(solve
     [
         (oscillator(Dashpot(a=0, b=-1, damping=0.1)), "more than a spring"),
         (oscillator(length=0.5), "length"),
+        (oscillator(quadratic=1.0, x=0.5), "square"),
         (oscillator(cubic=-2.0, x=3.0), "no bound"),
         (oscillator(x=0.0, v=0.0), "rest"),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.problem import Motion
+from refdem.core.problem import Motion, Request
 from refdem.engines.reference import ENGINE
 from refdem.errors import UnsupportedError
 from refdem.scene import Body, Scene
@@ -280,3 +280,26 @@ def test_stepped_methods_have_their_order_on_springs_with_a_square_and_a_cube(
         for n in (64, 128)
     ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
+
+
+def test_the_square_of_a_stretch_turns_round_at_the_anchor_in_every_method_that_takes_it():
+    """Without a length the stretch is the distance |x|: the force is -(k x + q x |x|)."""
+    spring = Spring(a=0, b=-1, stiffness=3.0, quadratic=1.0)
+    start = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.25, 0.0, 0.0))
+    motion = Motion(Scene.of([start], [spring]), np.arange(9.0))
+
+    def energy(trajectory):
+        x = trajectory.position[:, 0, 0]
+        v = trajectory.velocity[:, 0, 0]
+        return v**2 + 3.0 * x**2 / 2 + np.abs(x) ** 3 / 3
+
+    able = [method for method in ENGINE.methods if ENGINE.refuses(motion, method) is None]
+    assert {method.name for method in able} >= {"velocity-verlet", "rk4"}
+    for method in able:
+        if method.control == "step":
+            step = 2.0**-10
+        else:
+            step = None
+        trajectory, _ = ENGINE.run(Request(problem=motion, method=method.name, step=step))
+        assert trajectory.position[:, 0, 0].min() < -0.25, method.name
+        assert energy(trajectory) == pytest.approx(energy(trajectory)[0], rel=1e-5), method.name

@@ -11,14 +11,16 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import acb, arb
 
 from refdem.core import discovery
-from refdem.truth import rotation
+from refdem.truth import near, rotation
 from refdem.truth.balls import arb_of, precision
+from refdem.truth.body_growth import Tumbling, rotating
 from refdem.truth.closed_form import ClosedForm
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
+from refdem.truth.near import exact as exact_doubles
 
 STEPS = 1500
 """Runge-Kutta steps of what is followed, one period or the whole time."""
@@ -89,13 +91,14 @@ class Numbers:
         """The largest growth (of a turn, or of one component) by matrices (n, 9, 6), over all
         impulses of one scale in both parts.
         """
-        by_turn = matrices[..., :3] * self.turn
-        by_spin = matrices[..., 3:] * self.spin
-        turned = np.linalg.norm(by_turn[:, :3], ord=2, axis=(-2, -1)) + np.linalg.norm(
-            by_spin[:, :3], ord=2, axis=(-2, -1)
-        )
-        others = np.linalg.norm(by_turn[:, 3:], axis=-1) + np.linalg.norm(by_spin[:, 3:], axis=-1)
-        return float(max(turned.max(), others.max()))
+        return largest_of(matrices[..., :3] * self.turn, matrices[..., 3:] * self.spin)
+
+
+def largest_of(by_turn: Array, by_spin: Array) -> float:
+    """The same by matrices (n, 9, 3) each, on errors that are counted in scales."""
+    turned = sum(np.linalg.norm(one[:, :3], ord=2, axis=(-2, -1)) for one in (by_turn, by_spin))
+    others = sum(np.linalg.norm(one[:, 3:], axis=-1) for one in (by_turn, by_spin))
+    return float(max(turned.max(), others.max()))
 
 
 def crossed(vectors: Array) -> Array:
@@ -252,6 +255,47 @@ def test_so_it_is_of_points_in_axes_that_are_not_principal(positions):
         float(truth.scale["omega.x"]),
     )
     repeated(numbers, (1, 5, 500))
+
+
+NEEDLE = f"{2**-40} 1 {1 + 2**-41}"
+
+
+@pytest.mark.parametrize(
+    ("inertia", "omega"), [("1 2 3", "0.9 1.1 1.3"), (NEEDLE, "0.9 1.1 1.3"), (NEEDLE, "1 0 0")]
+)
+def test_roundings_have_no_part_in_s(inertia, omega, monkeypatch):
+    """By norms of matrices their bound was a seventh of S of a needle, whose J^-1 has 1e12."""
+    times = [Fraction(2), Fraction(8), Fraction(400)]
+    told = [of_body(inertia, omega).truth.sensitivity(t) for t in times]
+    monkeypatch.setattr(near, "UNIT", 0.0)
+    without = [of_body(inertia, omega).truth.sensitivity(t) for t in times]
+    assert without == pytest.approx(told, rel=1e-3)
+
+
+@pytest.mark.parametrize("inertia", ["1 2 3", "1e-3 1 1", "1 5 5.5"])
+def test_what_turns_is_bounded_at_every_angle_and_sharply(inertia):
+    """At one angle of q it may be half of what it is at others."""
+    with precision(192):
+        truth = of_body(inertia, "0.9 1.1 1.3").truth
+        growth = truth.growth()
+        assert isinstance(growth, Tumbling)
+        growth.at(Fraction(2))
+        instant = growth.instants[-1]
+        t = growth.cells[len(growth.instants) - 1].middle
+        read = growth.read(t, instant.axes, growth.body.omega(arb_of(t)), growth.length)
+        nothing = np.zeros(1)
+        sources = instant.sources[None]
+        told = growth.largest(
+            read, [exact_doubles(np.zeros((1, 6, 6)))], sources, nothing, turns_anyhow=True
+        )
+        growths = []
+        for part in range(64):
+            sine, cosine = (arb.pi() * part / 32).sin_cos()
+            # The scale of a turn is 1.
+            turned = read.middle @ rotating([acb(cosine, sine)]).middle
+            turned[..., 3:] = turned[..., 3:] @ instant.sources.middle
+            growths.append(largest_of(turned[..., :3], turned[..., 3:]))
+    assert max(growths) <= told <= 1.1 * max(growths)
 
 
 def test_a_motion_that_nearly_is_a_separatrix_is_known_for_ever():

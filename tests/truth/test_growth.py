@@ -296,5 +296,5 @@ def test_a_bound_of_what_is_not_finite_is_infinite():
     hold the centre.
     """
     assert most([arb(1), arb("nan")]) == most([arb(0).union(arb(1)) ** -1, arb(2)]) == float("inf")
-    assert tidal(arb(1), arb(1), arb(99) / 100, arb(1), arb(0).union(arb(1))) == float("inf")
+    assert tidal(arb(1), arb(1), arb(99) / 100, arb(0).union(arb(1))) == float("inf")
     assert steepness(arb("nan"), arb(1)) == float("inf")

@@ -25,27 +25,27 @@ class Gas:
 
     @property
     def position(self) -> Array:
-        """(N, 3) [m]."""
+        """The places (N, 3) [m] of the centres at the start."""
         return self.instance.scene.bodies.position
 
     @property
     def velocity(self) -> Array:
-        """(N, 3) [m/s]."""
+        """The velocities (N, 3) [m/s] at the start."""
         return self.instance.scene.bodies.velocity
 
     @property
     def diameter(self) -> float:
-        """[m]."""
+        """The diameter [m] of the spheres, which are all alike."""
         return 2 * float(self.instance.scene.bodies.radius[0])
 
     @property
     def mass(self) -> float:
-        """[kg]."""
+        """The mass [kg] of a sphere."""
         return float(self.instance.scene.bodies.mass[0])
 
     @property
     def law(self) -> Contact:
-        """The law of contact."""
+        """The law of contact between the spheres."""
         return self.instance.scene.all(Contact)[0]
 
     @property
@@ -55,7 +55,7 @@ class Gas:
 
     @property
     def size(self) -> float:
-        """[m]."""
+        """The edge [m] of the cube, which has a corner at the origin where it has walls."""
         boxes = self.instance.scene.all(PeriodicBox)
         if boxes:
             return boxes[0].size

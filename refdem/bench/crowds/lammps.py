@@ -38,13 +38,13 @@ class Lammps(Crowd):
     note = "gran/hooke/history with friction; keeps no attitudes"
 
     def missing(self) -> str | None:
-        """None if there is an `lmp`."""
+        """None if there is a program `lmp` on the path, else what to install."""
         if shutil.which("lmp"):
             return None
         return "install LAMMPS (Debian: lammps)"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None in a periodic box."""
+        """None for a gas in a periodic box, else why it is not asked."""
         if gas.periodic:
             return None
         return "asked for the periodic box alone"
@@ -72,13 +72,9 @@ class Lammps(Crowd):
             (folder / "data.lammps").write_text(_data(gas))
             (folder / "in.lammps").write_text(words)
             told = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
+            command = ["lmp", "-in", "in.lammps", "-log", "none"]
             done = subprocess.run(
-                ["lmp", "-in", "in.lammps", "-log", "none"],
-                cwd=folder,
-                env=told,
-                capture_output=True,
-                text=True,
-                check=False,
+                command, cwd=folder, env=told, capture_output=True, text=True, check=False
             )
         found = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
         if done.returncode or found is None:
@@ -87,18 +83,23 @@ class Lammps(Crowd):
 
 
 def _data(gas: Gas) -> str:
-    sides = "".join(f"0 {gas.size!r} {a}lo {a}hi\n" for a in "xyz")
-    atoms = "\n".join(
-        f"{k} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}"
-        for k, (x, y, z) in enumerate(gas.position.tolist(), 1)
-    )
-    speeds = "\n".join(
-        f"{k} {x!r} {y!r} {z!r} 0 0 0" for k, (x, y, z) in enumerate(gas.velocity.tolist(), 1)
-    )
-    return (
-        f"gas\n\n{len(gas.position)} atoms\n1 atom types\n{sides}\nAtoms #"
-        f" sphere\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
-    )
+    """The data file of LAMMPS: the box, the spheres, and their velocities."""
+    sides = "\n".join(f"0 {gas.size!r} {axis}lo {axis}hi" for axis in "xyz")
+    atoms = []
+    for number, (x, y, z) in enumerate(gas.position.tolist(), 1):
+        atoms.append(f"{number} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}")
+    speeds = []
+    for number, (x, y, z) in enumerate(gas.velocity.tolist(), 1):
+        speeds.append(f"{number} {x!r} {y!r} {z!r} 0 0 0")
+    parts = [
+        "gas",
+        f"{len(gas.position)} atoms\n1 atom types\n{sides}",
+        "Atoms # sphere",
+        "\n".join(atoms),
+        "Velocities",
+        "\n".join(speeds),
+    ]
+    return "\n\n".join(parts) + "\n"
 
 
 CROWD = Lammps()

@@ -27,13 +27,13 @@ class Mujoco(Crowd):
     note = "its own soft contacts"
 
     def missing(self) -> str | None:
-        """None if the package is here."""
+        """None if the package is installed, else what to install."""
         if find_spec("mujoco"):
             return None
         return "install refdem[mujoco]"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None between walls."""
+        """None for a gas between walls, else why it cannot be moved."""
         if gas.periodic:
             return "no periodic box"
         return None
@@ -55,19 +55,24 @@ def _document(gas: Gas) -> str:
     """MJCF of the gas; with friction contacts have two tangential directions."""
     rubs = gas.law.friction > 0
     flags = " ".join(f'{name.lower()}="disable"' for name in OFF if name != "PASSIVE")
+    if rubs:
+        condim = 3
+    else:
+        condim = 1
     shape = (
-        f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{3 if rubs else 1}"'
+        f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{condim}"'
         f' friction="{gas.law.friction or 1!r} 0 0"/>'
     )
-    spheres = "".join(
-        f'<body pos="{x!r} {y!r} {z!r}"><freejoint/>{shape}</body>'
-        for x, y, z in gas.position.tolist()
-    )
-    walls = "".join(
-        f'<geom type="plane" size="0 0 1" condim="1" pos="{p.point[0]!r} {p.point[1]!r}'
-        f' {p.point[2]!r}" euler="{TURN[p.normal]}"/>'
-        for p in gas.instance.scene.all(Plane)
-    )
+    spheres = ""
+    for x, y, z in gas.position.tolist():
+        spheres += f'<body pos="{x!r} {y!r} {z!r}"><freejoint/>{shape}</body>'
+    walls = ""
+    for plane in gas.instance.scene.all(Plane):
+        x, y, z = plane.point
+        walls += (
+            f'<geom type="plane" size="0 0 1" condim="1" pos="{x!r} {y!r} {z!r}"'
+            f' euler="{TURN[plane.normal]}"/>'
+        )
     option = (
         f'<option timestep="{gas.step!r}" solver="CG" jacobian="sparse"><flag {flags}/></option>'
     )

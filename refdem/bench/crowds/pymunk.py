@@ -19,13 +19,13 @@ class Pymunk(Crowd):
     note = "discs in a plane, elastic impacts"
 
     def missing(self) -> str | None:
-        """None if the package is here."""
+        """None if the package is installed, else what to install."""
         if find_spec("pymunk"):
             return None
         return "install refdem[pymunk]"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None between walls."""
+        """None for a gas between walls, else why it cannot be moved."""
         if gas.periodic:
             return "no periodic box"
         return None
@@ -36,6 +36,7 @@ class Pymunk(Crowd):
 
         n = len(gas.position)
         radius = gas.diameter / 2
+        # The part of the cube that spheres fill, and the edge of a square of which discs fill it.
         filled = n * np.pi / 6 * (gas.diameter / gas.size) ** 3
         side = int(np.ceil(np.sqrt(n)))
         edge = float(np.sqrt(n * np.pi * radius**2 / filled))
@@ -43,13 +44,11 @@ class Pymunk(Crowd):
         space.iterations = 1
         for k, velocity in enumerate(gas.velocity.tolist()):
             body = pymunk.Body(gas.mass, gas.mass * radius**2 / 2)
-            body.position, body.velocity = (
-                (
-                    (k % side + 0.5) * edge / side,
-                    (k // side + 0.5) * edge / side,
-                ),
-                tuple(velocity[:2]),
-            )
+            # In the middle of a field of a chessboard, row by row.
+            x = (k % side + 0.5) * edge / side
+            y = (k // side + 0.5) * edge / side
+            body.position = (x, y)
+            body.velocity = tuple(velocity[:2])
             disc = pymunk.Circle(body, radius)
             disc.elasticity = 1.0
             disc.friction = gas.law.friction

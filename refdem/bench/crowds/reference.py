@@ -14,22 +14,20 @@ class Reference(Crowd):
     is_reference = True
 
     def missing(self) -> str | None:
-        """None: it comes with refdem."""
+        """None: the reference comes with refdem and is always here."""
         return None
 
     def refusal(self, gas: Gas) -> str | None:
-        """None for every gas."""
+        """None for every gas that the method `gas` of the reference can move."""
         engine = discovery.engine("reference")
         return engine.refusal(gas.instance.motion, engine.method("gas"))
 
     def seconds(self, gas: Gas, steps: int) -> float:
-        """The time in the kernel."""
+        """The time [s] that the kernel itself takes for so many steps."""
         motion = Motion(gas.instance.scene, np.array([0.0, steps * gas.step]))
-        return (
-            discovery.engine("reference")
-            .run(Request(problem=motion, method="gas", step=gas.step))[1]
-            .seconds
-        )
+        request = Request(problem=motion, method="gas", step=gas.step)
+        _, cost = discovery.engine("reference").run(request)
+        return cost.seconds
 
 
 CROWD = Reference()

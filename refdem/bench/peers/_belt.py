@@ -33,9 +33,10 @@ class Belt:
     @classmethod
     def of(cls, scene: Scene) -> "Belt":
         """The belt of a scene of the case stick-slip."""
-        return cls(
-            scene.all(Slider)[0], scene.all(Force)[0].amplitude, scene.all(Spring)[0].anchor_b[0]
-        )
+        (slider,) = scene.all(Slider)
+        (drive,) = scene.all(Force)
+        (spring,) = scene.all(Spring)
+        return cls(slider, amplitude=drive.amplitude, anchor=spring.anchor_b[0])
 
     @property
     def limit(self) -> float:
@@ -44,10 +45,11 @@ class Belt:
 
     def friction(self, w: Any) -> Any:
         """N mu at the speed w of a slip, for numbers and symbols."""
+        # mu(w) = (mu0 - mu1)/(1 + lambda0 w) + mu1 + lambda1 w^2 (1.126).
         s = self.slider
-        return s.normal_force * (
-            (s.mu0 - s.mu1) / (1.0 + s.lambda0 * w) + s.mu1 + s.lambda1 * w * w
-        )
+        falling = (s.mu0 - s.mu1) / (1.0 + s.lambda0 * w)
+        mu = falling + s.mu1 + s.lambda1 * w * w
+        return s.normal_force * mu
 
     def pull(self, t: float, frequency: float, x: float) -> float:
         """What spring and drive pull with [N]."""
@@ -100,10 +102,10 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
     def seen(integrator: Any, when: float, direction: int) -> None:
         passed.append((when, float(integrator.update_d_output(when)[0]) + belt.anchor))
 
-    rates = [
-        (x, u + speed),
-        (u, belt.amplitude * heyoka.cos(w * heyoka.time) - x - side * belt.friction(side * u)),
-    ]
+    # x' = u + belt, u' = F cos(w t) - x - side N mu(side u), with m = k = 1.
+    drive = belt.amplitude * heyoka.cos(w * heyoka.time)
+    acceleration = drive - x - side * belt.friction(side * u)
+    rates = [(x, u + speed), (u, acceleration)]
     down = heyoka.event_direction.negative
     up = heyoka.event_direction.positive
     stops = [heyoka.t_event(side * u, direction=down)]
@@ -157,7 +159,8 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
         def turns(now: float, y: np.ndarray) -> float:
             return y[1] + speed
 
-        stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
+        stops.terminal = True  # type: ignore[attr-defined]
+        stops.direction = -1  # type: ignore[attr-defined]
         found = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
         passed = [
             (float(when), float(y[0]) + belt.anchor)
@@ -172,7 +175,9 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
         def passes(now: float, y: np.ndarray) -> float:
             return belt.limit - abs(y[0])
 
-        passes.terminal, passes.direction = True, -1  # type: ignore[attr-defined]
-        return float(solve_ivp(rates, (t, end), (pull,), events=passes, **given).t[-1])
+        passes.terminal = True  # type: ignore[attr-defined]
+        passes.direction = -1  # type: ignore[attr-defined]
+        found = solve_ivp(rates, (t, end), (pull,), events=passes, **given)
+        return float(found.t[-1])
 
     return slip, stick

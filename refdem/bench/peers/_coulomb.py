@@ -40,21 +40,23 @@ class Coulomb:
             integrator.pars[0] = -1.0 if place > 0 else 1.0
             return abs(self.stiffness * place) > self.friction
 
-        rates = [(x, v), (v, -self.stiffness * x - self.friction * heyoka.par[0])]
+        acceleration = -self.stiffness * x - self.friction * heyoka.par[0]
+        rates = [(x, v), (v, acceleration)]
+        start = [self.place, self.speed]
         events = [heyoka.t_event(v, callback=turned)]
         return heyoka.taylor_adaptive(
-            rates, [self.place, self.speed], pars=[self.direction], t_events=events, tol=tolerance
+            rates, start, pars=[self.direction], t_events=events, tol=tolerance
         )
 
 
 def coulomb(scene: Scene) -> Coulomb | None:
     """The oscillator, if the scene is one along x whose spring has no natural length."""
-    if len(scene.bodies) != 1 or sorted(element.kind for element in scene.elements) != [
-        "slider",
-        "spring",
-    ]:
+    kinds = sorted(element.kind for element in scene.elements)
+    if len(scene.bodies) != 1 or kinds != ["slider", "spring"]:
         return None
-    (spring,), (slider,), bodies = scene.all(Spring), scene.all(Slider), scene.bodies
+    (spring,) = scene.all(Spring)
+    (slider,) = scene.all(Slider)
+    bodies = scene.bodies
     aside = (
         *bodies.position[0, 1:],
         *bodies.velocity[0, 1:],
@@ -72,10 +74,9 @@ def coulomb(scene: Scene) -> Coulomb | None:
     if any(aside) or curved or spring.b >= 0 or slider.b >= 0 or slider.axis != (1.0, 0.0, 0.0):
         return None
     mass = float(bodies.mass[0])
-    friction = slider.friction * slider.normal_force / mass
     return Coulomb(
-        float(bodies.position[0, 0]),
-        float(bodies.velocity[0, 0]),
-        spring.stiffness / mass,
-        friction,
+        place=float(bodies.position[0, 0]),
+        speed=float(bodies.velocity[0, 0]),
+        stiffness=spring.stiffness / mass,
+        friction=slider.friction * slider.normal_force / mass,
     )

@@ -64,10 +64,8 @@ def _free_body(scene: Scene) -> Equations:
 
     bodies = scene.bodies
     j1, j2, j3 = bodies.inertia[0].tolist()
-    start = (
-        *rotated(conjugate(bodies.attitude[0]), bodies.omega[0]).tolist(),
-        *bodies.attitude[0].tolist(),
-    )
+    omega_body = rotated(conjugate(bodies.attitude[0]), bodies.omega[0])
+    start = (*omega_body.tolist(), *bodies.attitude[0].tolist())
 
     def rates(y: Sequence[Any], sine: Sine) -> list[Any]:
         p, q, r, w, x, u, z = y
@@ -103,7 +101,9 @@ def _hanging(scene: Scene) -> tuple[float, float] | None:
     """Length [m] and gravity [m/s^2] of a rod from the world's origin in the x-y plane, gravity
     along -y.
     """
-    (rod,), (weight,), bodies = scene.all(Rod), scene.all(UniformGravity), scene.bodies
+    (rod,) = scene.all(Rod)
+    (weight,) = scene.all(UniformGravity)
+    bodies = scene.bodies
     sideways = (
         bodies.position[0, 2],
         bodies.velocity[0, 2],
@@ -114,16 +114,21 @@ def _hanging(scene: Scene) -> tuple[float, float] | None:
     )
     if any(sideways) or rod.b >= 0:
         return None
-    return (rod.length, -weight.g[1])
+    return rod.length, -weight.g[1]
 
 
 def _pendulum(scene: Scene) -> Equations | None:
-    """theta'' = -(g/l) sin(theta)."""
-    if (hanging := _hanging(scene)) is None:
+    """The pendulum in its angle from the vertical: theta'' = -(g/l) sin(theta)."""
+    hanging = _hanging(scene)
+    if hanging is None:
         return None
     length, gravity = hanging
-    (x, y, _), (vx, vy, _) = scene.bodies.position[0].tolist(), scene.bodies.velocity[0].tolist()
-    start = (float(np.arctan2(x, -y)), (x * vy - y * vx) / length**2)
+    x, y, _ = scene.bodies.position[0].tolist()
+    vx, vy, _ = scene.bodies.velocity[0].tolist()
+    angle = float(np.arctan2(x, -y))
+    # theta' = (r x v)_z / l^2.
+    rate = (x * vy - y * vx) / length**2
+    start = (angle, rate)
     ratio = gravity / length
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
@@ -145,9 +150,10 @@ def _constrained(scene: Scene) -> Equations | None:
     """r'' = g - r (v.v + g.r)/(r.r): the multiplier divided by r^2, without which a Taylor method
     leaves the circle.
     """
-    if (hanging := _hanging(scene)) is None:
+    hanging = _hanging(scene)
+    if hanging is None:
         return None
-    gravity = hanging[1]
+    _, gravity = hanging
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, y, vx, vy = state
@@ -174,21 +180,17 @@ def _kepler(scene: Scene) -> Equations | None:
 
 def _oscillator(scene: Scene) -> Equations | None:
     """m x'' = m g - k x - a x^2 - b x^3 along x, the spring of natural length 0."""
-    if {element.kind for element in scene.elements} - {"spring", "uniform_gravity"} or len(
-        scene.all(Spring)
-    ) != 1:
+    others = {element.kind for element in scene.elements} - {"spring", "uniform_gravity"}
+    if others or len(scene.all(Spring)) != 1:
         return None
-    (spring,), mass = scene.all(Spring), float(scene.bodies.mass[0])
+    (spring,) = scene.all(Spring)
+    mass = float(scene.bodies.mass[0])
     weights = [element.g for element in scene.all(UniformGravity)]
     place = scene.bodies.position[0]
     speed = scene.bodies.velocity[0]
-    aside = (
-        *place[1:],
-        *speed[1:],
-        *spring.anchor_a,
-        *spring.anchor_b,
-        *(part for g in weights for part in g[1:]),
-    )
+    aside = [*place[1:], *speed[1:], *spring.anchor_a, *spring.anchor_b]
+    for g in weights:
+        aside += g[1:]
     if any(aside) or spring.length or spring.exponent != 1 or spring.b >= 0:
         return None
     weight = sum(g[0] for g in weights)

@@ -56,15 +56,25 @@ class Oblique:
         """State, mode and side of the slip."""
         bodies = self.scene.bodies
         relative = bodies.velocity[1] - bodies.velocity[0]
-        (p, r) = bodies.omega[:, 2]
+        p, r = bodies.omega[:, 2]
+        overlap_rate = -relative[0]
         slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
-        held = bool(self.law.damping) or abs(slip) <= self.share * self.law.stiffness * -relative[0]
-        state = [0.0, -relative[0], relative[1], 0.0, p, r, 0.0]
-        return (
-            state,
-            (HOLDS if held else SLIPS) if self.law.friction else FREE,
-            1.0 if slip > 0 else -1.0,
-        )
+        state = [0.0, overlap_rate, relative[1], 0.0, p, r, 0.0]
+        if slip > 0:
+            side = 1.0
+        else:
+            side = -1.0
+        if not self.law.friction:
+            return state, FREE, side
+        # It holds while k_t |slip| grows no faster than mu k g; with a dashpot the normal force
+        # is above 0 at once.
+        most = self.share * self.law.stiffness * overlap_rate
+        is_held = bool(self.law.damping) or abs(slip) <= most
+        if is_held:
+            mode = HOLDS
+        else:
+            mode = SLIPS
+        return state, mode, side
 
     def integrators(self, tolerance: float | None) -> list[Any]:
         """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction.
@@ -76,7 +86,8 @@ class Oblique:
         bodies = self.scene.bodies
         law = self.law
         down = {"direction": heyoka.event_direction.negative}
-        (r1, r2), (j1, j2) = bodies.radius.tolist(), bodies.inertia[:, 0].tolist()
+        r1, r2 = bodies.radius.tolist()
+        j1, j2 = bodies.inertia[:, 0].tolist()
         d, g, q, _, spin1, spin2, s = names = heyoka.make_vars("d", "g", "q", "a", "u", "v", "s")
         force = law.stiffness * d + law.damping * g
         side = heyoka.par[0]
@@ -87,14 +98,29 @@ class Oblique:
         slip = arm1 * spin1 + arm2 * spin2 - q
         bend = -q * turn - ease * force
         ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
+        # What ends each mode where it falls to 0, after the overlap itself.
         watched = {
             HOLDS: [self.share * force - s, self.share * force + s],
-            SLIPS: [ends, *([force] if law.damping else [])],
+            SLIPS: [ends, force] if law.damping else [ends],
             FREE: [],
         }
+        # The tangential force in each mode.
+        acting = {
+            HOLDS: -law.tangential_stiffness * s,
+            SLIPS: -side * law.friction * force,
+            FREE: 0.0,
+        }
         made = []
-        for mode in (HOLDS, SLIPS, FREE) if law.friction else (FREE,):
-            across = (-law.tangential_stiffness * s, -side * law.friction * force, 0.0)[mode]
+        modes: tuple[int, ...] = (FREE,)
+        if law.friction:
+            modes = (HOLDS, SLIPS, FREE)
+        for mode in modes:
+            across = acting[mode]
+            # d' = g, and so on in the order of the names; the spring stretches while it holds.
+            if mode == HOLDS:
+                stretching = slip
+            else:
+                stretching = 0.0
             rates = [
                 g,
                 bend,
@@ -102,18 +128,22 @@ class Oblique:
                 turn,
                 arm1 * across / j1,
                 arm2 * across / j2,
-                slip if mode == HOLDS else 0.0,
+                stretching,
             ]
             events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
-            system = [
-                (name, heyoka.expression(rate) if isinstance(rate, float) else rate)
-                for name, rate in zip(names, rates, strict=True)
+            expressions = [
+                heyoka.expression(rate) if isinstance(rate, float) else rate for rate in rates
             ]
-            made.append(
-                heyoka.taylor_adaptive(
-                    system, [0.0] * 7, pars=[1.0] * (mode == SLIPS), t_events=events, tol=tolerance
-                )
+            system = list(zip(names, expressions, strict=True))
+            # Only a slip has a side.
+            if mode == SLIPS:
+                pars = [1.0]
+            else:
+                pars = []
+            integrator = heyoka.taylor_adaptive(
+                system, [0.0] * 7, pars=pars, t_events=events, tol=tolerance
             )
+            made.append(integrator)
         return made
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
@@ -129,23 +159,30 @@ class Oblique:
         steps = 0
         seconds = 0.0
         while len(found) < len(t):
-            integrator = integrators[mode if self.law.friction else 0]
+            # Without friction there is one mode, and one integrator.
+            if self.law.friction:
+                number = mode
+            else:
+                number = 0
+            integrator = integrators[number]
             integrator.time = now
             integrator.state[:] = state
             if mode == SLIPS:
                 integrator.pars[0] = side
             grid = np.concatenate([[now], t[len(found) :]])
-            started = perf_counter()
             if len(grid) == 2:
+                started = perf_counter()
                 told = integrator.propagate_until(t[-1])
+                seconds += perf_counter() - started
             else:
+                started = perf_counter()
                 told = integrator.propagate_grid(grid)
-            seconds += perf_counter() - started
-            found += [] if len(grid) == 2 else list(told[-1][1:])
+                seconds += perf_counter() - started
+                found += list(told[-1][1:])
+            # Samples within the step that an event has cut.
             while len(found) < len(t) and t[len(found)] <= integrator.time:
-                found.append(
-                    integrator.update_d_output(t[len(found)]).copy()
-                )  # of the step that an event has cut
+                sample = integrator.update_d_output(t[len(found)])
+                found.append(sample.copy())
             steps += int(told[3])
             if len(found) == len(t):
                 break
@@ -162,15 +199,18 @@ class Oblique:
         if event == 0:
             return APART, side
         if mode == HOLDS:
-            return SLIPS, 1.0 if event == 1 else -1.0
-        if event == 1:
-            state[6] = (
-                side
-                * INSIDE
-                * self.share
-                * (self.law.stiffness * state[0] + self.law.damping * state[1])
-            )
-        return (HOLDS if event == 1 else FREE), side
+            if event == 1:
+                new_side = 1.0
+            else:
+                new_side = -1.0
+            return SLIPS, new_side
+        if event != 1:
+            return FREE, side
+        overlap = state[0]
+        rate = state[1]
+        force = self.law.stiffness * overlap + self.law.damping * rate
+        state[6] = side * INSIDE * self.share * force
+        return HOLDS, side
 
     def trajectory(self, t: Array, found: list[Array]) -> Trajectory:
         """The motion of both, straight on once they have parted."""
@@ -186,19 +226,20 @@ class Oblique:
         speed = np.array([-g * c - q * s, -g * s + q * c])
         spins = np.array([p, r])
         if parted:
+            # Straight on with the last velocities, from the time at which they part.
             since = t[len(found) - 1 :] - found[-1][7]
-            place = np.concatenate([place[:, :-1], place[:, -1:] + speed[:, -1:] * since], axis=1)
-            later = [np.repeat(column[:, -1:], len(since), axis=1) for column in (speed, spins)]
-            speed, spins = (
-                np.concatenate([column[:, :-1], more], axis=1)
-                for column, more in zip((speed, spins), later, strict=True)
-            )
-        share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / bodies.mass.sum()
-        position, velocity, omega = (np.zeros((len(t), 2, 3)) for _ in range(3))
-        centre, drift = (
-            bodies.mass @ column / bodies.mass.sum()
-            for column in (bodies.position, bodies.velocity)
-        )
+            flown = place[:, -1:] + speed[:, -1:] * since
+            place = np.concatenate([place[:, :-1], flown], axis=1)
+            speed = _held(speed, len(since))
+            spins = _held(spins, len(since))
+        # Of the way from the first to the second, m1/(m1 + m2) is ahead of the centre of mass.
+        total = bodies.mass.sum()
+        share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total
+        centre = bodies.mass @ bodies.position / total
+        drift = bodies.mass @ bodies.velocity / total
+        position = np.zeros((len(t), 2, 3))
+        velocity = np.zeros((len(t), 2, 3))
+        omega = np.zeros((len(t), 2, 3))
         position[:, :, :2] = place.T[:, None] * share
         velocity[:, :, :2] = speed.T[:, None] * share
         omega[:, :, 2] = spins.T
@@ -207,6 +248,12 @@ class Oblique:
         return Trajectory(
             t=t, position=position, velocity=velocity + drift, attitude=still, omega=omega
         )
+
+
+def _held(column: Array, samples: int) -> Array:
+    """A quantity (2, M) whose last value stays for so many samples, in place of that one."""
+    later = np.repeat(column[:, -1:], samples, axis=1)
+    return np.concatenate([column[:, :-1], later], axis=1)
 
 
 def oblique(scene: Scene) -> Oblique | None:

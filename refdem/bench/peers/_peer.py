@@ -18,13 +18,13 @@ class Peer(Engine):
     """An integrator of first-order systems; `name` is also that of its package."""
 
     def missing(self) -> str | None:
-        """None if the package is here."""
+        """None if the package is installed, else what to install."""
         if find_spec(self.name):
             return None
         return f"install refdem[bench], or {self.name}"
 
     def version(self) -> str:
-        """The version of the package."""
+        """The version of the package that is installed."""
         return version(self.name)
 
     def fingerprint(self, method: Method) -> str:

@@ -50,8 +50,7 @@ class Heyoka(Peer):
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
-            told = coulomb(problem.scene) or oblique(problem.scene)
-            if told:
+            if coulomb(problem.scene) or oblique(problem.scene):
                 return None
             return "dry friction on a line and contact of two spheres are all it has events for"
         return super().refusal(problem, method)

@@ -27,7 +27,7 @@ MEMBERS = tuple(
 
 @cache
 def member(name: str) -> Member:
-    """The member of that name."""
+    """The member that a parameter set names."""
     found: Member = import_module(f"{__name__}.{name.replace('-', '_')}").MEMBER
     return found
 
@@ -64,19 +64,19 @@ class ImpactBenchmarks(Case):
         member(p.member).refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """The member's."""
+        """The scene of the member that is asked for."""
         return member(p.member).scene(member(p.member).values(p))
 
     def scales(self, p: Parameters) -> Scales:
-        """The member's."""
+        """The scales of the member that is asked for."""
         return member(p.member).scales(member(p.member).values(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The member's."""
+        """The quantities of the member that is asked for."""
         return member(p.member).quantities(member(p.member).values(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The member's."""
+        """What the member that is asked for sees in a trajectory."""
         return member(p.member).observe(member(p.member).values(p), trajectory)
 
     def meant(self, p: Parameters) -> dict[str, Any]:

@@ -27,33 +27,30 @@ class OnFloor(Member):
         """
         v = super().values(p)
         v.effective = v.mass
-        v.branch, v.cutoff, v.tangential_stiffness = "R", "zero_overlap", Fraction(0)
+        v.branch = "R"
+        v.cutoff = "zero_overlap"
+        v.tangential_stiffness = Fraction(0)
         v.__dict__.setdefault("friction", Fraction(0))
         v.__dict__.setdefault("restitution", Fraction(1))
         v.damping = dashpot_of(v, v.effective)
         return v
 
     def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
-        """The scene of these bodies."""
-        return Scene.of(
-            bodies,
-            [
-                Plane(normal=(0.0, 1.0, 0.0)),
-                *planes,
-                UniformGravity(g=(0.0, -float(v.gravity), 0.0)),
-                linear(v),
-            ],
-        )
+        """The scene of these bodies on the floor, in gravity."""
+        ground = Plane(normal=(0.0, 1.0, 0.0))
+        weight = UniformGravity(g=(0.0, -float(v.gravity), 0.0))
+        return Scene.of(bodies, [ground, *planes, weight, linear(v)])
 
     def floor(self, v: Any) -> Any:
-        """The same for truth."""
+        """The floor as truth is told of it, in exact numbers."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
         return Floor(
-            **{
-                name: getattr(v, name)
-                for name in ("mass", "radius", "stiffness", "damping", "gravity")
-            }
+            mass=v.mass,
+            radius=v.radius,
+            stiffness=v.stiffness,
+            damping=v.damping,
+            gravity=v.gravity,
         )
 
 
@@ -78,7 +75,7 @@ class Bounce(OnFloor):
     bounces: ClassVar[int] = 2
 
     def values(self, p: Parameters) -> Any:
-        """With a fall to come."""
+        """The values of the member; raises UsageError for a start that touches the floor."""
         v = super().values(p)
         if v.height <= v.radius:
             raise UsageError(
@@ -88,7 +85,7 @@ class Bounce(OnFloor):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """At rest in the air."""
+        """The sphere at rest in the air, at its height above the floor."""
         return self.of(v, [ball(v, v.mass, v.height)])
 
     def scales(self, v: Any) -> Scales:
@@ -102,15 +99,11 @@ class Bounce(OnFloor):
         flights = 1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces
         lasts = fall * flights + self.bounces * np.pi * tau
         speed = float(np.sqrt(drop * float(v.gravity)))
-        return Scales(
-            max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED),
-            tau,
-            float(lasts),
-            float(v.mass),
-        )
+        length = max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED)
+        return Scales(length=length, tau=tau, duration=float(lasts), mass=float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """From bounce to bounce."""
+        """The truth in closed form, from bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
         return floor.Bounce(

@@ -30,7 +30,7 @@ class HertzWall(Wall):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Touching, without overlap."""
+        """The sphere and the wall, which touch without overlap."""
         law = Contact(law="hertz", stiffness=float(v.hertz), friction=float(v.friction), branch="R")
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), law])
 
@@ -41,7 +41,7 @@ class HertzWall(Wall):
         return of_impact(v, tau=lasts / np.pi, lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Closed form."""
+        """The truth in closed form."""
         from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
 
         numbers = {

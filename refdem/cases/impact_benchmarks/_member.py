@@ -82,7 +82,7 @@ class Member(ABC):
 
     @abstractmethod
     def scene(self, v: Any) -> Scene:
-        """The scene at its start."""
+        """The scene of these values at its start."""
 
     @abstractmethod
     def scales(self, v: Any) -> Scales:
@@ -90,7 +90,7 @@ class Member(ABC):
 
     @abstractmethod
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """The certified values."""
+        """The truth of these values, on the scales of the quantities."""
 
     def spin_scale(self, v: Any) -> float:
         """The largest spin at the start, or that of rolling at the speed of the start, or of the
@@ -98,9 +98,8 @@ class Member(ABC):
         """
         bodies = self.scene(v).bodies
         rolling = np.linalg.norm(bodies.velocity, axis=1).max() / bodies.radius.min()
-        return float(max(np.linalg.norm(bodies.omega, axis=1).max(), rolling)) or self.scales(
-            v
-        ).speed / float(v.radius)
+        largest = float(max(np.linalg.norm(bodies.omega, axis=1).max(), rolling))
+        return largest or self.scales(v).speed / float(v.radius)
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
         """Place, velocity and angular velocity of every body."""
@@ -114,15 +113,14 @@ class Member(ABC):
             numbers = [str(i + 1) for i in range(self.bodies)]
         else:
             numbers = [""]
-        return tuple(
-            Quantity(f"{kind}{i}.{axis}", unit, size)
-            for i in numbers
-            for kind, unit, size in kinds
-            for axis in "xyz"
-        )
+        found = []
+        for number in numbers:
+            for kind, unit, size in kinds:
+                found += [Quantity(f"{kind}{number}.{axis}", unit, size) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """As the quantities say."""
+        """The quantities by name at the samples, each (T,)."""
         columns = [
             column[:, body]
             for body in range(self.bodies)

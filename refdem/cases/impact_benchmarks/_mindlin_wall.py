@@ -37,7 +37,7 @@ class MindlinWall(HertzWall):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Touching, without overlap."""
+        """The sphere and the wall, which touch without overlap."""
         along = float(v.hertz)
         across = float(v.mindlin)
         law = Contact(

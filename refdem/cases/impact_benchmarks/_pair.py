@@ -26,11 +26,13 @@ class HertzPair(Member):
         v = super().values(p)
         v.effective = v.mass / 2
         v.hertz = hertz_pair_stiffness(v.modulus, v.poisson, v.radius)
-        v.masses, v.radii, v.spins = (v.mass,) * 2, (v.radius,) * 2, (Fraction(0),) * 2
+        v.masses = (v.mass, v.mass)
+        v.radii = (v.radius, v.radius)
+        v.spins = (Fraction(0), Fraction(0))
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Centres on x."""
+        """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [Contact(law="hertz", stiffness=float(v.hertz))])
 
     def scales(self, v: Any) -> Scales:
@@ -38,27 +40,26 @@ class HertzPair(Member):
         depth = (1.25 * float(v.effective * v.speed**2 / v.hertz)) ** 0.4
         lasts = HERTZ_CONTACT * depth / float(v.speed)
         return Scales(
-            max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED),
-            lasts / np.pi,
-            2 * lasts,
-            float(v.effective),
+            length=max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED),
+            tau=lasts / np.pi,
+            duration=2 * lasts,
+            mass=float(v.effective),
         )
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
-        """Overlap and its rate."""
-        return (
-            Quantity("overlap", "m", self.scales(v).length),
-            Quantity("v", "m/s", self.scales(v).speed),
-        )
+        """The quantities that are judged: overlap [m] and its rate [m/s]."""
+        scales = self.scales(v)
+        return (Quantity("overlap", "m", scales.length), Quantity("v", "m/s", scales.speed))
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """Overlap and its rate."""
+        """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         x = run.position[:, :, 0]
         u = run.velocity[:, :, 0]
-        return {"overlap": 2 * float(v.radius) - np.abs(x[:, 1] - x[:, 0]), "v": u[:, 0] - u[:, 1]}
+        distance = np.abs(x[:, 1] - x[:, 0])
+        return {"overlap": 2 * float(v.radius) - distance, "v": u[:, 0] - u[:, 1]}
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Closed form."""
+        """The truth in closed form."""
         from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
 
         return HertzSpheres(scale, v.effective, v.hertz, v.speed)
@@ -72,14 +73,21 @@ def touching(v: Any) -> list[Body]:
     total = sum(v.masses)
     gap = sum(v.radii)
     columns = zip(v.masses, v.masses[::-1], v.radii, v.spins, (1, -1), strict=True)
-    return [
-        Body(
-            mass=float(m),
-            inertia=(0.4 * float(m * r * r),) * 3,
-            shape=Sphere(radius=float(r)),
+    bodies = []
+    for mass, other_mass, radius, spin, sign in columns:
+        # Of the way between the centres, and of the closing speed, each has the other's part of
+        # the mass.
+        place = float(-sign * other_mass / total * gap)
+        speed = float(sign * other_mass / total * v.speed)
+        # J = 2/5 m R^2.
+        moment = 0.4 * float(mass * radius * radius)
+        body = Body(
+            mass=float(mass),
+            inertia=(moment, moment, moment),
+            shape=Sphere(radius=float(radius)),
             omega=(0.0, 0.0, float(spin)),
-            position=(float(-sign * other / total * gap), 0.0, 0.0),
-            velocity=(float(sign * other / total * v.speed), 0.0, 0.0),
+            position=(place, 0.0, 0.0),
+            velocity=(speed, 0.0, 0.0),
         )
-        for m, other, r, spin, sign in columns
-    ]
+        bodies.append(body)
+    return bodies

@@ -74,7 +74,7 @@ class Path(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Both too heavy to give way."""
+        """The two spheres, both too heavy for contact to change their motion."""
         mass = float(HEAVY)
         axes = np.array(self.frame, float)
         place = axes @ [-float(v.begin), float(v.off), 0.0]
@@ -112,9 +112,10 @@ class Path(Member):
             ("r", "m", s.length),
             ("v", "m/s", float(v.speed)),
         )
-        return tuple(
-            Quantity(f"{kind}.{axis}", unit, size) for kind, unit, size in kinds for axis in "xyz"
-        )
+        found = []
+        for kind, unit, size in kinds:
+            found += [Quantity(f"{kind}.{axis}", unit, size) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """What body 1 has got, and the path."""
@@ -126,26 +127,22 @@ class Path(Member):
             run.position[:, 1],
             run.velocity[:, 1],
         ]
-        return dict(
-            zip(
-                (q.name for q in self.quantities(v)), np.concatenate(columns, axis=1).T, strict=True
-            )
-        )
+        names = [quantity.name for quantity in self.quantities(v)]
+        return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """In closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
 
         names = ("stiffness", "tangential_stiffness", "friction")
-        return ContactPath(
-            scale,
-            Passing(
-                mass=HEAVY,
-                radii=(v.radius, v.partner_radius),
-                **{name: getattr(v, name) for name in names},
-                spin=v.partner_spin,
-                lever=LEVERS[v.branch],
-                start=(-v.begin, v.off, v.speed, Fraction(0)),
-                frame=self.frame,
-            ),
+        numbers = {name: getattr(v, name) for name in names}
+        passing = Passing(
+            mass=HEAVY,
+            radii=(v.radius, v.partner_radius),
+            **numbers,
+            spin=v.partner_spin,
+            lever=LEVERS[v.branch],
+            start=(-v.begin, v.off, v.speed, Fraction(0)),
+            frame=self.frame,
         )
+        return ContactPath(scale, passing)

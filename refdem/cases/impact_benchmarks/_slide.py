@@ -30,18 +30,18 @@ class Slide(OnFloor):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """In equilibrium along y."""
+        """The sphere on the floor, where its weight holds it in equilibrium along y."""
         return self.of(v, [ball(v, v.mass, v.radius - v.mass * v.gravity / v.stiffness, v.speed)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = sqrt(m/k)."""
+        """The scales of the motion, with tau = sqrt(m/k); it lasts twice the slide."""
         tau = float(np.sqrt(float(v.mass / v.stiffness)))
         slides = float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
         return Scales(length, tau, 2 * slides, float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Sliding, then rolling."""
+        """The truth in closed form: sliding, then rolling."""
         from refdem.truth.closed_forms.impact_benchmarks.slide_to_roll import SlideToRoll
 
         names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")

@@ -39,7 +39,7 @@ class SpinningPair(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Centres on x."""
+        """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [linear(v)])
 
     def scales(self, v: Any) -> Scales:
@@ -47,28 +47,25 @@ class SpinningPair(Member):
         mass = float(v.effective)
         lasts = linear_contact_time(v, v.effective)
         tau = float(np.sqrt(mass / max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))))
-        speed = float(
-            v.speed + max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True))
-        )
-        return Scales(
-            max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass
-        )
+        fastest_rim = max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True))
+        speed = float(v.speed + fastest_rim)
+        length = max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED)
+        return Scales(length=length, tau=tau, duration=2 * lasts, mass=mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """That of two spheres."""
+        """The truth of the collision of two spheres."""
         from refdem.truth.closed_forms.two_spheres import TwoSpheres
         from refdem.truth.sphere_pair import SpherePair
 
         nothing = Fraction(0)
         names = ("masses", "radii", "stiffness", "damping", "tangential_stiffness", "friction")
-        return TwoSpheres(
-            scale,
-            SpherePair(
-                **{name: getattr(v, name) for name in names},
-                closing_speed=v.speed,
-                angle=nothing,
-                spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
-                lever=LEVERS[v.branch],
-                ends_with_overlap=v.cutoff == "zero_overlap",
-            ),
+        numbers = {name: getattr(v, name) for name in names}
+        pair = SpherePair(
+            **numbers,
+            closing_speed=v.speed,
+            angle=nothing,
+            spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
+            lever=LEVERS[v.branch],
+            ends_with_overlap=v.cutoff == "zero_overlap",
         )
+        return TwoSpheres(scale, pair)

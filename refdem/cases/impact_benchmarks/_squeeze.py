@@ -44,17 +44,20 @@ class Squeeze(Member):
         """Centres on x, the small sphere at the origin; half a turn about z changes nothing."""
         reach = float(v.radius + v.partner_radius)
         r = float(v.partner_radius)
-        sides = [
-            Body(
+        # J = 2/5 m R^2.
+        moment = 0.4 * float(v.large) * r * r
+
+        def large(side: int) -> Body:
+            """The large sphere at x < 0 for side 1, at x > 0 for side -1."""
+            return Body(
                 mass=float(v.large),
-                inertia=(0.4 * float(v.large) * r * r,) * 3,
+                inertia=(moment, moment, moment),
                 shape=Sphere(radius=r),
                 position=(-side * reach, 0.0, 0.0),
                 velocity=(side * float(v.normal), side * float(v.across), 0.0),
                 omega=(0.0, 0.0, float(v.partner_spin)),
             )
-            for side in (1, -1)
-        ]
+
         m = float(v.mass)
         small = float(v.radius)
         middle = Body(
@@ -63,7 +66,7 @@ class Squeeze(Member):
             shape=Sphere(radius=small),
             omega=(0.0, 0.0, float(v.spin)),
         )
-        return Scene.of([sides[0], middle, sides[1]], [linear(v)])
+        return Scene.of([large(1), middle, large(-1)], [linear(v)])
 
     def scales(self, v: Any) -> Scales:
         """tau = 1/omega_max, that of the small sphere's turning; two contacts."""
@@ -71,13 +74,13 @@ class Squeeze(Member):
         lasts = linear_contact_time(v, v.large)
         turning = float(v.tangential_stiffness * (Fraction(7, 2) + 5 * v.large / v.mass))
         tau = float(np.sqrt(mass / max(float(v.stiffness), turning)))
-        speed = float(v.speed + max(abs(v.radius * v.spin), abs(v.partner_radius * v.partner_spin)))
-        return Scales(
-            max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass
-        )
+        fastest_rim = max(abs(v.radius * v.spin), abs(v.partner_radius * v.partner_spin))
+        speed = float(v.speed + fastest_rim)
+        length = max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED)
+        return Scales(length=length, tau=tau, duration=2 * lasts, mass=mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """A pair's, by symmetry."""
+        """The truth of a pair, to which symmetry reduces the three spheres."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
 
         nothing = Fraction(0)
@@ -88,15 +91,15 @@ class Squeeze(Member):
             "friction",
             "angle",
         )
-        return ThreeSpheres(
-            scale,
-            Squeezed(
-                **{name: getattr(v, name) for name in names},
-                closing_speed=v.speed,
-                lever=LEVERS[v.branch],
-                masses=(v.large, v.mass / 2),
-                radii=(v.partner_radius, v.radius),
-                spins=(nothing, nothing, v.partner_spin, nothing, nothing, v.spin),
-                ends_with_overlap=v.cutoff == "zero_overlap",
-            ),
+        numbers = {name: getattr(v, name) for name in names}
+        # By symmetry each large sphere meets half of the small one's mass.
+        pair = Squeezed(
+            **numbers,
+            closing_speed=v.speed,
+            lever=LEVERS[v.branch],
+            masses=(v.large, v.mass / 2),
+            radii=(v.partner_radius, v.radius),
+            spins=(nothing, nothing, v.partner_spin, nothing, nothing, v.spin),
+            ends_with_overlap=v.cutoff == "zero_overlap",
         )
+        return ThreeSpheres(scale, pair)

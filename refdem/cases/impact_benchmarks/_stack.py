@@ -37,7 +37,7 @@ class Stack(OnFloor):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Between two planes."""
+        """The spheres one above the other, between two planes."""
         bodies = [ball(v, v.mass, v.height / 4), ball(v, v.upper, v.height * 3 / 4)]
         return self.of(v, bodies, Plane(point=(0.0, float(v.height), 0.0), normal=(0.0, -1.0, 0.0)))
 
@@ -48,7 +48,7 @@ class Stack(OnFloor):
         return Scales(float(v.height) / POSITIONS_ARE_ROUNDED, tau, 40 * tau, float(v.effective))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """A linear system."""
+        """The truth as the solution of a linear system."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
         return floor.Stack(

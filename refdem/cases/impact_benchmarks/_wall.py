@@ -43,7 +43,7 @@ class Wall(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Touching, without overlap."""
+        """The sphere and the wall, which touch without overlap."""
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), linear(v)])
 
     def scales(self, v: Any) -> Scales:
@@ -54,27 +54,23 @@ class Wall(Member):
         return of_impact(v, tau=float(tau), lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """From switch to switch."""
+        """The truth from one switch of the contact to the next."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
-        names = (
-            "mass",
-            "radius",
-            "stiffness",
-            "damping",
-            "tangential_stiffness",
-            "friction",
-            "normal",
-            "across",
-            "spin",
+        pair = WallPair(
+            mass=v.mass,
+            radius=v.radius,
+            stiffness=v.stiffness,
+            damping=v.damping,
+            tangential_stiffness=v.tangential_stiffness,
+            friction=v.friction,
+            normal=v.normal,
+            across=v.across,
+            spin=v.spin,
+            lever=LEVERS[v.branch],
+            ends_with_overlap=v.cutoff == "zero_overlap",
         )
-        numbers = {name: getattr(v, name) for name in names}
-        return WallImpact(
-            scale,
-            WallPair(
-                lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers
-            ),
-        )
+        return WallImpact(scale, pair)
 
 
 def struck(v: Any) -> Body:
@@ -92,7 +88,7 @@ def struck(v: Any) -> Body:
 
 
 def linear(v: Any) -> Contact:
-    """The law."""
+    """The linear law of contact with these values."""
     numbers = {
         name: float(getattr(v, name))
         for name in ("stiffness", "damping", "tangential_stiffness", "friction")

@@ -1,6 +1,7 @@
 """What the fields of a refdem.toml may say beyond their types."""
 
 import difflib
+import math
 import re
 from collections.abc import Iterator
 from pathlib import PurePath
@@ -50,100 +51,103 @@ FEATURES = {
 """What `supports` and `order_with` may name."""
 YEAR = 366 * 86400.0
 """Seconds."""
+LEAST_MEMORY = 0.001
+MOST_MEMORY = 1e6
+"""Gigabytes that a limit may name."""
+MOST_LEVELS = 10
 PLACEHOLDERS = ("request", "request_txt", "trajectory", "events")
 """Names in braces that stand for files in a command."""
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
 
 
-def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, object, str]]:
-    """What is well typed and makes no sense: its name, what came, what was expected."""
-    names = [m.name for m in engine.methods]
-    strange = sorted(
-        {*engine.supports, *(feature for m in engine.methods for feature in m.order_with)}
-        - FEATURES
-    )
-    mute = [
-        m.name for m in engine.methods if m.answers == "solid" and not SOLIDS & set(engine.supports)
-    ]
+Fault = tuple[str, object, str]
+"""The name of a field, what came, and what was expected."""
+
+
+def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[Fault]:
+    """What is well typed and makes no sense."""
+    yield from _of_command(engine)
+    yield from _of_methods(engine)
+    yield from _of_support(engine)
+    yield from _of_limits(engine)
+    yield from _of_gate(gate)
+
+
+def _of_command(engine: "EngineTable") -> Iterator[Fault]:
+    """The name of the engine, what starts it, and the files that it is made of."""
+    if not NAME.fullmatch(engine.name):
+        yield "engine.name", engine.name, "letters, digits, dots, dashes"
+    if not engine.command or not engine.command[0]:
+        yield "engine.command", engine.command, "the program and its arguments"
+    if any("\0" in word for word in engine.command):
+        yield "engine.command", engine.command, "words without NUL"
+    slips = [word for word in engine.command if any(map(is_slip, PLACEHOLDER.findall(word)))]
+    if slips:
+        yield "engine.command", slips, f"{{name}} of a file: {', '.join(PLACEHOLDERS)}"
     away = [pattern for pattern in engine.inputs if not is_pattern_below(pattern)]
-    slips = [word for word in engine.command for name in PLACEHOLDER.findall(word) if is_slip(name)]
+    if away:
+        expected = "patterns below the folder of refdem.toml, with ** only between slashes"
+        yield "engine.inputs", away, expected
+
+
+def _of_methods(engine: "EngineTable") -> Iterator[Fault]:
+    """The names of the methods, and what each of them claims."""
+    names = [method.name for method in engine.methods]
+    if not names or len(set(names)) < len(names):
+        yield "engine.methods", names, "at least one [[engine.methods]], each name once"
+    if not all(map(NAME.fullmatch, names)):
+        yield "engine.methods", names, "names of letters, digits, dots, dashes"
+    for method in engine.methods:
+        yield from _of_claims(method)
+
+
+def _of_claims(method: "MethodTable") -> Iterator[Fault]:
+    """The order of one method and its constant."""
+    orders = [method.order, *method.order_with.values()]
+    has_order = method.control == "step" and method.answers != "solid"
+    if has_order and not all(1 <= order <= 20 for order in orders):
+        yield f"order of {method.name}", orders, "the order that it claims, 1 to 20"
+    if not 0 < method.constant < math.inf:
+        yield f"constant of {method.name}", method.constant, "a number > 0"
+    if method.constant != 1 and not method.constant_reason.strip():
+        expected = "a constant_reason beside a constant that is not 1"
+        yield f"constant of {method.name}", method.constant, expected
+
+
+def _of_support(engine: "EngineTable") -> Iterator[Fault]:
+    """The features that the program says it supports."""
+    named = set(engine.supports)
+    for method in engine.methods:
+        named.update(method.order_with)
+    strange = sorted(named - FEATURES)
+    if strange:
+        expected = f"features of {', '.join(sorted(FEATURES))}"
+        yield "engine.supports or order_with", strange, expected
+    has_solids = bool(SOLIDS & set(engine.supports))
+    mute = [method.name for method in engine.methods if method.answers == "solid"]
+    if mute and not has_solids:
+        expected = f"some of {', '.join(sorted(SOLIDS))} for method {', '.join(mute)}"
+        yield "engine.supports", engine.supports, expected
+
+
+def _of_limits(engine: "EngineTable") -> Iterator[Fault]:
+    """Seconds and gigabytes."""
+    for name, limit in (("timeout", engine.timeout), ("budget", engine.budget)):
+        if not 0 < limit <= YEAR:
+            yield f"engine.{name}", limit, "seconds > 0, at most a year"
+    if engine.memory is not None and not LEAST_MEMORY <= engine.memory <= MOST_MEMORY:
+        yield "engine.memory", engine.memory, f"gigabytes, at least {LEAST_MEMORY:g}"
+
+
+def _of_gate(gate: "GateTable") -> Iterator[Fault]:
+    """Levels and cases."""
+    if not 1 <= gate.levels <= MOST_LEVELS:
+        expected = f"a number of refinement levels, 1 to {MOST_LEVELS}"
+        yield "gate.levels", gate.levels, expected
     twice = sorted({label for label in gate.cases if gate.cases.count(label) > 1})
-    faults: list[tuple[str, object, bool, str]] = [
-        (
-            "engine.name",
-            engine.name,
-            bool(NAME.fullmatch(engine.name)),
-            "letters, digits, dots, dashes",
-        ),
-        (
-            "engine.command",
-            engine.command,
-            all(engine.command[:1]) and bool(engine.command),
-            "the program and its arguments",
-        ),
-        (
-            "engine.command",
-            engine.command,
-            not any("\0" in word for word in engine.command),
-            "words without NUL",
-        ),
-        (
-            "engine.methods",
-            names,
-            bool(names) and len(set(names)) == len(names),
-            "at least one [[engine.methods]], each name once",
-        ),
-        (
-            "engine.methods",
-            names,
-            all(NAME.fullmatch(name) for name in names),
-            "names of letters, digits, dots, dashes",
-        ),
-        (
-            "engine.supports or order_with",
-            strange,
-            not strange,
-            f"features of {', '.join(sorted(FEATURES))}",
-        ),
-        (
-            "engine.supports",
-            engine.supports,
-            not mute,
-            f"some of {', '.join(sorted(SOLIDS))} for method {', '.join(mute)}",
-        ),
-        (
-            "gate.levels",
-            gate.levels,
-            1 <= gate.levels <= 10,
-            "a number of refinement levels, 1 to 10",
-        ),
-        (
-            "engine.inputs",
-            away,
-            not away,
-            "patterns below the folder of refdem.toml, with ** only between slashes",
-        ),
-        ("engine.command", slips, not slips, f"{{name}} of a file: {', '.join(PLACEHOLDERS)}"),
-        ("gate.cases", twice, not twice, "each case once; these are there twice"),
-    ]
-    limits = {"timeout": engine.timeout, "budget": engine.budget}
-    faults += [
-        (f"engine.{name}", limit, 0 < limit <= YEAR, "seconds > 0, at most a year")
-        for name, limit in limits.items()
-    ]
-    if engine.memory is not None:
-        faults.append(
-            (
-                "engine.memory",
-                engine.memory,
-                0.001 <= engine.memory <= 1e6,
-                "gigabytes, at least 0.001",
-            )
-        )
-    for m in engine.methods:
-        faults += _claims(m)
-    yield from ((name, came, expected) for name, came, holds, expected in faults if not holds)
+    if twice:
+        yield "gate.cases", twice, "each case once; these are there twice"
 
 
 def is_pattern_below(pattern: str) -> bool:
@@ -159,26 +163,3 @@ def is_slip(name: str) -> bool:
     the program's own.
     """
     return name not in PLACEHOLDERS and bool(difflib.get_close_matches(name, PLACEHOLDERS, 1, 0.5))
-
-
-def _claims(m: "MethodTable") -> list[tuple[str, object, bool, str]]:
-    """Rules for the claims of one method: name, what came, whether it holds, what was expected."""
-    orders = [m.order, *m.order_with.values()]
-    reasoned = m.constant == 1 or bool(m.constant_reason.strip())
-    return [
-        (
-            f"order of {m.name}",
-            orders,
-            m.control != "step"
-            or m.answers == "solid"
-            or all(1 <= order <= 20 for order in orders),
-            "the order that it claims, 1 to 20",
-        ),
-        (f"constant of {m.name}", m.constant, 0 < m.constant < float("inf"), "a number > 0"),
-        (
-            f"constant of {m.name}",
-            m.constant,
-            reasoned,
-            "a constant_reason beside a constant that is not 1",
-        ),
-    ]

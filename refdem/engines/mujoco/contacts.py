@@ -54,6 +54,15 @@ def rubs(scene: Scene, law: Contact) -> bool:
     return any(along) or bool(scene.bodies.velocity.any() or scene.bodies.omega.any())
 
 
+def impedance_of(scene: Scene, law: Contact) -> float:
+    """The impedance that the contacts of this law are given."""
+    if law.law == "linear":
+        return solver.ANY
+    if rubs(scene, law):
+        return solver.SLIDING
+    return solver.HARDEST
+
+
 def _size(scene: Scene) -> float:
     """How far from the origin [m] anything of a body is."""
     return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(

@@ -7,12 +7,13 @@ from itertools import islice
 import numpy as np
 
 from refdem.core.problem import Motion
-from refdem.engines.mujoco import links
+from refdem.engines.mujoco import contacts, links, solver
 from refdem.engines.mujoco.ball import of_ball_joints
 from refdem.engines.mujoco.drive import of_forces
 from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.slider import Slider
 
 SAID = {
     "ball_joint",
@@ -41,6 +42,17 @@ SMALLEST = 1e-15
 """mjMINVAL: mass [kg] and principal inertia [kg m^2] of a moving body may not be below it."""
 
 
+def heaviest(impedance: float) -> float:
+    """The effective mass [kg] up to which a constraint of this impedance d is as soft as it should
+    be.
+
+    MuJoCo softens a constraint by R = (1 - d)/d times its inverse effective mass, and by mjMINVAL
+    at least (mj_makeImpedance): above this mass R is too large, and of the force of the constraint
+    nothing is left in the end.
+    """
+    return (1 - impedance) / impedance / SMALLEST
+
+
 def refusal(problem: Motion) -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
@@ -58,6 +70,7 @@ def refusal(problem: Motion) -> str | None:
         of_ball_joints,
         of_forces,
         _of_contact,
+        _of_soft_constraints,
     ):
         if reason := judged(scene):
             return reason
@@ -119,4 +132,22 @@ def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
         )
     if scene.elements and {e.kind for e in scene.elements} - {"contact", "plane"}:
         return "its linear contact law holds in the absence of other forces only"
+    return None
+
+
+def _of_soft_constraints(scene: Scene) -> str | None:
+    """None if no contact or dry friction acts on so much mass that MuJoCo would soften it."""
+    softened = [
+        (solver.SLIDING if slider.belt_velocity else solver.HARDEST, scene.bodies.mass[slider.a])
+        for slider in scene.all(Slider)
+    ]
+    for law in scene.all(Contact):
+        impedance = contacts.impedance_of(scene, law)
+        softened += [(impedance, effective_mass) for effective_mass in pairs(scene)]
+    for impedance, mass in softened:
+        if mass > heaviest(impedance):
+            return (
+                f"a contact or dry friction of more than {heaviest(impedance):.0e} kg: MuJoCo"
+                f" softens every constraint by at least mjMINVAL = {SMALLEST:g} per kg"
+            )
     return None

@@ -221,4 +221,11 @@ FAULTS = (
         levels=6,
         before=of_elements(Contact, friction=scaled(0.5)),
     ),
+    friction(
+        name="friction-off-by-a-millionth",
+        sentence="The coefficient of friction has lost its digits beyond the sixth.",
+        on=("along-wall",),
+        sees=("contact-impulse", "sliding"),
+        before=of_elements(Contact, friction=scaled(1 - 1e-6)),
+    ),
 )

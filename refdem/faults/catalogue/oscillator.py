@@ -145,6 +145,26 @@ FAULTS = (
         inside=_odd_square,
     ),
     oscillator(
+        name="square-of-one-sign",
+        sentence="The factor of the square is taken for its size.",
+        on=("lopsided-down",),
+        before=of_elements(Spring, quadratic=abs),
+    ),
+    oscillator(
+        name="drive-without-phase",
+        sentence="The phase of a force is left out.",
+        on=("cycle",),
+        before=of_elements(Force, phase=lambda _: 0.0),
+    ),
+    oscillator(
+        name="small-world",
+        sentence="No place is further than 512 m from the origin.",
+        on=("far",),
+        inside=lambda p: {
+            "drifted": lambda r, v, h: tuple(min(max(x, -512.0), 512.0) for x in p.drifted(r, v, h))
+        },
+    ),
+    oscillator(
         name="power-truncated",
         sentence="The power of the stretch is cut to a whole number.",
         on=("steep",),

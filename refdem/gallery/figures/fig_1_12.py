@@ -30,20 +30,17 @@ def figure() -> Figure:
     """
     flight = seen("neglected-gyroscopic", samples=600)
     fall = seen("neglected-gyroscopic", **TUMBLING)
-    wrong = {
-        run: without_gyroscopic_term(run, steps)
-        for run, steps in ((flight, STEPS), (fall, SLOPE_STEPS))
-    }
+    wrong_flight = without_gyroscopic_term(flight, STEPS)
+    wrong_fall = without_gyroscopic_term(fall, SLOPE_STEPS)
+    spin = float(np.linalg.norm(omega(flight)[0]))
+    distance = float(np.linalg.norm(centre(fall)[-1] - centre(wrong_fall)[-1]))
+    contacts = sum(event.kind == "contact" for event in fall.trajectory.events)
     numbers = {
-        "largest difference in omega [rad/s]": apart(flight, wrong[flight]),
-        "spin at the start [rad/s]": float(np.linalg.norm(omega(flight)[0])),
-        "on the slope: largest difference in omega [rad/s]": apart(fall, wrong[fall]),
-        "on the slope: distance of the two centres at the end [m]": float(
-            np.linalg.norm(centre(fall)[-1] - centre(wrong[fall])[-1])
-        ),
-        "on the slope: contacts of corners": float(
-            sum(event.kind == "contact" for event in fall.trajectory.events)
-        ),
+        "largest difference in omega [rad/s]": apart(flight, wrong_flight),
+        "spin at the start [rad/s]": spin,
+        "on the slope: largest difference in omega [rad/s]": apart(fall, wrong_fall),
+        "on the slope: distance of the two centres at the end [m]": distance,
+        "on the slope: contacts of corners": float(contacts),
     }
     caption = (
         "omega = 10 pi (1, 1, 1)/s, v = (0, 0, 0.025) m/s, 0.6 s. Above in free flight; below the"
@@ -53,10 +50,10 @@ def figure() -> Figure:
         " from a solver."
     )
     panels = (
-        ways(flight, wrong[flight]),
-        spins(flight, wrong[flight]),
-        slope(fall, wrong[fall]),
-        spins(fall, wrong[fall]),
+        ways(flight, wrong_flight),
+        spins(flight, wrong_flight),
+        slope(fall, wrong_fall),
+        spins(fall, wrong_fall),
     )
     return Figure(
         id="1.12",
@@ -75,9 +72,8 @@ def ways(right: Seen, wrong: Seen) -> Panel:
         (wrong, GREY, "without the nonlinear terms"),
         (right, 1, "Euler's equations"),
     ):
-        place = centre(run) + rotated(
-            run.trajectory.attitude[:, 0], np.broadcast_to(CORNER, (len(run.t), 3))
-        )
+        corner = np.broadcast_to(CORNER, (len(run.t), 3))
+        place = centre(run) + rotated(run.trajectory.attitude[:, 0], corner)
         paths.append(Series(x=place[:, 0], y=place[:, 2], ink=ink, label=label))
     return Panel(
         series=tuple(paths),
@@ -90,12 +86,10 @@ def ways(right: Seen, wrong: Seen) -> Panel:
 
 def spins(right: Seen, wrong: Seen) -> Panel:
     """Angular velocities about two principal axes."""
-    pairs = ((wrong, GREY), (right, 1))
-    rates = [
-        Series(x=run.t, y=run[f"omega_body.{axis}"], ink=ink, dashed=axis == "y")
-        for run, ink in pairs
-        for axis in "xy"
-    ]
+    rates = []
+    for run, ink in ((wrong, GREY), (right, 1)):
+        rates.append(Series(x=run.t, y=run["omega_body.x"], ink=ink))
+        rates.append(Series(x=run.t, y=run["omega_body.y"], ink=ink, dashed=True))
     title = "about axis 1, and 2 (dashed)"
     return Panel(
         series=tuple(rates),
@@ -130,20 +124,18 @@ def slope(right: Seen, wrong: Seen) -> Panel:
 def outlines(run: Seen, sample: int) -> Array:
     """The edges (36, 3) [m] of the box at one sample, each with a break after it."""
     shape: Any = run.instance.scene.bodies.shape[0]
-    corners = (
-        np.array(shape.vertices) @ matrix(run.trajectory.attitude[sample, 0]).T
-        + centre(run)[sample]
-    )
-    pairs = {
-        tuple(sorted(pair))
-        for face in shape.faces
-        for pair in zip(face, (*face[1:], face[0]), strict=True)
-    }
+    turn = matrix(run.trajectory.attitude[sample, 0])
+    corners = np.array(shape.vertices) @ turn.T + centre(run)[sample]
+    # Two faces share each edge; it counts once.
+    edges = set()
+    for face in shape.faces:
+        following = (*face[1:], face[0])
+        edges |= {tuple(sorted(edge)) for edge in zip(face, following, strict=True)}
     gap = np.full(3, np.nan)
-    found: Array = np.array(
-        [point for a, b in sorted(pairs) for point in (corners[a], corners[b], gap)]
-    )
-    return found
+    points = []
+    for a, b in sorted(edges):
+        points += [corners[a], corners[b], gap]
+    return np.array(points)
 
 
 def without_gyroscopic_term(right: Seen, steps: int) -> Seen:
@@ -152,24 +144,24 @@ def without_gyroscopic_term(right: Seen, steps: int) -> Seen:
     """
     (fault,) = chosen(["no-gyroscopic-term"])
     motion = right.instance.motion
-    trajectory, _ = fault.carrier().run(
-        Request(problem=motion, method=METHOD, step=motion.interval / steps)
-    )
+    request = Request(problem=motion, method=METHOD, step=motion.interval / steps)
+    trajectory, _ = fault.carrier().run(request)
     remember("refdem faults --fault no-gyroscopic-term")
     return Seen(right.instance, trajectory, right.instance.observe(trajectory))
 
 
 def centre(run: Seen) -> Array:
-    """Of mass (T, 3) [m]."""
+    """The places (T, 3) [m] of the centre of mass."""
     place: Array = run.trajectory.position[:, 0]
     return place
 
 
 def omega(run: Seen) -> Array:
-    """In body axes (T, 3) [rad/s]."""
+    """The angular velocity (T, 3) [rad/s] in body axes."""
     return np.stack([run[f"omega_body.{axis}"] for axis in "xyz"], axis=1)
 
 
 def apart(one: Seen, other: Seen) -> float:
     """The largest distance of the angular velocities [rad/s]."""
-    return float(np.linalg.norm(omega(one) - omega(other), axis=1).max())
+    differences = np.linalg.norm(omega(one) - omega(other), axis=1)
+    return float(differences.max())

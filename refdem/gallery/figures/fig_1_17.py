@@ -16,13 +16,15 @@ SETTLED = 24.0
 def figure() -> Figure:
     """Amplitudes of settled runs, and the maxima that (1.106) predicts."""
     drives = np.linspace(0.05, 2.0, 118)
-    found = {delta: np.array([steady_amplitude(w, delta) for w in drives]) for delta in DAMPINGS}
+    curves = []
+    numbers = {}
+    for ink, delta in enumerate(DAMPINGS):
+        a = np.array([steady_amplitude(w, delta) for w in drives])
+        curves.append(Series(x=drives, y=a, label=f"delta = {delta:g}", ink=ink))
+        numbers[f"largest |A| seen, delta = {delta:g} [m]"] = float(a.max())
     seen("driven-oscillator", delta=DAMPINGS[0], drive=drives[57])
-    curves = [
-        Series(x=drives, y=a, label=f"delta = {delta:g}", ink=n)
-        for n, (delta, a) in enumerate(found.items())
-    ]
-    peaks = np.array([linear_peak(1.0, delta, 1.0) for delta in np.geomspace(DAMPINGS[0], 0.7, 60)])
+    dampings = np.geomspace(DAMPINGS[0], 0.7, 60)
+    peaks = np.array([linear_peak(1.0, delta, 1.0) for delta in dampings])
     maxima = Series(x=peaks[:, 0], y=peaks[:, 1], label="maxima (1.106)", ink=GREY, dashed=True)
     panel = Panel(
         series=(*curves, maxima),
@@ -30,9 +32,6 @@ def figure() -> Figure:
         y=Axis(title="|A| [m]"),
         size=(560, 340),
     )
-    numbers = {
-        f"largest |A| seen, delta = {delta:g} [m]": float(a.max()) for delta, a in found.items()
-    }
     caption = (
         "w0 = 1, f0 = 1. Each point is a run that has settled: its place and velocity at one"
         " instant give the amplitude. The maxima lie at w^2 = w0^2 - 2 delta^2 and are f0/(2 delta"

@@ -14,14 +14,12 @@ ENDS = (-1.45, 1.45)
 
 def figure() -> Figure:
     """Circles, and the head after every fifth of a period."""
-    runs = [
-        seen("harmonic-oscillator", x0=x, v0=0, duration=repr(2 * np.pi), samples=240)
-        for x in ("1/4", "1/2", "3/4", "1", "5/4")
-    ]
+    clock = {"duration": repr(2 * np.pi), "samples": 240}
+    starts = ("1/4", "1/2", "3/4", "1", "5/4")
+    runs = [seen("harmonic-oscillator", x0=x, v0=0, **clock) for x in starts]
     outline = carried(2 * np.pi, 10, flow="harmonic")
-    panel = portrait(
-        [*trajectories(runs), arrows(runs, 30, ENDS), *heads(outline, (0, 2, 4, 6, 8))], ENDS
-    )
+    series = [*trajectories(runs), arrows(runs, 30, ENDS), *heads(outline, (0, 2, 4, 6, 8))]
+    panel = portrait(series, ENDS)
     numbers = {
         "points of the outline": float(outline.x.shape[1]),
         "area at the start": float(outline.area[0]),

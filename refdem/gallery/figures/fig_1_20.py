@@ -18,15 +18,8 @@ def figure() -> Figure:
     starts = ((1.3, 0), (-1.3, 0), (0, 1.3), (0, -1.3), (0.7, 1.1))
     runs = [seen("coulomb-oscillator", x0=x, v0=v, duration=16, samples=640) for x, v in starts]
     outline = carried(5 * np.pi, 20, flow="coulomb")
-    whole = portrait(
-        [
-            *trajectories(runs),
-            arrows(runs, 40, ENDS),
-            *heads(outline, (0, 2, 4, 6, 8, 10)),
-            segment(),
-        ],
-        ENDS,
-    )
+    flow = [*trajectories(runs), arrows(runs, 40, ENDS)]
+    whole = portrait([*flow, *heads(outline, (0, 2, 4, 6, 8, 10)), segment()], ENDS)
     near = [*heads(outline, (9, 11, 13), ink=2), segment()]
     close = Panel(
         series=tuple(near),
@@ -52,16 +45,19 @@ def figure() -> Figure:
 
 
 def segment() -> Series:
-    """Where everything stops."""
+    """The segment |x| <= f/k, v = 0, on which everything stops."""
     return Series(x=np.array([-FRICTION, FRICTION]), y=np.zeros(2), ink=1, width=4)
 
 
 def numbers(outline: Outline) -> dict[str, float]:
     """Areas after each half period, and from where the points came to the segment."""
+    # The velocity (M,) [m/s] of each point at the last sample before it rests.
     rest = outline.v == 0
     last = np.argmax(rest, axis=0) - 1
-    before = outline.v[last, np.arange(outline.v.shape[1])]
+    points = np.arange(outline.v.shape[1])
+    before = outline.v[last, points]
     area = outline.area
+    farthest = np.abs(outline.x[-1]).max()
     return {
         "points of the outline": float(outline.x.shape[1]),
         "area at the start": float(area[0]),
@@ -70,5 +66,5 @@ def numbers(outline: Outline) -> dict[str, float]:
         "area at the end": float(area[-1]),
         "part of the points from above": float(np.mean(before > 0)),
         "part from below": float(np.mean(before < 0)),
-        "farthest point from the origin at the end [m]": float(np.abs(outline.x[-1]).max()),
+        "farthest point from the origin at the end [m]": float(farthest),
     }

@@ -23,28 +23,24 @@ def figure() -> Figure:
         "pendulum": [swing(2), swing("1/5")],
     }
     inks = {"linear": GREY, "n = 2": 0, "pendulum": 1}
-    curves = [
-        Series(
-            x=run.t,
-            y=run["theta" if kind == "pendulum" else "x"],
-            ink=inks[kind],
-            label=kind if not k else "",
-            dashed=bool(k),
-        )
-        for kind, runs in pairs.items()
-        for k, run in enumerate(runs)
-    ]
+    curves = []
+    for kind, (large, small) in pairs.items():
+        if kind == "pendulum":
+            name = "theta"
+        else:
+            name = "x"
+        curves.append(Series(x=large.t, y=large[name], ink=inks[kind], label=kind))
+        curves.append(Series(x=small.t, y=small[name], ink=inks[kind], dashed=True))
     motions = Panel(
         series=tuple(curves),
         x=Axis(title="t [s]", ends=(0, 14)),
         y=Axis(title="x [m], angle [rad]"),
         size=(430, 300),
     )
-    periods = {kind: np.array([measured(kind, a) for a in AMPLITUDES]) for kind in pairs}
-    over = [
-        Series(x=AMPLITUDES, y=values, ink=inks[kind], label=kind)
-        for kind, values in periods.items()
-    ]
+    over = []
+    for kind in pairs:
+        periods = np.array([measured(kind, a) for a in AMPLITUDES])
+        over.append(Series(x=AMPLITUDES, y=periods, ink=inks[kind], label=kind))
     periods_panel = Panel(
         series=tuple(over),
         x=Axis(title="amplitude [m], of the pendulum [rad]"),
@@ -95,8 +91,7 @@ def measured(kind: str, amplitude: float) -> float:
         run = moved("pendulum", LONG, gravity=1, theta0=a)
         return period(run.t, run["theta"], run["thetadot"])
     if kind == "linear":
-        given = {"x0": a, "v0": 0}
+        run = moved("harmonic-oscillator", LONG, x0=a, v0=0)
     else:
-        given = {"exponent": 2, "amplitude": a}
-    run = moved("harmonic-oscillator" if kind == "linear" else "power-oscillator", LONG, **given)
+        run = moved("power-oscillator", LONG, exponent=2, amplitude=a)
     return period(run.t, run["x"], run["v"])

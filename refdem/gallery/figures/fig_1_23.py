@@ -22,19 +22,21 @@ def figure() -> Figure:
         lower, higher = balanced_drives(AMPLITUDES, ALPHA, BETA, delta, FORCE)
         x = np.r_[lower, higher[::-1]]
         y = np.r_[AMPLITUDES, AMPLITUDES[::-1]]
-        series.append(
-            Series(x=np.where(np.isfinite(x), x, np.nan), y=y, ink=ink, label=f"delta = {delta:g}")
-        )
+        # A gap where (1.121) has no real root.
+        drives = np.where(np.isfinite(x), x, np.nan)
+        series.append(Series(x=drives, y=y, ink=ink, label=f"delta = {delta:g}"))
         up = amplitudes(delta, DRIVES)
         down = amplitudes(delta, DRIVES[::-1])[::-1]
-        series += [
-            Series(x=np.array(DRIVES), y=found, ink=ink, mark="points") for found in (up, down)
-        ]
+        for settled in (up, down):
+            series.append(Series(x=np.array(DRIVES), y=settled, ink=ink, mark="points"))
     free = balanced_frequency(AMPLITUDES, ALPHA, BETA)
     series.append(Series(x=free, y=AMPLITUDES, ink=GREY, dashed=True, label="free, undamped"))
-    folds = {
-        delta: fold(np.linspace(0.5, 3.0, 20001), ALPHA, BETA, delta, FORCE) for delta in DAMPINGS
-    }
+    grid = np.linspace(0.5, 3.0, 20001)
+    numbers = {}
+    for delta in DAMPINGS:
+        frequency = fold(grid, ALPHA, BETA, delta, FORCE)
+        if frequency is not None:
+            numbers[f"fold of (1.121), delta = {delta:g} [rad/s]"] = frequency
     shown(DAMPINGS[1], 1.5)
     panel = Panel(
         series=tuple(series),
@@ -52,9 +54,5 @@ def figure() -> Figure:
         title="Leaning resonance",
         caption=caption,
         panels=(panel,),
-        numbers={
-            f"fold of (1.121), delta = {delta:g} [rad/s]": value
-            for delta, value in folds.items()
-            if value is not None
-        },
+        numbers=numbers,
     )

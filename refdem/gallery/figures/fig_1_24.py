@@ -20,14 +20,15 @@ def figure() -> Figure:
     down = amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1]
     found = hysteresis(DRIVES, up, down)
     assert found is not None
+    lowest, highest = found
+    # The middle branch of (1.121): where the frequency rises with the amplitude again.
     grid = np.linspace(0.3, 4.2, 4000)
     _, higher = balanced_drives(grid, ALPHA, BETA, DELTA, FORCE)
-    middle = np.where(
-        (higher > found[0] - 0.05) & (higher < found[1] + 0.12) & (np.gradient(higher) > 0),
-        higher,
-        np.nan,
-    )
-    first, last = (int(np.argmin(abs(DRIVES - end))) for end in found)
+    is_near = (higher > lowest - 0.05) & (higher < highest + 0.12)
+    middle = np.where(is_near & (np.gradient(higher) > 0), higher, np.nan)
+    first = int(np.argmin(abs(DRIVES - lowest)))
+    last = int(np.argmin(abs(DRIVES - highest)))
+    # The points A to F: number of the frequency, amplitude [m].
     places = [
         (0, up[0]),
         (first, up[first]),
@@ -36,9 +37,10 @@ def figure() -> Figure:
         (last + 1, up[last + 1]),
         (len(DRIVES) - 1, up[-1]),
     ]
+    aside = np.array([0.0, -0.03, 0.0, -0.03, 0.02, 0.0])
     letters = Series(
-        x=DRIVES[[k for k, _ in places]] + np.array([0.0, -0.03, 0.0, -0.03, 0.02, 0.0]),
-        y=np.array([y for _, y in places]) + 0.16,
+        x=DRIVES[[number for number, _ in places]] + aside,
+        y=np.array([amplitude for _, amplitude in places]) + 0.16,
         mark="text",
         ink=GREY,
         words=tuple("ABCDEF"),
@@ -61,8 +63,8 @@ def figure() -> Figure:
         " which of two amplitudes it has at one frequency depends on the past."
     )
     numbers = {
-        "lowest frequency with two amplitudes [rad/s]": found[0],
-        "highest frequency with two amplitudes [rad/s]": found[1],
+        "lowest frequency with two amplitudes [rad/s]": lowest,
+        "highest frequency with two amplitudes [rad/s]": highest,
     }
     return Figure(
         id="1.24",

@@ -5,7 +5,7 @@
 import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import Array, Seen, seen
 from refdem.mechanics.spectrum import spectrum
 
 FORCES = ("0", "1/25", "2/5")
@@ -24,40 +24,10 @@ def figure() -> Figure:
     for ink, force in enumerate(FORCES):
         run = seen("van-der-pol", p=force, x0="1/2", v0=0, duration=DURATION, samples=SAMPLES)
         frequency, height = spectrum(run.t[SETTLED:], run["x"][SETTLED:])
-        begin = slice(0, SETTLED + 1)
-        rest = slice(SETTLED, SHOWN)
-        size = (270, 170)
-        time = Panel(
-            series=(
-                Series(x=run.t[begin], y=run["x"][begin], ink=-1),
-                Series(x=run.t[rest], y=run["x"][rest], ink=ink),
-            ),
-            x=Axis(title="t [s]", ends=(0, SHOWN / 10)),
-            y=Axis(title="x [m]", ends=(-2.6, 2.6)),
-            title=f"p = {force}",
-            size=size,
-        )
-        cycle = Series(
-            x=run["x"][SETTLED : SETTLED + 2500],
-            y=run["v"][SETTLED : SETTLED + 2500],
-            ink=ink,
-            width=0.8,
-        )
-        phase = Panel(
-            series=(cycle,),
-            x=Axis(title="x [m]", ends=(-2.6, 2.6)),
-            y=Axis(title="v [m/s]", ends=(-3, 3)),
-            size=(170, 170),
-        )
-        near = (frequency > 0.5) & (frequency < 1.5)
-        lines = Series(x=frequency[near], y=np.maximum(height[near] / height.max(), 1e-6), ink=ink)
-        axis = Axis(title="amplitude / largest", ends=(1e-5, 1.5), is_log=True)
         panels += [
-            time,
-            phase,
-            Panel(
-                series=(lines,), x=Axis(title="w [rad/s]", ends=(0.5, 1.5)), y=axis, size=(230, 170)
-            ),
+            motion(run, force, ink),
+            cycle(run, ink),
+            lines(frequency, height, ink),
         ]
         numbers[f"highest line, p = {force} [rad/s]"] = float(frequency[np.argmax(height)])
         if force == "0":
@@ -71,4 +41,44 @@ def figure() -> Figure:
     title = "Van der Pol oscillator"
     return Figure(
         id="1.25", title=title, caption=caption, panels=tuple(panels), columns=3, numbers=numbers
+    )
+
+
+def motion(run: Seen, force: str, ink: int) -> Panel:
+    """The place over the time, its beginning in grey."""
+    begin = slice(0, SETTLED + 1)
+    rest = slice(SETTLED, SHOWN)
+    return Panel(
+        series=(
+            Series(x=run.t[begin], y=run["x"][begin], ink=-1),
+            Series(x=run.t[rest], y=run["x"][rest], ink=ink),
+        ),
+        x=Axis(title="t [s]", ends=(0, SHOWN / 10)),
+        y=Axis(title="x [m]", ends=(-2.6, 2.6)),
+        title=f"p = {force}",
+        size=(270, 170),
+    )
+
+
+def cycle(run: Seen, ink: int) -> Panel:
+    """The settled motion in the plane of place and velocity."""
+    settled = slice(SETTLED, SETTLED + 2500)
+    return Panel(
+        series=(Series(x=run["x"][settled], y=run["v"][settled], ink=ink, width=0.8),),
+        x=Axis(title="x [m]", ends=(-2.6, 2.6)),
+        y=Axis(title="v [m/s]", ends=(-3, 3)),
+        size=(170, 170),
+    )
+
+
+def lines(frequency: Array, height: Array, ink: int) -> Panel:
+    """The amplitudes of the spectrum's lines (N,) near 1 rad/s, as parts of the largest."""
+    near = (frequency > 0.5) & (frequency < 1.5)
+    part = height[near] / height.max()
+    return Panel(
+        # The floor keeps zeros on a logarithmic axis.
+        series=(Series(x=frequency[near], y=np.maximum(part, 1e-6), ink=ink),),
+        x=Axis(title="w [rad/s]", ends=(0.5, 1.5)),
+        y=Axis(title="amplitude / largest", ends=(1e-5, 1.5), is_log=True),
+        size=(230, 170),
     )

@@ -25,10 +25,11 @@ def figure() -> Figure:
         mark="cloud",
         width=1.5,
     )
-    lines = [
-        Series(x=np.array([eta, eta]), y=np.array([0.27, 0.97]), ink=GREY, dashed=True, width=1)
-        for eta in found.values()
-    ]
+    lines = []
+    for eta in found.values():
+        x = np.array([eta, eta])
+        y = np.array([0.27, 0.97])
+        lines.append(Series(x=x, y=y, ink=GREY, dashed=True, width=1))
     words = tuple(f"{n} to {2 * n}" for n in found)
     height = np.array([0.985, 0.985, 1.02])
     names = Series(x=np.array(list(found.values())), y=height, ink=GREY, mark="text", words=words)

@@ -13,9 +13,9 @@ def figure() -> Figure:
     """mu(v), and mu(v) sgn(v) with all its terms and with some left out; at rest any value between
     the limits.
     """
-    whole, no_growth, plain = (
-        law(**left) for left in ({}, {"lambda1": 0}, {"lambda0": 0, "lambda1": 0, "mu0": "1/10"})
-    )
+    whole = law()
+    no_growth = law(lambda1=0)
+    plain = law(lambda0=0, lambda1=0, mu0="1/10")
     size = whole.coefficient(np.abs(SPEEDS))
     law_panel = Panel(
         series=(Series(x=SPEEDS, y=size, ink=0, width=2),),
@@ -70,7 +70,6 @@ def law(**parameters: object) -> Slider:
 
 def signed(slider: Slider) -> Array:
     """mu(v) Sgn(v), from limit to limit at rest."""
-    force: Array = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape) * np.sign(
-        SPEEDS
-    )
+    size = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape)
+    force: Array = size * np.sign(SPEEDS)
     return force

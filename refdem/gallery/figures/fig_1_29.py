@@ -20,10 +20,18 @@ def figure() -> Figure:
         run = orbit(eta, periods=20)
         curve = Series(x=run["x"][1:], y=run["v"][1:], ink=n, width=1)
         fastest.append(float(run["v"][1:].max()))
-        titles = ("x [m]" if n > 2 else "", "v [m/s]" if n % 3 == 0 else "")
+        # Titles below the last row and left of the first column.
+        if n > 2:
+            below = "x [m]"
+        else:
+            below = ""
+        if n % 3 == 0:
+            beside = "v [m/s]"
+        else:
+            beside = ""
         axes: dict[str, Any] = {
-            "x": Axis(title=titles[0], ends=(-4, 4)),
-            "y": Axis(title=titles[1], ends=(-4, 1.4)),
+            "x": Axis(title=below, ends=(-4, 4)),
+            "y": Axis(title=beside, ends=(-4, 1.4)),
         }
         panels.append(Panel(series=(curve,), title=f"eta = {eta}", size=(230, 170), **axes))
     caption = (

@@ -28,25 +28,20 @@ def figure() -> Figure:
         run = orbit(eta, periods=6)
         x = run["x"][1:]
         v = run["v"][1:]
-        series.append(
-            drawn(np.column_stack((x, np.full(len(x), float(eta)), v)), ink=n, label=f"eta = {eta}")
-        )
+        points = np.column_stack((x, np.full(len(x), float(eta)), v))
+        series.append(drawn(points, ink=n, label=f"eta = {eta}"))
     for n, eta in enumerate(ETAS):
         cuts = section(np.array([float(eta)]), skip=60, keep=6).places[0]
-        series.append(
-            drawn(
-                np.column_stack((cuts, np.full(len(cuts), float(eta)), np.zeros(len(cuts)))),
-                mark="points",
-                ink=n,
-            )
-        )
+        points = np.column_stack((cuts, np.full(len(cuts), float(eta)), np.zeros(len(cuts))))
+        series.append(drawn(points, mark="points", ink=n))
     frame = [
         ((-3.5, LOW, -3), (3.5, LOW, -3), "x [m]"),
         ((3.5, LOW, -3), (3.5, HIGH, -3), "eta"),
         ((-3.5, LOW, -3), (-3.5, LOW, 1.5), "v"),
     ]
     for begin, end, name in frame:
-        series += axis(stretched(np.array([begin]))[0], stretched(np.array([end]))[0], name)
+        first, last = stretched(np.array([begin, end]))
+        series += axis(first, last, name)
     panel = Panel(
         series=tuple(series), x=Axis(is_hidden=True), y=Axis(is_hidden=True), size=(640, 420)
     )
@@ -76,6 +71,6 @@ def stretched(points: Array) -> Array:
 
 
 def drawn(points: Array, **style: object) -> Series:
-    """A curve, or dots, in space."""
+    """A curve, or dots, through points (N, 3) of x, eta and v, as they are seen from above."""
     right, up, _ = seen_from_above(stretched(points))
     return Series(x=right, y=up, **style)  # type: ignore[arg-type]

@@ -25,23 +25,19 @@ def figure() -> Figure:
         found = section(eta, skip=SKIP, keep=KEEP)
         x = np.repeat(eta, [len(places) for places in found.places])
         y = np.concatenate(found.places)
-        size = (780, 300 if n == 0 else 220)
+        if n == 0:
+            height = 300
+        else:
+            height = 220
         axes: dict[str, Any] = {
             "x": Axis(title="eta [rad/s]", ends=(low, high)),
             "y": Axis(title="x [m]"),
         }
-        panels.append(
-            Panel(
-                series=(Series(x=x, y=y, mark="cloud", ink=n),),
-                size=size,
-                title=f"eta from {low:g} to {high:g}",
-                **axes,
-            )
-        )
-        regimes = found.exponent.regimes()
-        numbers[f"periodic from {low:g} to {high:g} [parts of 1]"] = float(
-            np.mean(regimes == "periodic")
-        )
+        cloud = Series(x=x, y=y, mark="cloud", ink=n)
+        title = f"eta from {low:g} to {high:g}"
+        panels.append(Panel(series=(cloud,), size=(780, height), title=title, **axes))
+        is_periodic = found.exponent.regimes() == "periodic"
+        numbers[f"periodic from {low:g} to {high:g} [parts of 1]"] = float(np.mean(is_periodic))
     caption = (
         "After 80 periods of the drive, the places at which the velocity passes zero with x > 0"
         " during 120 more. Few dots above one frequency are a periodic motion, many a motion that"

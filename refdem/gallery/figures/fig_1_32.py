@@ -20,26 +20,14 @@ def figure() -> Figure:
     for n, (etas, ends) in enumerate(WINDOWS):
         grid = np.linspace(*etas, COLUMNS)
         values = [late(float(eta), chunks=1 + n) for eta in grid]
-        series = [
-            Series(
-                x=np.repeat(grid, [len(x) for x in values]),
-                y=np.concatenate(values),
-                mark="cloud",
-                ink=n,
-                width=1.5,
-            )
-        ]
+        x = np.repeat(grid, [len(settled) for settled in values])
+        y = np.concatenate(values)
+        series = [Series(x=x, y=y, mark="cloud", ink=n, width=1.5)]
         if n + 1 < len(WINDOWS):
             series.append(frame(*WINDOWS[n + 1]))
-        size = (255, 255)
-        panels.append(
-            Panel(
-                series=tuple(series),
-                x=Axis(title="eta", ends=etas),
-                y=Axis(title="x" if not n else "", ends=ends),
-                size=size,
-            )
-        )
+        across = Axis(title="eta", ends=etas)
+        up = Axis(title="" if n else "x", ends=ends)
+        panels.append(Panel(series=tuple(series), x=across, y=up, size=(255, 255)))
     shown("3.57")
     caption = (
         "Iterates of x -> eta x (1 - x) after 4096 others. Each panel is the part of the one before"
@@ -61,9 +49,9 @@ def figure() -> Figure:
 
 
 def frame(etas: tuple[float, float], ends: tuple[float, float]) -> Series:
-    """The border of a part."""
-    (left, right) = etas
-    (low, high) = ends
+    """The border of a part between these ends of eta and of x."""
+    left, right = etas
+    low, high = ends
     return Series(
         x=np.array([left, right, right, left, left]),
         y=np.array([low, low, high, high, low]),

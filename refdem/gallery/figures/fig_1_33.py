@@ -27,21 +27,14 @@ def figure() -> Figure:
         remember(command(asked))
         paths = [path(asked, point) for point in points]
         series = [Series(x=paths[k][:, 0], y=paths[k][:, 1], ink=GREY, width=1) for k in PICKED]
-        series.append(
-            Series(
-                x=wall(geometry, asked.p.size)[:, 0],
-                y=wall(geometry, asked.p.size)[:, 1],
-                ink=1,
-                width=2,
-            )
-        )
+        border = wall(geometry, asked.p.size)
+        series.append(Series(x=border[:, 0], y=border[:, 1], ink=1, width=2))
         for n, moment in enumerate(MOMENTS):
             places = np.array([place(own, moment) for own in paths])
             series.append(Series(x=places[:, 0], y=places[:, 1], mark="cloud", width=2.5))
             if n in (0, len(MOMENTS) - 1):
-                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = float(
-                    np.hypot(*places.std(axis=0))
-                )
+                spread = float(np.hypot(*places.std(axis=0)))
+                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = spread
         axes: dict[str, Any] = {
             "x": Axis(ends=(-2.1, 2.1), is_hidden=True),
             "y": Axis(ends=(-1.1, 1.1), is_hidden=True),
@@ -60,13 +53,17 @@ def figure() -> Figure:
 def path(asked: Any, start: Array) -> Array:
     """Places (BOUNCES + 1, 2) of the bounces of a point."""
     first: Iteration = asked.problem
-    run = answer(Iteration(first.map, np.concatenate((start, first.start[2:])), BOUNCES))
+    # The place of the point, the direction of the case.
+    begin = np.concatenate((start, first.start[2:]))
+    run = answer(Iteration(first.map, begin, BOUNCES))
     return run.values["position"]
 
 
 def place(path: Array, moment: float) -> Array:
     """Where a point is that flies along a path with speed 1."""
-    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    # Length [m] of the path to each bounce, and so the time [s] of it.
+    legs = np.hypot(*np.diff(path, axis=0).T)
+    way = np.concatenate(([0.0], np.cumsum(legs)))
     return np.array([np.interp(moment, way, path[:, i]) for i in (0, 1)])
 
 
@@ -76,5 +73,6 @@ def wall(geometry: str, size: Array) -> Array:
     if geometry == "rectangle":
         return half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
     turn = np.linspace(-np.pi / 2, np.pi / 2, 61)
-    arc = half[1] * np.stack((np.cos(turn), np.sin(turn)), axis=1) + [half[0] - half[1], 0.0]
+    centre = [half[0] - half[1], 0.0]
+    arc = half[1] * np.stack((np.cos(turn), np.sin(turn)), axis=1) + centre
     return np.concatenate((arc, -arc, arc[:1]))

@@ -40,13 +40,11 @@ def figure() -> Figure:
     t = stable[0].t
     gaps = []
     for n, (name, (angles, rates)) in enumerate(pairs.items()):
-        curves = [
-            Series(x=t, y=angle, ink=n, dashed=bool(k), width=2 - k / 2)
-            for k, angle in enumerate(angles)
-        ]
+        first = Series(x=t, y=angles[0], ink=n, width=2.0)
+        second = Series(x=t, y=angles[1], ink=n, dashed=True, width=1.5)
         panels.append(
             Panel(
-                series=tuple(curves),
+                series=(first, second),
                 x=Axis(title="t [s]"),
                 y=Axis(title="angle [rad]"),
                 title=name,

@@ -30,22 +30,20 @@ def figure() -> Figure:
         for angle in ANGLES:
             for sign in (1, -1):
                 round_one = np.zeros(3)
-                round_one[first], round_one[2 - first] = sign * np.cos(angle), np.sin(angle)
+                round_one[first] = sign * np.cos(angle)
+                round_one[2 - first] = np.sin(angle)
                 curve = momentum(round_one)
                 series += [drawn(curve, ink, is_front=False), drawn(curve, ink, is_front=True)]
-                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(
-                    np.ptp(np.linalg.norm(curve, axis=1))
-                )
+                length = np.linalg.norm(curve, axis=1)
+                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(np.ptp(length))
     # J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 with w = L/J on the ellipsoid: L/HALF_AXES = n
-    ratio = np.sqrt(
-        INERTIA[1] * (INERTIA[2] - INERTIA[1]) / (INERTIA[1] * (INERTIA[1] - INERTIA[0]))
-    )
+    j1, j2, j3 = INERTIA
+    ratio = np.sqrt(j2 * (j3 - j2) / (j2 * (j2 - j1)))
     for start in ((ratio, 1.0), (-ratio, 1.0), (ratio, -1.0), (-ratio, -1.0)):
         near = np.array([start[0], 0.0, start[1]]) / np.hypot(*start)
-        series += [
-            drawn(momentum(near, forward=forward), GREY, is_front=True, dashed=True)
-            for forward in (True, False)
-        ]
+        for forward in (True, False):
+            curve = momentum(near, forward=forward)
+            series.append(drawn(curve, GREY, is_front=True, dashed=True))
     for n, name in enumerate(("L1", "L2", "L3")):
         unit = np.eye(3)[n]
         begin = HALF_AXES[n] * unit
@@ -82,8 +80,9 @@ def momentum(round_one: Array, *, forward: bool = True) -> Array:
 def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> Series:
     """The part of a curve on the side of the ellipsoid that is seen, or on the other."""
     right, up, _ = seen_from_above(points)
-    towards = seen_from_above(points / INERTIA)[2] >= 0  # omega = L/J is normal to the ellipsoid
-    hidden = towards != is_front
+    # omega = L/J is normal to the ellipsoid.
+    *_, towards = seen_from_above(points / INERTIA)
+    hidden = (towards >= 0) != is_front
     return Series(
         x=np.where(hidden, np.nan, right),
         y=np.where(hidden, np.nan, up),
@@ -95,11 +94,13 @@ def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> S
 
 def border() -> Series:
     """The outline of the ellipsoid: where its normal is at right angles to the view."""
-    eye = np.array([seen_from_above(unit[None])[2][0] for unit in np.eye(3)])
+    # The direction to the eye: how much each axis points towards it.
+    *_, eye = seen_from_above(np.eye(3))
     normal = eye / HALF_AXES / np.linalg.norm(eye / HALF_AXES)
     one = np.cross(normal, [1.0, 0.0, 0.0])
     one /= np.linalg.norm(one)
     other = np.cross(normal, one)
     turn = np.linspace(0, 2 * np.pi, 181)[:, None]
-    right, up, _ = seen_from_above(HALF_AXES * (np.cos(turn) * one + np.sin(turn) * other))
+    circle = np.cos(turn) * one + np.sin(turn) * other
+    right, up, _ = seen_from_above(HALF_AXES * circle)
     return Series(x=right, y=up, ink=GREY, width=1)

@@ -39,10 +39,14 @@ def figure() -> Figure:
         y=Axis(title="kinetic energy [J]"),
         size=(370, 260),
     )
+    forward = energy(forth)
+    backward = energy(back)
+    # The triangle under the force.
+    area = p.k1 * abs(p.x1) * (p.x2 - p.x1) / 2
     numbers = {
-        "gained going forward [J]": float(energy(forth)[-1] - energy(forth)[0]),
-        "lost coming back [J]": float(energy(back)[0] - energy(back)[-1]),
-        "k1 |x1| (x2 - x1)/2 [J]": float(p.k1 * abs(p.x1) * (p.x2 - p.x1) / 2),
+        "gained going forward [J]": float(forward[-1] - forward[0]),
+        "lost coming back [J]": float(backward[0] - backward[-1]),
+        "k1 |x1| (x2 - x1)/2 [J]": float(area),
     }
     caption = (
         "The force rises linearly from x1 = -1 to 0 and falls linearly to x2 = 1/2; it is the mass"
@@ -61,11 +65,14 @@ def figure() -> Figure:
 
 def felt(run: Seen) -> Array:
     """m dv/dt (T - 2,) [N] by central differences."""
-    found: Array = run.instance.p.mass * (run["v"][2:] - run["v"][:-2]) / (run.t[2:] - run.t[:-2])
+    v = run["v"]
+    gained = v[2:] - v[:-2]
+    time = run.t[2:] - run.t[:-2]
+    found: Array = run.instance.p.mass * gained / time
     return found
 
 
 def energy(run: Seen) -> Array:
-    """Kinetic energy (T,) [J]."""
+    """The kinetic energy m v^2/2 (T,) [J] of a run."""
     found: Array = run.instance.p.mass * run["v"] ** 2 / 2
     return found

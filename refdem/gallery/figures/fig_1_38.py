@@ -18,25 +18,36 @@ def figure() -> Figure:
     m = run.instance.p.mass
     wall = Series(x=np.array([-0.6, 3.0]), y=np.zeros(2), ink=GREY, width=3)
     before = Series(x=np.array([-0.6, 0.0]), y=np.array([-0.6 * v[0], 0.0]), ink=0, width=2)
+    approach = slice(0, turn + 1)
+    separation = slice(turn, None)
     way = Panel(
         series=(
             wall,
             before,
-            Series(x=t[: turn + 1], y=d[: turn + 1], ink=0, width=2, label="approach, edge first"),
-            Series(x=t[turn:], y=d[turn:], ink=1, width=2, label="separation, flat side first"),
+            Series(x=t[approach], y=d[approach], ink=0, width=2, label="approach, edge first"),
+            Series(
+                x=t[separation],
+                y=d[separation],
+                ink=1,
+                width=2,
+                label="separation, flat side first",
+            ),
         ),
         x=Axis(title="time [s]", ends=(-0.6, 3.0)),
         y=Axis(title="space: overlap [m]", ends=(-0.7, 0.75)),
         size=(430, 300),
     )
+    # F = -m dv/dt by central differences, at all samples but the first and the last.
     force = -m * (v[2:] - v[:-2]) / (t[2:] - t[:-2])
-    inside = d[1:-1] > 1e-3
-    first = inside & (np.arange(1, len(t) - 1) < turn)
-    last = inside & (np.arange(1, len(t) - 1) > turn + 1)
+    sample = np.arange(1, len(t) - 1)
+    overlap = d[1:-1]
+    inside = overlap > 1e-3
+    first = inside & (sample < turn)
+    last = inside & (sample > turn + 1)
     loop = Panel(
         series=(
-            Series(x=d[1:-1][first], y=force[first], ink=0, width=2),
-            Series(x=d[1:-1][last], y=force[last], ink=1, width=2),
+            Series(x=overlap[first], y=force[first], ink=0, width=2),
+            Series(x=overlap[last], y=force[last], ink=1, width=2),
         ),
         x=Axis(title="overlap [m]"),
         y=Axis(title="force [N]"),

@@ -36,10 +36,12 @@ def figure() -> Figure:
     measured = readings("kharaz_2001")
     panels = []
     for quantity, title in AXES.items():
-        series = [
-            Series(x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=k == 1, width=2)
-            for k, law in enumerate(laws)
-        ]
+        series = []
+        for k, law in enumerate(laws):
+            curve = Series(
+                x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=k == 1, width=2
+            )
+            series.append(curve)
         for one in measured:
             if one.quantity == quantity:
                 x, y = one.places
@@ -53,17 +55,17 @@ def figure() -> Figure:
                 size=(370, 260),
             )
         )
-    near = [
-        np.abs(np.interp(one.angle, ANGLES, laws[0][one.quantity]) - one.value)
-        for one in measured
-        if one.quantity.startswith("tang")
-    ]
+    near = []
+    for one in measured:
+        if one.quantity.startswith("tang"):
+            curve_there = np.interp(one.angle, ANGLES, laws[0][one.quantity])
+            near.append(np.abs(curve_there - one.value))
+    mean = float(np.mean(np.concatenate(near)))
+    points = sum(len(one.angle) for one in measured)
     numbers = {
         "largest distance of the curve from certified values, of their size": farthest(laws[0]),
-        "measured points": float(sum(len(one.angle) for one in measured)),
-        "mean distance of measured tangential restitution from the curve (not judged)": float(
-            np.mean(np.concatenate(near))
-        ),
+        "measured points": float(points),
+        "mean distance of measured tangential restitution from the curve (not judged)": mean,
     }
     caption = (
         "A sphere of aluminium oxide, 5 mm across, strikes a wall at 3.9 m/s: it sticks or slides,"
@@ -88,7 +90,8 @@ def curves(member: str) -> dict[str, Array]:
     ends = []
     for angle in np.radians(ANGLES):
         asked = instance(CASE, member=member, angle=float(angle))
-        end = asked.observe(answer(Motion(asked.scene, asked.times[[0, -1]])))
+        first_and_last = asked.times[[0, -1]]
+        end = asked.observe(answer(Motion(asked.scene, first_and_last)))
         ends.append((-end["v.x"][-1], end["v.y"][-1], -end["omega.z"][-1], end["v.y"][0]))
     return seen_in(*np.array(ends).T)
 
@@ -97,9 +100,11 @@ def seen_in(normal: Array, across: Array, spin: Array, before: Array) -> dict[st
     """Quantities from velocities [m/s] away from the wall and along it, the spin [rad/s], and the
     velocity along the wall before.
     """
+    # The point of contact moves along the wall with v - R omega.
+    across_at_contact = across - RADIUS * spin
     return {
         "rebound angle": np.degrees(np.arctan2(across, normal)),
-        "rebound angle of the contact": np.degrees(np.arctan2(across - RADIUS * spin, normal)),
+        "rebound angle of the contact": np.degrees(np.arctan2(across_at_contact, normal)),
         "spin": spin,
         "tangential restitution": across / before,
     }
@@ -110,15 +115,12 @@ def farthest(law: dict[str, Array]) -> float:
     found = []
     for angle in CERTIFIED:
         asked = instance(CASE, member="co-4", angle=float(np.radians(angle)))
-        end = {
-            name: np.array([float(ball.mid)])
-            for name, ball in asked.truth().at(Fraction(float(asked.times[-1]))).items()
-        }
-        proved = seen_in(
-            -end["v.x"], end["v.y"], -end["omega.z"], asked.scene.bodies.velocity[0, 1:2]
-        )
-        found += [
-            abs(law[name][angle == ANGLES] / proved[name] - 1)
-            for name in ("spin", "tangential restitution")
-        ]
+        last = Fraction(float(asked.times[-1]))
+        certified = asked.truth().at(last)
+        end = {name: np.array([float(ball.mid)]) for name, ball in certified.items()}
+        before = asked.scene.bodies.velocity[0, 1:2]
+        proved = seen_in(-end["v.x"], end["v.y"], -end["omega.z"], before)
+        for name in ("spin", "tangential restitution"):
+            there = law[name][angle == ANGLES]
+            found.append(abs(there / proved[name] - 1))
     return float(np.max(found))

@@ -26,7 +26,7 @@ class Reading(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def places(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Angles and values (N,)."""
+        """The angles and the measured values, each (N,)."""
         return np.array(self.angle), np.array(self.value)
 
 

@@ -14,5 +14,5 @@ class BallJoint(Link, frozen=True, kw_only=True, tag="ball_joint"):
         return self.b < 0
 
     def features(self) -> frozenset[str]:
-        """A constraint."""
+        """The features of a ball joint, which is a constraint."""
         return frozenset({"ball_joint", "constraint"})

@@ -24,11 +24,9 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
         return [f"gm is {self.gm}, expected > 0"]
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`-gm sum m/|r|` (T,) [J]."""
-        with np.errstate(
-            divide="ignore"
-        ):  # a body that a code puts into the centre has no finite energy, and so fails
-            energy: Array = -self.gm * np.sum(
-                scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1
-            )
+        """The potential energy `-gm sum m/|r|` (T,) [J]."""
+        distance = np.linalg.norm(position, axis=-1)
+        # A body that a code puts into the centre has no finite energy, and so fails.
+        with np.errstate(divide="ignore"):
+            energy: Array = -self.gm * np.sum(scene.bodies.mass / distance, axis=-1)
         return energy

@@ -104,38 +104,30 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         radius = scene.bodies.radius
         few = np.count_nonzero(radius) <= FEW
         for samples in [slice(None)] if few else [slice(k, k + 1) for k in range(len(position))]:
-            overlap = _overlaps(scene, position[samples], radius)
-            energy[samples] = (
-                self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power, axis=1)
-            )
+            pressed = np.maximum(_overlaps(scene, position[samples], radius), 0.0)
+            energy[samples] = self.stiffness / power * np.sum(pressed**power, axis=1)
         for plane in scene.all(Plane):
-            overlap = radius - (position - np.array(plane.point)) @ np.array(plane.normal)
-            energy += (
-                self.stiffness
-                / power
-                * np.sum(np.maximum(overlap, 0.0) ** power * (radius > 0), axis=1)
-            )
-            energy += (
-                self.stiffness
-                / power
-                * np.sum(
-                    np.maximum(_depths(scene, plane, position, attitude), 0.0) ** power, axis=1
-                )
-            )
+            height = (position - np.array(plane.point)) @ np.array(plane.normal)
+            pressed = np.maximum(radius - height, 0.0)
+            # Points have no radius, and do not touch the plane.
+            energy += self.stiffness / power * np.sum(pressed**power * (radius > 0), axis=1)
+            deep = np.maximum(_depths(scene, plane, position, attitude), 0.0)
+            energy += self.stiffness / power * np.sum(deep**power, axis=1)
         return energy
 
 
 def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array:
     """How deep (T, C) [m] the corners of all polyhedra are behind a plane."""
-    corners = [
-        (i, corner)
-        for i, shape in enumerate(scene.bodies.shape)
-        for corner in getattr(shape, "vertices", ())
-    ]
-    body = [i for i, _ in corners]
-    arm = np.array([corner for _, corner in corners]).reshape(-1, 3)
+    body: list[int] = []
+    corners: list[Any] = []
+    for number, shape in enumerate(scene.bodies.shape):
+        own = getattr(shape, "vertices", ())
+        corners += own
+        body += [number] * len(own)
+    arm = np.array(corners).reshape(-1, 3)
     turned = rotated(attitude[:, body], np.broadcast_to(arm, (len(position), *arm.shape)))
-    depth: Array = -(position[:, body] + turned - np.array(plane.point)) @ np.array(plane.normal)
+    from_plane = position[:, body] + turned - np.array(plane.point)
+    depth: Array = -from_plane @ np.array(plane.normal)
     return depth
 
 
@@ -148,13 +140,15 @@ def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
     if len(spheres) <= FEW:
         i, j = np.triu_indices(len(spheres), 1)
     else:
-        i, j = near_pairs(
-            position[0, spheres], 2 * float(radius.max()), boxes[0].size if boxes else 0.0
-        )
+        if boxes:
+            size = boxes[0].size
+        else:
+            size = 0.0
+        i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), size)
     i = spheres[i]
     j = spheres[j]
     apart = position[:, j] - position[:, i]
-    overlap: Array = (
-        radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)
-    )
+    if boxes:
+        apart = boxes[0].nearest(apart)
+    overlap: Array = radius[i] + radius[j] - np.linalg.norm(apart, axis=-1)
     return overlap

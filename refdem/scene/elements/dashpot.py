@@ -22,7 +22,7 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
-        """One that does nothing."""
+        """True only of a dashpot that does nothing: any other loses energy."""
         return self.damping == 0 and self.van_der_pol == 0
 
     @property
@@ -37,4 +37,7 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
 
     def features(self) -> frozenset[str]:
         """The kind, and that its damping depends on the place where it does."""
-        return frozenset({"dashpot"} | ({"dashpot:van_der_pol"} if self.van_der_pol else set()))
+        names = {"dashpot"}
+        if self.van_der_pol:
+            names.add("dashpot:van_der_pol")
+        return frozenset(names)

@@ -24,10 +24,9 @@ class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
 
     def faults(self) -> list[str]:
         """Damping that brings energy in, or that is between two bodies."""
-        if self.coefficient >= 0:
-            found = []
-        else:
-            found = [f"coefficient is {self.coefficient}, expected >= 0"]
-        return found + (
-            [] if self.b < 0 else [f"b is {self.b}, expected -1: it is inside body a alone"]
-        )
+        found = []
+        if not self.coefficient >= 0:
+            found.append(f"coefficient is {self.coefficient}, expected >= 0")
+        if not self.b < 0:
+            found.append(f"b is {self.b}, expected -1: it is inside body a alone")
+        return found

@@ -54,23 +54,20 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
 
     def delayed(self, delay: float) -> Self:
         """The same anchor for a motion that begins `delay` [s] later."""
-        if delay:
-            return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
-        return self
+        if not delay:
+            return self
+        return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
 
     def place(self, t: Array) -> Array:
-        """Where the body is (T, 3) [m] at times t (T,) [s]."""
-        place: Array = np.array(self.anchor_b) + self.amplitude * np.cos(
-            self.frequency * t + self.phase
-        )[:, None] * np.array(self.axis)
+        """Where the body is (T, 3) [m] at times t (T,) [s]: anchor + A cos(w t + phase) axis."""
+        cosine = np.cos(self.frequency * t + self.phase)
+        shift = self.amplitude * cosine[:, None] * np.array(self.axis)
+        place: Array = np.array(self.anchor_b) + shift
         return place
 
     def velocity(self, t: Array) -> Array:
-        """Its velocity (T, 3) [m/s]."""
-        velocity: Array = (
-            -self.amplitude
-            * self.frequency
-            * np.sin(self.frequency * t + self.phase)[:, None]
-            * np.array(self.axis)
-        )
+        """The velocity of the body (T, 3) [m/s] at times t (T,) [s]: -A w sin(w t + phase) axis."""
+        sine = np.sin(self.frequency * t + self.phase)
+        largest = -self.amplitude * self.frequency
+        velocity: Array = largest * sine[:, None] * np.array(self.axis)
         return velocity

@@ -18,7 +18,7 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
     size: Length
 
     def faults(self) -> list[str]:
-        """A box without size."""
+        """What is wrong with the box: it has no size."""
         if self.size > 0:
             return []
         return [f"size is {self.size}, expected > 0"]

@@ -47,15 +47,16 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
 
     def force(self, s: Array) -> Array:
         """F [N] at s [m], of any shape."""
-        return np.where(
-            s <= 0, self.k1 * np.maximum(s - self.x1, 0.0), self.k2 * np.minimum(s - self.x2, 0.0)
-        )
+        rising = self.k1 * np.maximum(s - self.x1, 0.0)
+        falling = self.k2 * np.minimum(s - self.x2, 0.0)
+        return np.where(s <= 0, rising, falling)
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-integral F` of every body (T,) [J]."""
         s = (position - np.asarray(self.point)) @ np.asarray(self.axis)
         low = np.clip(s, self.x1, 0.0) - self.x1
         high = np.clip(s, 0.0, self.x2) - self.x2
+        # Work of the force from x1 on: k1 (s - x1)^2/2, then k2 ((s - x2)^2 - x2^2)/2 more.
         gained = 0.5 * self.k1 * low**2 + 0.5 * self.k2 * (high**2 - self.x2**2)
         energy: Array = -np.sum(np.where(scene.bodies.fixed, 0.0, gained), axis=-1)
         return energy

@@ -15,7 +15,7 @@ class Rod(Link, frozen=True, kw_only=True, tag="rod"):
         return self.b < 0
 
     def features(self) -> frozenset[str]:
-        """A rod is a constraint."""
+        """The features of a rod, which is a constraint."""
         return frozenset({"rod", "constraint"})
 
     def faults(self) -> list[str]:

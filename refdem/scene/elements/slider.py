@@ -57,13 +57,12 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     def features(self) -> frozenset[str]:
         """Dry friction is a feature of its own: it lowers the order of most methods."""
+        names = {"slider", "friction"}
         if self.law != "coulomb":
-            own = {"slider:stribeck"}
-        else:
-            own = set()
-        return frozenset(
-            {"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set())
-        )
+            names.add("slider:stribeck")
+        if self.belt_velocity:
+            names.add("slider:belt")
+        return frozenset(names)
 
     def faults(self) -> list[str]:
         """A negative coefficient or normal force."""
@@ -75,11 +74,14 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         ]
 
     def coefficient(self, speed: Any) -> Any:
-        """Friction over normal force at a speed |u| >= 0 [m/s]."""
+        """Friction over normal force at a speed |u| >= 0 [m/s]:
+        (mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 u^2, or lambda1 |u| where it is linear.
+        """
         if self.law == "coulomb":
             return self.friction
         if self.law == "stribeck":
             last = speed * speed
         else:
             last = speed
-        return (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last
+        falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
+        return falling + self.mu1 + self.lambda1 * last

@@ -55,11 +55,10 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
 
     def pull(self, stretch: Array) -> Array:
         """Force [N] towards each other for stretch [m], both of any shape."""
+        # k sgn(s) |s|^n + a s^2 + b s^3.
         s = np.asarray(stretch, float)
-        pull: Array = (
-            self.stiffness * np.sign(s) * np.abs(s) ** self.exponent
-            + (self.quadratic + self.cubic * s) * s * s
-        )
+        power = self.stiffness * np.sign(s) * np.abs(s) ** self.exponent
+        pull: Array = power + (self.quadratic + self.cubic * s) * s * s
         return pull
 
     def potential_size(self, position: Array, attitude: Array) -> Array:
@@ -76,7 +75,8 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         [J].
         """
         s = self.distance(position, attitude) - self.length
-        energy: Array = self.stiffness * np.abs(s) ** (self.exponent + 1) / (self.exponent + 1)
+        power = self.exponent + 1
+        energy: Array = self.stiffness * np.abs(s) ** power / power
         if self.quadratic or self.cubic:
-            return energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3
+            energy = energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3
         return energy

@@ -28,7 +28,7 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
     inertia: Annotated[float, Dimension(1, 2, 0)] = 0.0
 
     def features(self) -> frozenset[str]:
-        """A string is a constraint."""
+        """The features of a string, which is a constraint."""
         return frozenset({"string_over_wheel", "constraint"})
 
     def faults(self) -> list[str]:

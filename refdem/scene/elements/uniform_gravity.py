@@ -16,6 +16,6 @@ class UniformGravity(Element, frozen=True, kw_only=True, tag="uniform_gravity"):
     g: Acceleration
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`-sum m g.r` (T,) [J]."""
+        """The potential energy `-sum m g.r` (T,) [J]."""
         energy: Array = -np.einsum("n,tnk,k->t", scene.bodies.mass, position, np.asarray(self.g))
         return energy

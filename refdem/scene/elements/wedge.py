@@ -54,17 +54,17 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
 
     def edge_first(self, attitude: Array) -> Array:
         """Whether the edge looks at the wall (...), for attitude (..., 4)."""
-        edge = rotated(
-            attitude, np.broadcast_to(np.array([0.0, 1.0, 0.0]), (*attitude.shape[:-1], 3))
-        )
+        # The edge points along y in body axes.
+        y_axis = np.array([0.0, 1.0, 0.0])
+        edge = rotated(attitude, np.broadcast_to(y_axis, (*attitude.shape[:-1], 3)))
         looks: Array = edge @ np.asarray(self.normal) < 0
         return looks
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`quadratic d**3 / 3` or `stiffness d**2 / 2` of every body that presses (T,) [J]."""
         d = np.maximum(self.overlap(position), 0.0)
-        energy = np.where(
-            self.edge_first(attitude), self.quadratic * d**3 / 3, self.stiffness * d**2 / 2
-        )
+        of_edge = self.quadratic * d**3 / 3
+        of_side = self.stiffness * d**2 / 2
+        energy = np.where(self.edge_first(attitude), of_edge, of_side)
         total: Array = np.sum(energy * ~scene.bodies.fixed, axis=-1)
         return total

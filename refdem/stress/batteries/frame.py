@@ -1,6 +1,6 @@
 """The same scene far away, fast, turned, later, in other units."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -137,6 +137,25 @@ CASES = {
 }
 """Where each frame is tried unless a case is named."""
 
+
+def _ladders() -> Iterator[Ladder]:
+    """A ladder for every frame on every case that it is tried on."""
+    for name, along, change, rungs, promised, basis, show in FRAMES:
+        for case in CASES[name]:
+            bare, _, _ = case.partition("[")
+            yield Ladder(
+                name=f"{name}: {bare}",
+                case=case,
+                along=along,
+                rungs=rungs,
+                measure=Frame(change, show),
+                is_general=True,
+                costly=name == "far away",
+                promised=promised,
+                basis=basis,
+            )
+
+
 BATTERY = Battery(
     id="frame",
     title="Far away, boosted, turned, later, in other units",
@@ -144,19 +163,5 @@ BATTERY = Battery(
         "Mechanics is the same there, and may differ by round-off of numbers of that size alone: is"
         " it, and how far?"
     ),
-    ladders=tuple(
-        Ladder(
-            name=f"{name}: {case.partition('[')[0]}",
-            case=case,
-            along=what,
-            rungs=rungs,
-            measure=Frame(change, show),
-            is_general=True,
-            costly=name == "far away",
-            promised=promised,
-            basis=basis,
-        )
-        for name, what, change, rungs, promised, basis, show in FRAMES
-        for case in CASES[name]
-    ),
+    ladders=tuple(_ladders()),
 )

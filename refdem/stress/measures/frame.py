@@ -80,13 +80,11 @@ class Frame(Measure):
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """Seen from the frame, the motion is the same."""
-        return (
-            Seen(
-                self.change,
-                self.show(trial.instance, float(x)),
-                float(x) if self.told_apart else None,
-            ),
-        )
+        if self.told_apart:
+            part = float(x)
+        else:
+            part = None
+        return (Seen(self.change, self.show(trial.instance, float(x)), part),)
 
 
 class Seen(Check):
@@ -126,9 +124,8 @@ class Seen(Check):
         )
         if plain is None or seen is None:
             return [undecided(self.name, self.change, "the code refused the scene when it ran")]
-        bounds = allowed(
-            trial, self.view, growth_of(trial, moved or plain, plain)
-        ) * self._denormal(trial)
+        grown = growth_of(trial, moved or plain, plain)
+        bounds = allowed(trial, self.view, grown) * self._denormal(trial)
         count = scored(bounds)
         if self.part is not None:
             if bounds[-1] <= self.part / 10:
@@ -137,13 +134,8 @@ class Seen(Check):
                 count = 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
-            return [
-                undecided(
-                    self.name,
-                    self.change,
-                    "round-off alone may be as large as what would have to be seen",
-                )
-            ]
+            why = "round-off alone may be as large as what would have to be seen"
+            return [undecided(self.name, self.change, why)]
         with np.errstate(all="ignore"):
             apart = distances(trial.instance, self.view.undone(seen), plain)
         return [
@@ -176,8 +168,8 @@ class Seen(Check):
         denormal.
         """
         scales = trial.instance.scales
-        (_, length, time) = self.view.units
+        _, length, time = self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
-        if smallest > TINY:
-            return max(1.0, TINY / smallest * 2.0**53)
-        return sys.float_info.max
+        if smallest <= TINY:
+            return sys.float_info.max
+        return max(1.0, TINY / smallest * 2.0**53)

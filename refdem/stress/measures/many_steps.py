@@ -35,11 +35,10 @@ class ManySteps(Measure):
     needs_truth: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case for so many steps."""
+        """The case at a duration of so many steps."""
         tau = case.at(**given).scales.tau
-        return case.at(
-            **{"samples": str(SAMPLES), **given, "duration": str(x * Fraction(tau) / PER_TAU)}
-        )
+        duration = x * Fraction(tau) / PER_TAU
+        return case.at(**{"samples": str(SAMPLES), **given, "duration": str(duration)})
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
         """The step; the finest tolerance that a method takes."""
@@ -48,7 +47,7 @@ class ManySteps(Measure):
         return super().levels(instance, method, x)
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
-        """Secular drift."""
+        """The check of secular drift alone."""
         return (Drift(),)
 
 
@@ -66,11 +65,11 @@ class Drift(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Oscillators without loss."""
+        """Everywhere: the ladders are on oscillators without loss."""
         return None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The run."""
+        """The run at the only level."""
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -84,7 +83,9 @@ class Drift(Check):
         first = terms[: len(terms) // 4]
         if not np.all(np.isfinite(terms)) or np.linalg.cond(first) > ILL:
             return [undecided(self.name, "form", "the samples show too little of the motion")]
-        form = terms @ np.linalg.lstsq(first, np.ones(len(first)), rcond=None)[0]
+        # a, b, c of a x^2 + b x v + c v^2 = 1, fitted to the first quarter.
+        coefficients, *_ = np.linalg.lstsq(first, np.ones(len(first)), rcond=None)
+        form = terms @ coefficients
         allowed, basis = bound(trial, level)
         if allowed[-1] > HORIZON:
             return [undecided(self.name, "form", "truncation may change it by more than a tenth")]
@@ -110,14 +111,12 @@ def bound(trial: Trial, level: float) -> tuple[Array, str]:
     A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the
     ordinary round-off is left out.
     """
-    turns = trial.instance.scales.duration / trial.instance.scales.tau
-    steps = (
-        refinement.steps_at(trial.instance, trial.method, level) + refinement.CLOCK_STEPS * turns
-    )
-    rounding = np.full(
-        len(trial.instance.times),
-        2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps),
-    )
+    scales = trial.instance.scales
+    own_steps = refinement.steps_at(trial.instance, trial.method, level)
+    steps = own_steps + refinement.CLOCK_STEPS * (scales.duration / scales.tau)
+    # Twice c u sqrt(n): of x and of v.
+    largest = 2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps)
+    rounding = np.full(len(trial.instance.times), largest)
     if trial.method.symplectic or trial.method.control == "exact":
         return (
             rounding,

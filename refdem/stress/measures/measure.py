@@ -48,7 +48,7 @@ class Measure(ABC):
 
     @abstractmethod
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
-        """What judges the rung."""
+        """The checks that judge the rung."""
 
     def task(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
@@ -61,7 +61,10 @@ class Measure(ABC):
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"
         trial = Trial(instance, method, levels, truth, truth.reason)
-        return Task(engine, trial, refusal, () if refusal else self.checks(trial, x))
+        checks: tuple[Check, ...] = ()
+        if not refusal:
+            checks = self.checks(trial, x)
+        return Task(engine, trial, refusal, checks)
 
 
 def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:

@@ -23,11 +23,11 @@ class StepLimit(Measure):
     needs_truth: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as it is."""
+        """The case as it is given: the rung changes the step alone."""
         return case.at(**given)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The step."""
+        """The one level: the step [s] of the rung."""
         return (stability.probe(instance, float(x)).interval,)
 
     def refusal(
@@ -41,7 +41,7 @@ class StepLimit(Measure):
         return engine.refuses(stability.probe(instance, float(x)), method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """Many steps, each a sample."""
+        """The request of many steps, each of which is a sample."""
         return Request(
             problem=stability.probe(task.trial.instance, float(x)),
             method=task.method.name,
@@ -49,7 +49,7 @@ class StepLimit(Measure):
         )
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
-        """Bounded."""
+        """The check of the motion's size alone."""
         return (Bounded(),)
 
 
@@ -61,20 +61,21 @@ class Bounded(Check):
     kills = "a method whose stability limit is below that of the scheme that it claims to be"
 
     def applies(self, trial: Trial) -> str | None:
-        """Everywhere."""
+        """None: the check applies to everything that has a step."""
         return None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The run with this step."""
+        """The run with the step of the rung."""
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest number of the run in units of its scale."""
+        trajectory = runs[trial.finest].trajectory
         return [
             judged(
                 check=self.name,
                 quantity="size",
-                value=stability.excess(trial.instance, runs[trial.finest].trajectory),
+                value=stability.excess(trial.instance, trajectory),
                 bound=stability.BEYOND,
                 unit="1",
                 basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, "

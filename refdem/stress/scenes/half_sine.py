@@ -39,14 +39,10 @@ class HalfSine(ClosedForm):
         self.bodies = bodies
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Overlap [m] and rate [m/s]."""
+        """The overlap [m] and its rate [m/s] at t [s]."""
         d, rate = self.start
         w = arb_of(self.square).sqrt()
-        touch = arb_of(-d / rate if d < 0 else Fraction(0))
-        if d < 0:
-            inside = Fraction(0)
-        else:
-            inside = d
+        touch, inside = self._contact_start()
         if t < touch:
             return self._pair(arb_of(d) + arb_of(rate) * t, arb_of(rate))
         sine = arb_of(inside) * w
@@ -61,12 +57,19 @@ class HalfSine(ClosedForm):
             return self._pair(-size * (turned - end), -size * w)
         raise UndecidedError("at the end of contact")
 
+    def _contact_start(self) -> tuple[arb, Fraction]:
+        """The time [s] at which contact begins, and the overlap [m] then: at once with that of
+        the start, or later with none.
+        """
+        d, rate = self.start
+        if d < 0:
+            return arb_of(-d / rate), Fraction(0)
+        return arb_of(Fraction(0)), d
+
     def _pair(self, overlap: arb, rate: arb) -> dict[str, arb]:
-        return {
-            "overlap": overlap,
-            "rate": rate,
-            **{name: arb(0) for name in self.scale if name not in self.state},
-        }
+        """The values of all quantities; those that are not the pair's are 0."""
+        others = {name: arb(0) for name in self.scale if name not in self.state}
+        return {"overlap": overlap, "rate": rate, **others}
 
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
         """From a start that is larger by `amount`."""
@@ -90,14 +93,12 @@ class HalfSine(ClosedForm):
         d, rate = self.start
         ratio = arb_of(self.scale["overlap"] / self.scale["rate"])
         w = arb_of(self.square).sqrt()
-        touch = arb_of(-d / rate if d < 0 else Fraction(0))
-        if d < 0:
-            inside = Fraction(0)
-        else:
-            inside = d
+        touch, inside = self._contact_start()
         free = partial(linear, arb(0), 0, ratio)
         if d < 0:
             yield smooth(arb(0), touch, free)
-        lasting = (arb.pi() - arb.atan2(arb_of(inside) * w, arb_of(rate))) / w
+        # The phase runs from atan2(w d, rate) to pi.
+        phase = arb.atan2(arb_of(inside) * w, arb_of(rate))
+        lasting = (arb.pi() - phase) / w
         yield smooth(touch, lasting, partial(linear, arb_of(self.square), -1, ratio))
         yield smooth(touch + lasting, None, free)

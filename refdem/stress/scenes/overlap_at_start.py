@@ -35,18 +35,14 @@ class OverlapAtStart(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """Two equal spheres."""
+        """Two equal solid spheres at rest, centres on x on either side of the origin."""
         place = RADIUS - p.overlap / 2
+        # J = 2/5 m R^2 about every axis.
         inertia = (0.4 * MASS * RADIUS**2,) * 3
-        bodies = [
-            Body(
-                mass=MASS,
-                inertia=inertia,
-                shape=Sphere(radius=RADIUS),
-                position=(s * place, 0.0, 0.0),
-            )
-            for s in (-1.0, 1.0)
-        ]
+        shape = Sphere(radius=RADIUS)
+        left = Body(mass=MASS, inertia=inertia, shape=shape, position=(-place, 0.0, 0.0))
+        right = Body(mass=MASS, inertia=inertia, shape=shape, position=(place, 0.0, 0.0))
+        bodies = [left, right]
         return Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
 
     def scales(self, p: Parameters) -> Scales:
@@ -60,13 +56,11 @@ class OverlapAtStart(Case):
         return Quantity("overlap", "m", s.length), Quantity("rate", "m/s", s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Of the centres' distance."""
+        """The overlap [m] and its rate [m/s] (T,), from the distance of the centres."""
         apart = trajectory.position[:, 1] - trajectory.position[:, 0]
+        relative = trajectory.velocity[:, 1] - trajectory.velocity[:, 0]
         distance = np.linalg.norm(apart, axis=1)
-        rate = (
-            np.sum(apart * (trajectory.velocity[:, 1] - trajectory.velocity[:, 0]), axis=1)
-            / distance
-        )
+        rate = np.sum(apart * relative, axis=1) / distance
         return {"overlap": 2 * RADIUS - distance, "rate": -rate}
 
     def truth(self, p: Parameters) -> Truth:
@@ -77,10 +71,10 @@ class OverlapAtStart(Case):
 
         overlap = p["overlap"]
         assert isinstance(overlap, Fraction)
+        # w^2 = 2 k/m: the reduced mass is m/2.
         square = Fraction(2 * STIFFNESS) / Fraction(MASS)
-        return HalfSine(
-            square, (overlap, Fraction(0)), {q.name: q.scale for q in self.quantities(p)}
-        )
+        scale = {q.name: q.scale for q in self.quantities(p)}
+        return HalfSine(square, (overlap, Fraction(0)), scale)
 
 
 CASE = OverlapAtStart()

@@ -46,21 +46,21 @@ class Simultaneous(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The middle one first."""
-        turn = 2 * np.pi * np.arange(int(p.hits)) / int(p.hits)
+        """The large sphere first, then the small ones, which touch it and fly at its centre."""
+        count = int(p.hits)
+        turn = 2 * np.pi * np.arange(count) / count
         sides = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-        large = Body(mass=MASS, inertia=(0.4 * MASS * RADIUS**2,) * 3, shape=Sphere(radius=RADIUS))
+        # J = 2/5 m R^2 about every axis.
+        inertia = (0.4 * MASS * RADIUS**2,) * 3
+        large = Body(mass=MASS, inertia=inertia, shape=Sphere(radius=RADIUS))
         inertia = (0.4 * LIGHT * SMALL**2,) * 3
-        small = [
-            Body(
-                mass=LIGHT,
-                inertia=inertia,
-                shape=Sphere(radius=SMALL),
-                position=tuple((RADIUS + SMALL) * n),
-                velocity=tuple(-SPEED * n),
-            )
-            for n in sides
-        ]
+        shape = Sphere(radius=SMALL)
+        small = []
+        for normal in sides:
+            place = tuple((RADIUS + SMALL) * normal)
+            velocity = tuple(-SPEED * normal)
+            body = Body(mass=LIGHT, inertia=inertia, shape=shape, position=place, velocity=velocity)
+            small.append(body)
         return Scene.of([large, *small], [Contact(law="linear", stiffness=STIFFNESS)])
 
     def scales(self, p: Parameters) -> Scales:
@@ -83,10 +83,8 @@ class Simultaneous(Case):
         """Of all pairs with the middle one, that which is farthest from the others' mean."""
         apart = trajectory.position[:, 1:] - trajectory.position[:, :1]
         distance = np.linalg.norm(apart, axis=2)
-        rate = (
-            np.sum(apart * (trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]), axis=2)
-            / distance
-        )
+        relative = trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]
+        rate = np.sum(apart * relative, axis=2) / distance
         middle = np.linalg.norm(trajectory.position[:, 0], axis=1)
         return {
             "overlap": RADIUS + SMALL - _oddest(distance),
@@ -108,7 +106,8 @@ class Simultaneous(Case):
 def _oddest(values: Array) -> Array:
     """Of each row (T, n) the value that differs most from the row's mean (T,)."""
     away = np.abs(values - values.mean(axis=1, keepdims=True))
-    found: Array = np.take_along_axis(values, away.argmax(axis=1)[:, None], axis=1)[:, 0]
+    farthest = away.argmax(axis=1)
+    found: Array = values[np.arange(len(values)), farthest]
     return found
 
 

@@ -20,16 +20,8 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import number
-from refdem.truth.growth import (
-    Grows,
-    Growth,
-    Norm,
-    PeriodicGrowth,
-    SteadyGrowth,
-    most,
-    narrow,
-    smooth,
-)
+from refdem.truth.growth import Grows, Norm, SteadyGrowth, most, narrow
+from refdem.truth.kepler_growth import CentralGrowth
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
@@ -78,15 +70,15 @@ class Orbit(SmoothFlow):
         a = self.semi_major
         e = self.eccentricity
         if self.stiffness is None:
+            # v^2 = gm/a (1 + e)/(1 - e) at r = a (1 - e).
             apsis = a * (1 - e)
-            speed = arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
+            square = self.gm / a * (1 + e) / (1 - e)
         else:
+            # v = w b at the end of the long axis.
             apsis = a
-            speed = arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
-        return [
-            part + arb_of(off)
-            for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)
-        ]
+            square = self.stiffness * a * a * (1 - e * e)
+        start = (arb_of(apsis), arb(0), arb(0), arb_of(square).sqrt())
+        return [part + arb_of(off) for part, off in zip(start, self.offset, strict=True)]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The state at t."""
@@ -111,14 +103,12 @@ class Orbit(SmoothFlow):
                 period,
             )
         ellipse = arb_of(self.gm), arb_of(self.semi_major), arb_of(self.eccentricity)
-        quickness = partial(tidal, *ellipse, arb_of(length / speed))
-        whole = smooth(
-            arb(0),
-            None,
+        return CentralGrowth(
             partial(ellipses, *ellipse, arb_of(length), arb_of(speed)),
-            quickness=quickness,
+            partial(tidal, *ellipse),
+            period,
+            float(length / speed),
         )
-        return PeriodicGrowth(Growth([whole], Norm([1] * 4), step=step), period)
 
     def growth_bits(self) -> Sequence[int]:
         """A comet's errors grow as a power of 1/(1 - e) and shrink again: precisions that would
@@ -156,6 +146,7 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
     sine, cosine = anomaly.sin_cos()
     r = a + (r0 - a) * cosine + s * a * sine
+    # r = f r0 + g v0 and v = f' r0 + g' v0.
     f = 1 - a / r0 * (1 - cosine)
     g = t - (anomaly - sine) / n
     f_rate = -n * a * a / (r * r0) * sine
@@ -222,12 +213,9 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     return arb_mat([[entry / size for entry in row] for size, *row in rows])
 
 
-def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
-    """Bound of the norm of the field's Jacobian in scales on a ball of times since periapsis, the
-    scales' ratio being `ratio` [s].
-
-    The rows of a place have 1/ratio; those of a velocity the gradient of -gm r/|r|^3, in its row i
-    gm (3 r_i r_j - delta_ij r^2)/r^5.
+def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
+    """Bound [1/s^2] of the largest sum of a row of the gradient of -gm r/|r|^3 on a ball of times
+    since periapsis: in its row i gm (3 r_i r_j - delta_ij r^2)/r^5.
     """
     n = (gm / a).sqrt() / a
     first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
@@ -237,8 +225,8 @@ def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
     r = a * (1 - e * c)
     across = abs(3 * x * y)
     rows = [abs(3 * z * z - r * r) + across for z in (x, y)]
-    strength = gm / r**5 * ratio
-    return most([1 / ratio, *(strength * row for row in rows)])
+    strength = gm / r**5
+    return most([strength * row for row in rows])
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
@@ -279,7 +267,10 @@ def _newton(mean: arb, c: arb, s: arb) -> arb:
     found = ((low + high) / 2).mid()
     for _ in range(24):
         step = (found - c * found.sin() + s * (1 - found.cos()) - mean) / _slope(found, c, s)
-        found = (found - step).mid()
+        better = (found - step).mid()
+        if better == found:
+            break
+        found = better
     return found
 
 

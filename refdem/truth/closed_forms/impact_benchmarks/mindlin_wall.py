@@ -10,21 +10,38 @@ comes to g d is proved by bisection and interval Newton. v_y - 2/5 R omega is ke
 Not certified: a spring that is too near its limit to tell on which side it is.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
-from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import STATE, STILL, HertzWallImpact
+from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
+    HERTZ,
+    STATE,
+    STILL,
+    HertzWallImpact,
+)
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
-from refdem.truth.growth import DIFFERENCE_BITS, FromTheStart, Grows
-from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, started
+from refdem.truth.growth import (
+    UPWARDS,
+    Grows,
+    Growth,
+    Norm,
+    Stretch,
+    most,
+    narrow,
+    smooth,
+)
+from refdem.truth.line_growth import homogeneous
+from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, root, started
 from refdem.truth.reals import Number
 
+COORDINATES = (*STATE, "stretch")
+"""What errors grow in: the spring remembers them."""
 MOST = 64
 """Phases of a contact."""
 
@@ -275,6 +292,7 @@ class MindlinWallImpact(HertzWallImpact):
         side = (self.slip() > 0) - (self.slip() < 0)
         radius = arb_of(self.radius)
         slip, way = self.across(t)
+        # v_y = 2/7 (v_y + R omega) + 5/7 (v_y - 2/5 R omega), the latter of which is kept.
         kept = vy - arb_of(Fraction(2, 5)) * radius * spin
         part = arb_of(Fraction(2, 7))
         along = (side * slip * part) + kept * (1 - part)
@@ -289,10 +307,220 @@ class MindlinWallImpact(HertzWallImpact):
 
     @per_precision
     def growth(self) -> Grows:
-        """From errors of the start alone: what errors that are made later do to a spring that is
-        clipped is not bounded yet.
-        """
-        return FromTheStart(self.jacobian)
+        """Proved for errors of STATE at all times; the spring takes part in how they grow."""
+        rows = Norm([1] * len(COORDINATES), [1] * len(STATE))
+        count = len(COORDINATES)
+        read = len(STATE)
+        readings = arb_mat([[int(i == j) for j in range(count)] for i in range(read)])
+        return Growth(
+            self.stretches(),
+            rows,
+            lambda t: readings,
+            made=range(read),
+            step=narrow(1 / self.contact()[0].half),
+        )
 
-    def growth_bits(self) -> Sequence[int]:
-        return DIFFERENCE_BITS
+    def stretches(self) -> Iterator[Stretch]:
+        """Free, then every leg of every phase, free again; errors of COORDINATES in scales.
+
+        The force on the sphere is continuous at every switch, so that errors of the state jump
+        nowhere. The stretch s of the spring begins with 0 where the overlap d does, which an error
+        of d moves by -dd/d' in time, and it is side g d where a slide ends; while it slides it is
+        of no use. An error at touch itself either changes when the sphere touches or leaves some
+        overlap and no stretch: the free motion before the start has the former.
+        """
+        contact, touch = self.contact()
+        if not touch.is_zero():
+            raise UndecidedError("a start that does not touch yet, or overlaps")
+        before = arb(2) ** -12 * self.dyadic_half()
+        phases = self.followed()
+        slip = arb_of(self.slip_size())
+        if isinstance(phases[0].motion, Stretched):
+            begun = slip / contact.speed
+        else:
+            begun = arb(0)
+        free = partial(self.sliding_errors, 0)
+        yield self.stretch(free, -before, arb(0), self.spring_reset(begun), flies=True)
+        ends = [phase.begin for phase in phases[1:]]
+        for phase, after, end in zip(phases, [*phases[1:], None], [*ends, None], strict=True):
+            if end is None:
+                last = 2 * contact.half
+            else:
+                last = end
+            motion = phase.motion
+            if isinstance(motion, Sliding):
+                if after is not None:
+                    held = motion.side * self.slack()
+                else:
+                    held = arb(0)
+                errors = partial(self.sliding_errors, motion.side)
+                yield self.stretch(errors, phase.begin, last, self.spring_reset(held))
+                continue
+            errors = partial(self.sticking_errors, motion)
+            goes_on = after is not None and isinstance(after.motion, Stretched)
+            if goes_on:
+                jump = None
+            else:
+                jump = self.spring_reset(arb(0))
+            yield self.stretch(errors, phase.begin, last, jump)
+        yield self.stretch(free, 2 * contact.half, None, None, flies=True)
+
+    def stretch(
+        self,
+        errors: Callable[[arb], list[list[arb]]],
+        begin: arb,
+        end: arb | None,
+        jump: arb_mat | None,
+        *,
+        flies: bool = False,
+    ) -> Stretch:
+        """The stretch between two times [s] along which errors have these columns."""
+
+        def fundamental(since: arb) -> arb_mat:
+            rows = errors(begin + since)
+            sizes = self.sizes()
+            return arb_mat(
+                [[entry / size for entry in row] for row, size in zip(rows, sizes, strict=True)]
+            )
+
+        if flies:
+            quickness = self.quick_in_flight
+        else:
+            quickness = partial(self.quick_with_spring, begin)
+        if end is None:
+            length = None
+        else:
+            length = end - begin
+        joins = jump is None and end is not None
+        return smooth(begin, length, fundamental, jump=jump, joins=joins, quickness=quickness)
+
+    def followed(self) -> list[Phase]:
+        """The phases, and without slip, where none is told but the first, the legs of a spring that
+        is never stretched.
+        """
+        found = list(self.phases())
+        last = found[-1].motion
+        nothing = arb(0)
+        while isinstance(last, Stretched) and last.leg != OUTWARD:
+            begin = last.spring.time(last.leg, last.spring.ends(last.leg)[1])
+            last = last.beyond()
+            found.append(Phase(begin, nothing, nothing, last))
+        return found
+
+    def dyadic_half(self) -> arb:
+        """About the time from touch to the turn [s], exactly."""
+        return self.contact()[0].half.mid()
+
+    @per_precision
+    def sizes(self) -> list[arb]:
+        """The scales of COORDINATES; that of the stretch is the one of y."""
+        return [arb_of(self.scale[name]) for name in (*STATE, "r.y")]
+
+    def spring_reset(self, slope: arb) -> arb_mat:
+        """A jump, in scales, after which the error of the stretch is this part of that of x."""
+        count = len(COORDINATES)
+        rows = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
+        sizes = self.sizes()
+        rows[-1] = [slope * sizes[0] / sizes[-1], *[arb(0)] * (count - 1)]
+        return arb_mat(rows)
+
+    def quick_with_spring(self, begin: arb, times: arb) -> float:
+        """Bound of the norm of the field's Jacobian in scales at times [s] since `begin`, in every
+        phase.
+
+        The force per mass across is (k_t/m) sqrt(d) s with |s| <= g d, g k_t = mu k, or mu (k/m)
+        d^(3/2): its derivative by d is at most 3/2 mu (k/m) sqrt(d), that by s (k_t/m) sqrt(d). The
+        overlap d is at most what it would be at its first speed from touch on, or to the end.
+        """
+        contact, _ = self.contact()
+        since = (begin + times).upper()
+        left = (2 * contact.half - begin - times).upper()
+        deepest = arb.min(contact.depth, contact.speed * arb.max(arb(0), arb.min(since, left)))
+        growing, kept = self.quick_parts()
+        return most([kept, growing * deepest.sqrt()]) * UPWARDS
+
+    @per_precision
+    def quick_parts(self) -> tuple[arb, arb]:
+        """The largest rate by which the forces change velocities, per root of the overlap, and that
+        by which velocities change places.
+        """
+        x, y, vx, vy, spin, stretch = self.sizes()
+        steep = arb_of(self.stiffness / self.mass)
+        along = arb_of(HERTZ) * steep * x
+        across = arb_of(self.friction) * along + arb_of(self.stiffness_ratio) * steep * stretch
+        radius = arb_of(self.radius)
+        turning = across * arb_of(Fraction(5, 2)) / (radius * spin)
+        growing = most([along / vx, across / vy, turning])
+        kept = most([vx / x, vy / y, (vy + radius * spin) / stretch])
+        return arb(growing) * arb(UPWARDS), arb(kept) * arb(UPWARDS)
+
+    def quick_in_flight(self, times: arb) -> float:
+        """The same where nothing touches, and the stretch stays what it is."""
+        x, y, vx, vy, _, _ = self.sizes()
+        return most([vx / x, vy / y]) * UPWARDS
+
+    def along_errors(self, t: arb) -> list[tuple[arb, arb]]:
+        """Two errors of the overlap and its rate: a shift in time, and a change of the speed at
+        touch in parts of itself.
+        """
+        depth, rate = self.normal_at(t)
+        force = arb(0)
+        if depth > 0:
+            force = -arb_of(self.stiffness / self.mass) * depth * depth.sqrt()
+        (x1, x2), (v1, v2) = homogeneous(
+            depth, rate, force, t, arb_of(Fraction(4, 5)), arb(1)
+        ).table()
+        return [(x1, v1), (x2, v2)]
+
+    def sliding_errors(self, side: int, t: arb) -> list[list[arb]]:
+        """Six independent errors of COORDINATES, as columns, at a time since touch: mu times what
+        the normal motion has comes across; of no use is the last, that of the stretch.
+        """
+        push = arb_of(side * self.friction)
+        turn = push * arb_of(Fraction(5, 2) / self.radius)
+        (x1, v1), (x2, v2) = self.along_errors(t)
+        none = arb(0)
+        one = arb(1)
+        return [
+            [x1, x2, none, none, none, none],
+            [push * x1, push * x2, one, t, none, none],
+            [v1, v2, none, none, none, none],
+            [push * v1, push * v2, none, one, none, none],
+            [turn * v1, turn * v2, none, none, one, none],
+            [none, none, none, none, none, one],
+        ]
+
+    def sticking_errors(self, motion: Stretched, t: arb) -> list[list[arb]]:
+        """The same while it sticks, where y is 2/7 s + 5/7 (v_y - 2/5 R omega) t and a constant.
+
+        A shift in time changes s by s' and s' by s''. With l times the overlap and time l^(1/4)
+        times as fast both equations hold again, and the speed at touch is l^(5/4) times as large:
+        per part of it s changes by t/5 s', and s' by s'/5 + t/5 s''.
+        """
+        depth, rate = self.normal_at(t)
+        contact = self.contact()[0]
+        spring = motion.spring
+        x = self.coordinate(spring, motion.leg, depth / contact.depth, rate / contact.speed)[1]
+        pace = spring.pace(motion.leg, x)
+        s, slope, _ = motion.at(x)
+        slip = slope * pace
+        stiff = arb_of(Fraction(7, 2) * self.stiffness_ratio * self.stiffness / self.mass)
+        slowing = -stiff * root(depth) * s
+        f, g, df, dg = spring.basis(motion.leg, x)
+        fifth = t / 5
+        stretches = [slip, fifth * slip, f, g]
+        slips = [slowing, slip / 5 + fifth * slowing, df * pace, dg * pace]
+        (x1, v1), (x2, v2) = self.along_errors(t)
+        none = arb(0)
+        one = arb(1)
+        part = arb_of(Fraction(2, 7))
+        kept = arb_of(Fraction(5, 7))
+        radius = arb_of(self.radius)
+        return [
+            [x1, x2, none, none, none, none],
+            [*(part * value for value in stretches), kept * t, one],
+            [v1, v2, none, none, none, none],
+            [*(part * value for value in slips), kept, none],
+            [*(kept * value / radius for value in slips), -kept / radius, none],
+            [*stretches, none, none],
+        ]

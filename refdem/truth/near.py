@@ -1,0 +1,90 @@
+"""Arrays of doubles that stand for numbers near them, each with a bound of how far it is off.
+
+Theorem (midpoint and radius): let |a - A| <= r and |b - B| <= s, entry by entry. A product of
+matrices of n inner rows, each of its n products and n sums rounded to doubles in any order, is
+
+    |a b - fl(A B)| <= r (|B| + s) + |A| s + (n + 1) 2^-52 |A| |B| + n 2^-1022,
+
+and a sum |a + b - fl(A + B)| <= r + s + 2^-52 |fl(A + B)|. (Rump, Verification methods, 2010.)
+
+The bounds are sums of numbers that are not negative, so that doubles lose no more than UPWARDS of
+them; whoever reads a bound multiplies it by that.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from refdem.truth.balls import UndecidedError
+
+Array = NDArray[np.float64]
+UNIT = 2.0**-52
+"""What a double may be off in parts of itself: twice what rounding to nearest does, as a ball's
+midpoint is cut off.
+"""
+TINIEST = 2.0**-1022
+"""What a number below the normal doubles may be off."""
+
+
+@dataclass(frozen=True)
+class Near:
+    """Numbers at most `off` from `middle`, two arrays of one shape."""
+
+    middle: Array
+    off: Array
+
+    @property
+    def size(self) -> Array:
+        """The absolute values of what stands for the numbers."""
+        found: Array = np.abs(self.middle)
+        return found
+
+    def __getitem__(self, key: Any) -> "Near":
+        return Near(self.middle[key], self.off[key])
+
+    def __matmul__(self, other: "Near") -> "Near":
+        """The product of matrices."""
+        count = self.middle.shape[-1]
+        middle = self.middle @ other.middle
+        inexact = self.off @ (other.size + other.off) + self.size @ other.off
+        rounding = (count + 1) * UNIT * (self.size @ other.size)
+        return Near(middle, inexact + rounding + count * TINIEST)
+
+    def __mul__(self, other: "Near") -> "Near":
+        """Entry by entry."""
+        middle = self.middle * other.middle
+        inexact = self.off * (other.size + other.off) + self.size * other.off
+        return Near(middle, inexact + UNIT * np.abs(middle) + TINIEST)
+
+    def __add__(self, other: "Near") -> "Near":
+        middle = self.middle + other.middle
+        return Near(middle, self.off + other.off + UNIT * np.abs(middle))
+
+    def __neg__(self) -> "Near":
+        return Near(-self.middle, self.off)
+
+
+def near(values: Sequence[Any]) -> Near:
+    """Balls, in lists of one shape, by doubles; UndecidedError where one is not finite."""
+    balls = np.array(values, dtype=object)
+    flat: list[arb] = balls.ravel().tolist()
+    if not all(ball.is_finite() for ball in flat):
+        raise UndecidedError("the motion is not known at this precision", code="precision")
+    middle = np.array([float(ball.mid()) for ball in flat])
+    radius = np.array([float(ball.rad()) for ball in flat])
+    off = radius + UNIT * np.abs(middle) + TINIEST
+    return Near(middle.reshape(balls.shape), off.reshape(balls.shape))
+
+
+def exact(values: Array) -> Near:
+    """Doubles that are what is meant."""
+    return Near(values, np.zeros_like(values))
+
+
+def together(parts: Sequence[Near]) -> Near:
+    """Arrays of one shape along a new first axis."""
+    return Near(np.array([one.middle for one in parts]), np.array([one.off for one in parts]))
