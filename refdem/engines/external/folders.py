@@ -19,7 +19,9 @@ from pathlib import Path
 from typing import Any
 
 PREFIX = "refdem-runs-"
-"""Of the folder of a process that holds it; one that is just being made has another name."""
+"""Of the folder of a process that holds it."""
+MAKING = "refdem-new-"
+"""Of one that is just being made; the number of the process comes next, for nobody holds it yet."""
 
 
 @contextmanager
@@ -36,12 +38,13 @@ def run_folder() -> Iterator[Path]:
 def home() -> Path:
     """The folder of this process; those of processes that are gone are taken away first."""
     sweep()
-    made = Path(tempfile.mkdtemp(prefix="refdem-new-"))
+    making = f"{MAKING}{os.getpid()}-"
+    made = Path(tempfile.mkdtemp(prefix=making))
     # The lock lasts as long as the process does; nobody takes the folder for a stale one before it
     # has it.
     holding = os.open(made, os.O_RDONLY | os.O_CLOEXEC)
     fcntl.flock(holding, fcntl.LOCK_SH)
-    held = made.rename(made.with_name(made.name.replace("refdem-new-", PREFIX)))
+    held = made.rename(made.with_name(made.name.replace(making, PREFIX)))
     atexit.register(remove, held)
     return held
 
@@ -56,6 +59,12 @@ def sweep() -> None:
                 remove(folder)
             finally:
                 os.close(trying)
+    for folder in Path(tempfile.gettempdir()).glob(f"{MAKING}*"):
+        maker = folder.name.removeprefix(MAKING).partition("-")[0]
+        # A process that was killed here leaves its folder empty: rmdir takes no other.
+        if not Path("/proc", maker).exists():
+            with suppress(OSError):
+                folder.rmdir()
 
 
 def remove(folder: Path) -> None:

@@ -1,5 +1,6 @@
 """The folders of processes that are gone are taken away, and those of others are left alone."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -31,6 +32,16 @@ def test_what_a_killed_process_left_is_taken_away_at_the_next_start(tmp_path: Pa
     with begun(tmp_path, "pass") as other:
         other.communicate()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_process_was_just_making_when_it_was_killed_is_taken_away(tmp_path: Path) -> None:
+    killed = subprocess.Popen([sys.executable, "-c", "pass"])
+    killed.wait()
+    (tmp_path / f"refdem-new-{killed.pid}-abc").mkdir()
+    (tmp_path / f"refdem-new-{os.getpid()}-abc").mkdir()
+    with begun(tmp_path, "pass") as other:
+        other.communicate()
+    assert [path.name for path in tmp_path.iterdir()] == [f"refdem-new-{os.getpid()}-abc"]
 
 
 def test_what_another_process_still_holds_is_left_alone(tmp_path: Path) -> None:

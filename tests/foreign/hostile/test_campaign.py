@@ -137,9 +137,12 @@ def test_no_process_and_no_folder_is_left(campaign) -> None:
     assert not left(f"grandchild of {folder}")
     # What was killed is cleaned up behind by a process of its own.
     until = time.monotonic() + PATIENCE
-    # A worker that is killed just as it makes its folder leaves that empty, under another name.
-    while list((folder / "temporary").glob("refdem-runs-*")):
+    # A worker that is killed just as it makes its folder leaves that to the next start of refdem.
+    sweep = "from refdem.engines.external.folders import sweep; sweep()"
+    environment = os.environ | {"TMPDIR": str(folder / "temporary")}
+    while list((folder / "temporary").iterdir()):
         assert time.monotonic() < until
+        subprocess.run([sys.executable, "-c", sweep], env=environment, check=True)
         time.sleep(0.05)
 
 
