@@ -14,6 +14,7 @@ KINDS = {
     ".json",
     ".jsonl",
     ".html",
+    ".in",
     ".css",
     ".js",
     ".md",
