@@ -216,6 +216,7 @@ class Campaign:
             sentence=(
                 "it was not begun: another run of this method on this case did not end in its time"
             ),
+            is_begun=False,
         )
 
     def _job(self, key: str, task: Task, request: Request) -> Job:

@@ -152,8 +152,13 @@ _REFUSED_IN_PART = (
 
 
 def _told(failures: Mapping[Variant, Failure], count: int) -> str:
-    """The first of some failures in a sentence, and how many there are."""
-    variant, failure = next(iter(failures.items()))
+    """The first of some failures in a sentence, and how many there are.
+
+    Which runs were not begun any more depends on how many ran at once, so that a run which was
+    begun and failed goes before them: it is the cause, and they follow from it.
+    """
+    begun = {variant: failure for variant, failure in failures.items() if failure.is_begun}
+    variant, failure = next(iter((begun or failures).items()))
     if count > 1:
         more = f" ({count} runs failed)"
     else:

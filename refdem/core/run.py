@@ -9,10 +9,14 @@ from refdem.core.trajectory import Cost, Trajectory
 
 
 class Failure(msgspec.Struct, frozen=True, kw_only=True):
-    """Why there is no trajectory: crash, hang, contract or refusal, and one sentence."""
+    """Why there is no trajectory: crash, hang, contract or refusal, and one sentence.
+
+    A run that was not begun, because another one had failed before it, is no cause of its own.
+    """
 
     kind: str
     sentence: str
+    is_begun: bool = True
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -114,3 +114,26 @@ def test_a_record_in_which_no_check_of_all_decides_anything_is_an_error() -> Non
         one.engine, one.trial, None, tuple(check for check in one.checks if check.name == "error")
     )
     assert "error" in {f.outcome for f in judged(bare, []).findings}
+
+
+@pytest.mark.parametrize("number", [0, -1])
+def test_a_run_that_failed_is_named_before_those_not_begun_after_it(number: int) -> None:
+    one = task("pymunk")
+    cause = plain(one)[number]
+    runs = {}
+    for variant in plain(one):
+        if variant == cause:
+            failure = Failure(kind="hang", sentence="it was still running after 1 s")
+        else:
+            failure = Failure(kind="hang", sentence="it was not begun", is_begun=False)
+        runs[variant] = Run(
+            key="",
+            request=plan.request(one, variant),
+            engine=one.engine.name,
+            version="1",
+            failure=failure,
+        )
+    ((outcome, sentence),) = of_runs(judging.record(one, "1", runs, []))
+    assert outcome == "error"
+    assert f"The run at {cause} " in sentence
+    assert "still running after 1 s" in sentence
