@@ -12,7 +12,7 @@ from itertools import combinations
 
 import msgspec
 
-from refdem.bench.record import Curve, Record
+from refdem.bench.record import BenchRecord, Curve
 
 CHANGE = 0.10
 """A change of less than this is none."""
@@ -27,7 +27,7 @@ class Change(msgspec.Struct, frozen=True, kw_only=True):
     error_factor: float | None
 
 
-def compared(now: Record, then: Record) -> list[Change]:
+def compared(now: BenchRecord, then: BenchRecord) -> list[Change]:
     """The curves that both records have, at the levels that both have.
 
     Slower: every round now is slower than every round then, and the medians differ by more than
@@ -68,7 +68,7 @@ def _largest_growth(now: Curve, then: Curve, levels: set[float]) -> float:
     return max(factors, default=1.0)
 
 
-def compared_in_turns(record: Record) -> list[Change]:
+def compared_in_turns(record: BenchRecord) -> list[Change]:
     """The curves that another installation ran in turns with this one.
 
     Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side
@@ -114,7 +114,7 @@ def _common(curve: Curve, other: Curve) -> set[float]:
     return {point.level for point in curve.points} & {point.level for point in other.points}
 
 
-def rounds_of(record: Record, curve: Curve, levels: set[float]) -> list[float]:
+def rounds_of(record: BenchRecord, curve: Curve, levels: set[float]) -> list[float]:
     """The mean over levels of log(seconds / yardstick), round by round."""
     chosen = [point.rounds for point in curve.points if point.level in levels]
     found = []
@@ -141,7 +141,7 @@ def verdict(now: Sequence[float], then: Sequence[float]) -> str:
     return "same"
 
 
-def false_alarm_rate(record: Record) -> float | None:
+def false_alarm_rate(record: BenchRecord) -> float | None:
     """Part of comparisons of a code with itself that call it slower or faster: every split of its
     rounds in two; None below 8 rounds.
     """

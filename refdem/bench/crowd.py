@@ -56,7 +56,7 @@ def costs(
                 longest = instance.scales.tau / STEPS_PER_TAU
                 step = float(2.0 ** np.floor(np.log2(longest)))
                 gas = Gas(instance, step)
-                able = [crowd for crowd in crowds() if crowd.refusal(gas) is None]
+                able = [crowd for crowd in crowds() if crowd.unsupported(gas) is None]
                 found += _of_gas(gas, law, able, rounds)
     return found
 

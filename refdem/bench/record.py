@@ -78,7 +78,7 @@ class Curve(msgspec.Struct, frozen=True, kw_only=True):
         return self.label, self.engine, self.method
 
 
-class Record(msgspec.Struct, frozen=True, kw_only=True):
+class BenchRecord(msgspec.Struct, frozen=True, kw_only=True):
     """All curves of one session. `yardstick` [s]: a fixed piece of work, timed once in every round;
     `load`: of the machine, 1 minute.
 
@@ -100,10 +100,10 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
     curves: list[Curve]
 
 
-def read(path: Path) -> Record:
+def read(path: Path) -> BenchRecord:
     """The record in a file; raises UsageError if there is none."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Record)
+        return msgspec.json.decode(path.read_bytes(), type=BenchRecord)
     except OSError as error:
         raise UsageError(
             f"{path} cannot be read: {error.strerror}; expected a bench.json that `refdem bench`"

@@ -19,7 +19,7 @@ from refdem.bench.levels import levels
 from refdem.bench.measurement import Measured, interleaved, refined
 from refdem.bench.memory import peaks
 from refdem.bench.peers import peers
-from refdem.bench.record import TARGETS, Curve, Growth, Record
+from refdem.bench.record import TARGETS, BenchRecord, Curve, Growth
 from refdem.bench.stability import stability_limit
 from refdem.bench.turns import Place
 from refdem.campaign import plan, worker
@@ -54,7 +54,7 @@ class Bench:
     progress: Callable[[str], None] = lambda told: None
     beside: Path | None = None
 
-    def record(self) -> Record:
+    def record(self) -> BenchRecord:
         """Everything measured; raises UsageError if no method can run any of the cases."""
         specification = Specification(
             name="bench", case=self.cases, engines=self.engines, method=self.method
@@ -76,7 +76,7 @@ class Bench:
         for one in everything:
             quantities = set(compared[one.entrant.instance.label])
             curves.append(self._curve(one, quantities))
-        return Record(
+        return BenchRecord(
             refdem=refdem.__version__,
             rounds=self.rounds,
             load=round(os.getloadavg()[0], 1),
@@ -115,7 +115,7 @@ class Bench:
         for method in methods:
             if method.answers != instance.problem.kind:
                 continue
-            refusal = engine.refuses(instance.problem, method) or ""
+            refusal = engine.unsupported(instance.problem, method) or ""
             if refusal and is_silent:
                 continue
             chosen: tuple[float, ...] = ()
@@ -230,7 +230,7 @@ class Bench:
         """Seconds of a run with a parameter changed, at the same level; None if it cannot run."""
         given = dict(entrant.instance.p.given)
         grown = entrant.instance.case.at(**(given | dict(changed)))
-        if entrant.engine.refuses(grown.problem, entrant.method) is not None:
+        if entrant.engine.unsupported(grown.problem, entrant.method) is not None:
             return None
         other = Entrant(grown, entrant.engine, entrant.method, (level,), entrant.is_peer)
         try:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from refdem.bench.comparison import Change
 from refdem.bench.precision import per_step, seconds
-from refdem.bench.record import TARGETS, Curve, Growth, Reach, Record
+from refdem.bench.record import TARGETS, BenchRecord, Curve, Growth, Reach
 
 NONE = "\N{EN DASH}"
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
@@ -24,7 +24,7 @@ class Table:
     rows: Sequence[tuple[str, ...]]
 
 
-def tables(record: Record, label: str) -> list[Table]:
+def tables(record: BenchRecord, label: str) -> list[Table]:
     """What is said of one instance."""
     curves = [curve for curve in record.curves if curve.label == label]
     able = [curve for curve in curves if curve.points]
@@ -184,7 +184,7 @@ def duration(value: float) -> str:
     return f"{two(value / unit)} {name}"
 
 
-def introduction(record: Record) -> str:
+def introduction(record: BenchRecord) -> str:
     """What the numbers are, in words."""
     spread = max(record.yardstick) / statistics.median(record.yardstick)
     return (
@@ -199,7 +199,7 @@ def introduction(record: Record) -> str:
     )
 
 
-def chart_rows(record: Record, label: str) -> list[tuple[Curve, float, float]]:
+def chart_rows(record: BenchRecord, label: str) -> list[tuple[Curve, float, float]]:
     """(curve, seconds, error) of every point of an instance."""
     rows = []
     for curve in record.curves:

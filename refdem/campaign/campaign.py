@@ -136,9 +136,9 @@ class Campaign:
         for engine in engines:
             if all(method.velocity_time == "synchronous" for method in engine.methods):
                 continue
-            for trial, _ in plan.trials(self.specification, instance, engine):
-                levels = order_levels(instance, trial.levels)
-                delays |= {trial.method.delay(level) for level in levels}
+            for subject, _ in plan.subjects(self.specification, instance, engine):
+                levels = order_levels(instance, subject.levels)
+                delays |= {subject.method.delay(level) for level in levels}
         # Samples that are late by nothing are those of every run.
         delays.discard(0.0)
         return tuple(sorted(delays))
@@ -153,9 +153,9 @@ class Campaign:
 
         def is_judged(instance: Instance) -> bool:
             refusals = [
-                refusal
+                unsupported
                 for engine in engines
-                for _, refusal in plan.trials(self.specification, instance, engine)
+                for _, unsupported in plan.subjects(self.specification, instance, engine)
             ]
             return None in refusals
 
@@ -324,7 +324,7 @@ class Campaign:
 
 def _method_on_case(task: Task) -> tuple[str, str, str]:
     """Engine, method and case with its parameters."""
-    return task.engine.name, task.method.name, task.trial.instance.label
+    return task.engine.name, task.method.name, task.subject.instance.label
 
 
 def answer_of(data: bytes) -> Answer:

@@ -41,7 +41,7 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
     if method.control != "step":
         return []
     for scene in clock_scenes():
-        if engine.refuses(Motion(scene.scene, times(ROUND[0], 1.0)), method) is not None:
+        if engine.unsupported(Motion(scene.scene, times(ROUND[0], 1.0)), method) is not None:
             continue
         try:
             return [_judged(engine, method, scene)]

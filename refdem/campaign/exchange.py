@@ -86,9 +86,9 @@ class Elsewhere(Engine):
         """Its name: what runs elsewhere cannot be looked at."""
         return self.name
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """What the description of the program refuses, with its reason; else None."""
-        return self.described.refusal(problem, method)
+        return self.described.unsupported_motion(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The trajectory that came back; EngineError for one that is missing or whose request is

@@ -58,7 +58,7 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
         runs: dict[Variant, Run] = {}
     else:
         runs = known
-    for variant in task.variants if task.refusal is None else ():
+    for variant in task.variants if task.unsupported is None else ():
         if variant in runs:
             continue
         if variant.goes_on:

@@ -9,7 +9,7 @@ import msgspec
 from refdem.campaign.deviations import applied
 from refdem.campaign.plan import Task
 from refdem.core import symmetry
-from refdem.core.check import Check, Outcome
+from refdem.core.check import Check, CompletedRun
 from refdem.core.deviation import Deviation
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.core.judgement import undecided
@@ -24,7 +24,7 @@ def record(
     """What was found for one task; an error if nothing could be decided although every check was
     asked.
     """
-    instance = task.trial.instance
+    instance = task.subject.instance
     findings = _findings(task, runs)
     if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
@@ -62,11 +62,11 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     """The findings of a task: how its runs failed, then what its checks say."""
-    if task.refusal is not None:
-        says = f"Not supported: {task.refusal}."
+    if task.unsupported is not None:
+        says = f"Not supported: {task.unsupported}."
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=says)]
     outcomes = {
-        v: Outcome(run.trajectory, run.cost)
+        v: CompletedRun(run.trajectory, run.cost)
         for v, run in runs.items()
         if run.trajectory is not None and run.cost is not None
     }
@@ -79,7 +79,7 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     # What these show is shown beside the rest: without them a check judges what is left.
     unshown = {variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")}
     for check in task.checks:
-        needed = check.needs(task.trial)
+        needed = check.needs(task.subject)
         if check.synchronous and task.method.velocity_time != "synchronous":
             findings.append(
                 undecided(
@@ -103,13 +103,13 @@ _ERROR = Finding(check="run", quantity="trajectory", outcome="error", sentence="
 def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
     """True if the engine had said before the run that it cannot make it.
 
-    That is a picture of the scene among those that it may refuse, or a run whose own start its
-    `refusal` refuses: nobody knew the end that a run goes on from, nor what a start moved by an ulp
-    still touches, when the runs were planned.
+    That is a picture of the scene among those that it may refuse, or a run whose own start it does
+    not support: nobody knew the end that a run goes on from, nor what a start moved by an ulp still
+    touches, when the runs were planned.
     """
     if variant.change in task.engine.may_refuse:
         return True
-    return task.engine.refuses(run.request.problem, task.method) is not None
+    return task.engine.unsupported(run.request.problem, task.method) is not None
 
 
 def _unshown(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
@@ -167,11 +167,11 @@ def _told(failures: Mapping[Variant, Failure], count: int) -> str:
     return f"The run at {variant} ended without a trajectory ({failure.kind}){more}: {said}."
 
 
-def _judged(task: Task, check: Check, outcomes: Mapping[Variant, Outcome]) -> list[Finding]:
+def _judged(task: Task, check: Check, outcomes: Mapping[Variant, CompletedRun]) -> list[Finding]:
     """A check's findings; what a check cannot read of an engine's trajectory is that engine's
     error.
     """
     try:
-        return check.judge(task.trial, outcomes)
+        return check.judge(task.subject, outcomes)
     except RefdemError as error:
         return [msgspec.structs.replace(_ERROR, check=check.name, sentence=str(error))]

@@ -95,7 +95,7 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
 
 @dataclass
-class Trial:
+class FaultTrial:
     """Faults against checks on one engine at `seeds` seeds from `first` on;
 
     `whole` judges by all checks at seed 0, to fill `also`.
@@ -202,7 +202,9 @@ class Trial:
         refuse.
         """
         if self.engine is not None:
-            able = (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None)
+            able = (
+                m.name for m in engine.methods if engine.unsupported(instance.problem, m) is None
+            )
             method = next(able, engine.methods[0].name)
         return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 

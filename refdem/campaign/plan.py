@@ -12,7 +12,7 @@ import numpy as np
 from refdem.campaign.specification import Specification
 from refdem.core import discovery, refinement, symmetry
 from refdem.core.case import Instance
-from refdem.core.check import Check, Trial
+from refdem.core.check import Check, Subject
 from refdem.core.engine import Engine, Method
 from refdem.core.parameters import nearest
 from refdem.core.problem import Motion, Request
@@ -25,13 +25,13 @@ from refdem.errors import EngineMissingError, UsageError
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One method of one engine on one instance: its trial, the checks that apply, and why others do
-    not.
+    """One method of one engine on one instance: what its checks judge, those that apply, and why
+    others do not.
     """
 
     engine: Engine
-    trial: Trial
-    refusal: str | None
+    subject: Subject
+    unsupported: str | None
     checks: tuple[Check, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
     is_selection: bool = False
@@ -40,7 +40,7 @@ class Task:
     @property
     def method(self) -> Method:
         """The method that runs the instance."""
-        return self.trial.method
+        return self.subject.method
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
@@ -49,7 +49,7 @@ class Task:
         """
         wanted: dict[Variant, None] = {}
         for check in self.checks:
-            wanted |= dict.fromkeys(check.needs(self.trial))
+            wanted |= dict.fromkeys(check.needs(self.subject))
         bases = [variant.base for variant in wanted if variant.goes_on]
         return tuple(dict.fromkeys([*bases, *wanted]))
 
@@ -114,11 +114,11 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
     return having, missing
 
 
-def trials(
+def subjects(
     specification: Specification, instance: Instance, engine: Engine
-) -> list[tuple[Trial, str | None]]:
-    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a
-    method it does not have.
+) -> list[tuple[Subject, str | None]]:
+    """What is judged of each method, with the reason where the engine does not support the scene;
+    raises UsageError for a method that it does not have.
 
     Methods for other kinds of questions are left out; an engine that has none for this kind refuses
     by its first.
@@ -129,9 +129,9 @@ def trials(
     answering = [method for method in methods if method.answers == instance.problem.kind]
     found = []
     for method in answering or methods[:1]:
-        refusal = engine.refuses(instance.problem, method)
+        unsupported = engine.unsupported(instance.problem, method)
         levels: tuple[float, ...] = ()
-        if refusal is None:
+        if unsupported is None:
             levels = refinement.levels(
                 instance,
                 method,
@@ -141,17 +141,17 @@ def trials(
             )
             if not levels:
                 turns = instance.scales.duration / instance.scales.tau
-                refusal = (
+                unsupported = (
                     f"more than {specification.most_steps:g} steps for {turns:.3g} times the"
                     " shortest time tau; shorten the duration"
                 )
-        refuses = partial(_refusal, engine, method)
-        found.append((Trial(instance, method, levels, None, refusal=refuses), refusal))
+        refuses = partial(_unsupported, engine, method)
+        found.append((Subject(instance, method, levels, None, unsupported=refuses), unsupported))
     return found
 
 
-def _refusal(engine: Engine, method: Method, motion: Motion) -> str | None:
-    return engine.refuses(motion, method)
+def _unsupported(engine: Engine, method: Method, motion: Motion) -> str | None:
+    return engine.unsupported(motion, method)
 
 
 def first_step(specification: Specification, instance: Instance) -> float | None:
@@ -179,7 +179,7 @@ def tasks(
     truth: SampledTruth | None,
     reason: str = "",
 ) -> list[Task]:
-    """One task a method: its trial with truth, and the checks that apply."""
+    """One task a method: its subject with truth, and the checks that apply."""
     excluded = instance.case.exclude_for(instance.p)
     names = discovery.names("checks")
     if only:
@@ -187,28 +187,28 @@ def tasks(
     if specification.checks:
         names = [name for name in names if name in specification.checks]
     found = []
-    for bare, refusal in trials(specification, instance, engine):
-        trial = replace(bare, truth=truth, truth_reason=reason)
+    for bare, unsupported in subjects(specification, instance, engine):
+        subject = replace(bare, truth=truth, truth_reason=reason)
         chosen = []
         left_out = {}
-        for name in names if refusal is None else []:
+        for name in names if unsupported is None else []:
             check = discovery.check(name)
-            why = excluded.get(name) or check.left_out(trial)
+            why = excluded.get(name) or check.left_out(subject)
             if why is None:
                 chosen.append(check)
             else:
                 left_out[name] = why
         # The one check of a selection may leave a method out.
-        if chosen or refusal is not None or not only:
+        if chosen or unsupported is not None or not only:
             is_selection = bool(only or specification.checks)
-            found.append(Task(engine, trial, refusal, tuple(chosen), left_out, is_selection))
+            found.append(Task(engine, subject, unsupported, tuple(chosen), left_out, is_selection))
     return found
 
 
 def judged(tasks: list[Task]) -> list[Task]:
     """The tasks of one engine that go into a report: the reference has a method for each kind of
     scene, so that those which refuse this one say nothing, unless all do."""
-    able = [task for task in tasks if task.refusal is None or not task.engine.is_reference]
+    able = [task for task in tasks if task.unsupported is None or not task.engine.is_reference]
     return able or tasks[:1]
 
 
@@ -219,7 +219,7 @@ def request(
 
     `base` is the trajectory on whose end it goes on; `ulps` moves every start.
     """
-    problem = task.trial.instance.problem
+    problem = task.subject.instance.problem
     if ulps:
         problem = problem.perturbed(ulps)
     control: dict[str, Any] = {}
@@ -247,12 +247,12 @@ def _of_motion(
         denser = np.arange(count + 1, dtype=np.float64) * interval
         return plain.with_scene(problem.scene, denser)
     if variant.change in symmetry.NAMES:
-        shown, motion = symmetry.picture(task.trial.instance, variant.change)
+        shown, motion = symmetry.picture(task.subject.instance, variant.change)
         if plain.step is None:
             step = None
         else:
             step = plain.step * shown.units[2]
-        if problem is not task.trial.instance.problem:
+        if problem is not task.subject.instance.problem:
             motion = shown.applied(problem)
         return replace(plain, problem=motion, step=step)
     if base is None:

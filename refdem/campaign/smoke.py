@@ -57,7 +57,7 @@ def smoke(engine: Engine) -> list[Finding]:
     """
     found = _worst([counted(engine, method) for method in engine.methods])
     for probe in every_probe():
-        reasons = {method.name: _refusal(engine, method, probe) for method in engine.methods}
+        reasons = {method.name: _unsupported(engine, method, probe) for method in engine.methods}
         takers = [method for method in engine.methods if reasons[method.name] is None]
         if not takers:
             reason = next(iter(reasons.values()), "it has no methods")
@@ -75,11 +75,11 @@ def smoke(engine: Engine) -> list[Finding]:
     return found
 
 
-def _refusal(engine: Engine, method: Method, probe: Probe) -> str | None:
+def _unsupported(engine: Engine, method: Method, probe: Probe) -> str | None:
     """None if the method takes the probe, else why not."""
     if probe.backwards and not method.backward:
         return "no method claims `backward`"
-    return engine.refuses(Motion(probe.scene, probe.times), method)
+    return engine.unsupported(Motion(probe.scene, probe.times), method)
 
 
 def _worst(by_method: list[list[Finding]]) -> list[Finding]:

@@ -9,7 +9,7 @@ from math import copysign, inf, sin, sqrt
 
 import numpy as np
 
-from refdem.core.check import Array, Trial
+from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
@@ -58,14 +58,14 @@ def has_crossings(scene: Scene) -> bool:
     return is_belt(scene) or bool(touches(scene))
 
 
-def crossings(trial: Trial, truth: SampledTruth) -> Crossings:
+def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
     """What is certified of the events of a scene, by kind; nothing where truth has no times of
     them.
     """
-    if is_belt(trial.instance.scene):
-        return rubbing(trial, truth)
+    if is_belt(subject.instance.scene):
+        return rubbing(subject, truth)
     if "max_overlap" in truth.scalars:
-        return parting(trial, truth)
+        return parting(subject, truth)
     return {}
 
 
@@ -132,14 +132,14 @@ class Belt:
         return (self.pull(t, 0.0) - copysign(self.limit, self.growth(t))) / self.spring.stiffness
 
 
-def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
+def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
     """Sticks and slips of a point on a belt, or its stop.
 
     At a slip g = limit - |P|, which only the place can falsify; at a stick g is the velocity
     against the belt. A stop is a stick for ever, and may be called so.
     """
-    belt = Belt(trial.instance.scene)
-    scales = trial.instance.scales
+    belt = Belt(subject.instance.scene)
+    scales = subject.instance.scales
     bend = scales.tau**-2
     growth = 1 / scales.tau + belt.weakening
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]
@@ -291,15 +291,15 @@ def _met(scene: Scene) -> Iterator[Pair]:
             )
 
 
-def parting(trial: Trial, truth: SampledTruth) -> Crossings:
+def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     """The touch at the start, which no error moves, and the parting after the certified duration,
     if there is one.
 
     g is the overlap d, or the force k d + c d' where the contact ends with that: there d'' is 0, or
     below it where the normal turns, so that |g'| >= k |d'|.
     """
-    scene = trial.instance.scene
-    scales = trial.instance.scales
+    scene = subject.instance.scene
+    scales = subject.instance.scales
     scalars = truth.scalars
     met = touches(scene)
     closing, speed, free = met[0]
@@ -307,9 +307,9 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
         return {}
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     reach = scales.length * (
-        1.0 if "overlap" in trial.instance.quantities else free * sqrt(dimension)
+        1.0 if "overlap" in subject.instance.quantities else free * sqrt(dimension)
     )
-    touch = Crossing(float(trial.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
+    touch = Crossing(float(subject.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
     found: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:
         return found
@@ -318,7 +318,7 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
     if laws and laws[0].cutoff == "zero_force" and laws[0].law == "linear":
         softened = 1.0 + laws[0].damping / (laws[0].stiffness * scales.tau)
     time, radius = scalars["duration"]
-    parting_speed = closing * given_back(trial, truth, closing)
+    parting_speed = closing * given_back(subject, truth, closing)
     unit = reach * softened
     found["release"].append(
         Crossing(time, radius, parting_speed / unit, speed / (unit * scales.tau), 1 / scales.tau)
@@ -326,15 +326,15 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
     return found
 
 
-def given_back(trial: Trial, truth: SampledTruth, closing: float) -> float:
+def given_back(subject: Subject, truth: SampledTruth, closing: float) -> float:
     """Speed at parting over that at touch: certified, or from the certified change of energy, or 1
     where nothing brakes.
     """
     if "restitution" in truth.scalars:
         return truth.scalars["restitution"][0]
     if "energy_change" in truth.scalars:
-        energy = float(trial.instance.scene.bodies.mass[0]) * closing**2 / 2
+        energy = float(subject.instance.scene.bodies.mass[0]) * closing**2 / 2
         return sqrt(max(0.0, 1.0 + truth.scalars["energy_change"][0] / energy))
-    if any(law.damping for law in trial.instance.scene.all(Contact)):
+    if any(law.damping for law in subject.instance.scene.all(Contact)):
         return 0.0
     return 1.0

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core.balance import angular, angular_scale, torque_reason
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, certified, left_at_finest, no_truth, undecided, worst
 from refdem.core.refinement import COUNTING_FLOOR, sweeping, turning
@@ -26,63 +26,65 @@ class AngularMomentum(Check):
     kills = "a wrong lever arm, a torque left out, body axes taken for space axes"
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes in which something can turn and no torque about the origin acts from outside."""
-        if {"dimension:1"} == trial.instance.scene.features & {"dimension:1", "rotation"}:
+        if {"dimension:1"} == subject.instance.scene.features & {"dimension:1", "rotation"}:
             return "all motion is along one line through the origin"
-        if _law_turns(trial):
+        if _law_turns(subject):
             return None
-        return torque_reason(trial.instance.scene)
+        return torque_reason(subject.instance.scene)
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, where it is kept to round-off; the finest, where it is compared with
         truth; both, where it must fall.
         """
-        if _law_turns(trial):
-            return (trial.finest,)
-        return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
+        if _law_turns(subject):
+            return (subject.finest,)
+        return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The total; for bodies on which nothing acts also orbital and spin part by itself."""
-        if _law_turns(trial):
-            return [self._against_truth(trial, runs[trial.finest].trajectory)]
-        return [self._kept(trial, runs, name) for name in _parts(trial.instance.scene)]
+        if _law_turns(subject):
+            return [self._against_truth(subject, runs[subject.finest].trajectory)]
+        return [self._kept(subject, runs, name) for name in _parts(subject.instance.scene)]
 
-    def _kept(self, trial: Trial, runs: Mapping[Variant, Outcome], name: str) -> Finding:
+    def _kept(self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str) -> Finding:
         """One part, at the coarsest level if it is held to round-off, else at the finest."""
         free = name == "orbital"
         if free:
-            variant = Variant(trial.levels[0])
+            variant = Variant(subject.levels[0])
         else:
-            variant = _judged_level(trial)
+            variant = _judged_level(subject)
         allowed: Array | float
         if free:
-            allowed = trial.noise(variant.level)
+            allowed = subject.noise(variant.level)
             moved = "nothing acts, and every method moves on in a straight line"
             basis = f"{moved}, so only round-off c u sqrt(n), and u n of equal terms, may change it"
         else:
-            allowed, basis = trial.kept("angular-momentum", variant.level)
-            sweeps = trial.round_off(variant.level) * (sweeping(trial.instance, trial.method) - 1.0)
-            allowed = allowed + sweeps + turning(trial.instance, trial.method, variant.level)
-        if variant != Variant(trial.levels[0]) and len(trial.levels) > 2:
-            coarse = self._changes(trial, runs[Variant(trial.levels[0])], name)
-            rounding = trial.round_off(variant.level) + turning(
-                trial.instance, trial.method, variant.level
+            allowed, basis = subject.kept("angular-momentum", variant.level)
+            sweeps = subject.round_off(variant.level) * (
+                sweeping(subject.instance, subject.method) - 1.0
             )
-            fallen = left_at_finest(trial, coarse) + COUNTING_FLOOR * rounding
+            allowed = allowed + sweeps + turning(subject.instance, subject.method, variant.level)
+        if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
+            coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
+            rounding = subject.round_off(variant.level) + turning(
+                subject.instance, subject.method, variant.level
+            )
+            fallen = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
             if np.any(fallen < allowed):
                 basis = "what the order leaves of the change at the coarsest step"
             allowed = np.minimum(allowed, fallen)
         size = float(
-            np.linalg.norm(angular(trial.instance.scene, runs[variant].trajectory)[name][0])
+            np.linalg.norm(angular(subject.instance.scene, runs[variant].trajectory)[name][0])
         )
         return worst(
             check=self.name,
             quantity=name,
-            t=trial.instance.times,
-            values=self._changes(trial, runs[variant], name),
+            t=subject.instance.times,
+            values=self._changes(subject, runs[variant], name),
             allowed=allowed,
-            signal=size / angular_scale(trial.instance),
+            signal=size / angular_scale(subject.instance),
             unit="1",
             basis=basis,
             what=(
@@ -91,36 +93,36 @@ class AngularMomentum(Check):
             ),
         )
 
-    def _changes(self, trial: Trial, run: Outcome, name: str) -> Array:
+    def _changes(self, subject: Subject, run: CompletedRun, name: str) -> Array:
         """The change of one part since the start (T,), in units of the scale."""
-        part = angular(trial.instance.scene, run.trajectory)[name]
-        changes: Array = np.linalg.norm(part - part[0], axis=1) / angular_scale(trial.instance)
+        part = angular(subject.instance.scene, run.trajectory)[name]
+        changes: Array = np.linalg.norm(part - part[0], axis=1) / angular_scale(subject.instance)
         return changes
 
-    def _against_truth(self, trial: Trial, run: Trajectory) -> Finding:
+    def _against_truth(self, subject: Subject, run: Trajectory) -> Finding:
         """Levers that do not sum to the centre distance change the total by the integral of overlap
         times friction: that of truth.
         """
-        truth = certified(trial)
-        scene = trial.instance.scene
-        level = trial.levels[-1]
+        truth = certified(subject)
+        scene = subject.instance.scene
+        level = subject.levels[-1]
         if truth is None:
-            return undecided(self.name, "law", no_truth(trial))
+            return undecided(self.name, "law", no_truth(subject))
         found = angular(scene, run)["total"][: truth.until]
         expected = angular(scene, _as_trajectory(truth))["total"]
-        sizes = {name: trial.instance.quantities[f"{name}1.x"].scale for name in KINDS}
+        sizes = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
         place = np.linalg.norm(scene.bodies.position, axis=1)
         speed = np.linalg.norm(scene.bodies.velocity, axis=1)
         spun = scene.bodies.inertia.max(axis=1).sum() * sizes["omega"]
         share = (
             scene.bodies.mass @ (place * sizes["v"] + speed * sizes["r"]) + spun
-        ) / angular_scale(trial.instance)
+        ) / angular_scale(subject.instance)
         return worst(
             check=self.name,
             quantity="law",
-            t=trial.instance.times[: truth.until],
-            values=np.linalg.norm(found - expected, axis=1) / angular_scale(trial.instance),
-            allowed=float(share) * trial.bound(level),
+            t=subject.instance.times[: truth.until],
+            values=np.linalg.norm(found - expected, axis=1) / angular_scale(subject.instance),
+            allowed=float(share) * subject.bound(level),
             unit="1",
             basis=(
                 "the bounds on places, velocities and spins, each in units of the sum of m|r||v| +"
@@ -145,30 +147,30 @@ def _parts(scene: Scene) -> tuple[str, ...]:
     return ("total", "orbital", "spin")
 
 
-def _judged_level(trial: Trial) -> Variant:
+def _judged_level(subject: Subject) -> Variant:
     """The coarsest, where nothing is hidden by a small step, if the method claims it to round-off;
     else the finest.
     """
-    keeps = trial.method.keeps("angular-momentum", trial.instance.problem.features)
+    keeps = subject.method.keeps("angular-momentum", subject.instance.problem.features)
     if keeps:
-        return Variant(trial.levels[0])
-    return trial.finest
+        return Variant(subject.levels[0])
+    return subject.finest
 
 
-def _law_turns(trial: Trial) -> bool:
+def _law_turns(subject: Subject) -> bool:
     """Two spheres under a law that changes their total angular momentum, and a case that says where
     they are.
     """
-    laws = trial.instance.scene.all(Contact)
+    laws = subject.instance.scene.all(Contact)
     known = all(
-        f"{kind}{body}.{axis}" in trial.instance.quantities
+        f"{kind}{body}.{axis}" in subject.instance.quantities
         for kind in KINDS
         for body in (1, 2)
         for axis in "xyz"
     )
     return (
         known
-        and len(trial.instance.scene.elements) == 1
+        and len(subject.instance.scene.elements) == 1
         and any(law.friction > 0 and law.branch != "R-d/2" for law in laws)
     )
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, undecided, worst
 from refdem.core.refinement import scored
@@ -34,11 +34,11 @@ class Apsides(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """One point under one Newtonian attraction, or one linear spring of no length to a fixed
         point, off a straight line.
         """
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         if (
             len(scene.bodies) != 1
             or scene.bodies.fixed.any()
@@ -49,15 +49,15 @@ class Apsides(Check):
             return "it moves on a straight line"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Against what errors of place and velocity, each within its bound, change it by."""
-        run = runs[trial.finest].trajectory
-        scene = trial.instance.scene
-        scales = trial.instance.scales
+        run = runs[subject.finest].trajectory
+        scene = subject.instance.scene
+        scales = subject.instance.scales
         r = run.position[:, 0]
         v = run.velocity[:, 0]
         distance = np.linalg.norm(r, axis=1)
@@ -80,7 +80,7 @@ class Apsides(Check):
                 + mass * speed * scales.speed
             )
             share = 2 * arms / (mass * speed[0] ** 2 + spring.stiffness * (place[0] @ place[0]))
-        allowed, basis = trial.kept("apsides", trial.levels[-1])
+        allowed, basis = subject.kept("apsides", subject.levels[-1])
         quantity = name.split()[0].lower()
         count = scored(share * allowed)
         if count < min(2, len(share)):
@@ -96,7 +96,7 @@ class Apsides(Check):
             worst(
                 check=self.name,
                 quantity=quantity,
-                t=trial.instance.times[:count],
+                t=subject.instance.times[:count],
                 values=change[:count],
                 allowed=(share * allowed)[:count],
                 signal=1.0,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.maps import Billiard, StadiumBilliard
@@ -30,21 +30,21 @@ class Bounces(Check):
         " bounce by bounce"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Billiards."""
-        problem = trial.instance.problem
+        problem = subject.instance.problem
         if isinstance(problem, Iteration) and isinstance(problem.map, Billiard):
             return None
         return "it is no billiard"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Speed, distance from the wall, and directions that point out of the table."""
-        problem = trial.instance.problem
-        run = runs[trial.finest].trajectory
+        problem = subject.instance.problem
+        run = runs[subject.finest].trajectory
         assert isinstance(problem, Iteration)
         assert isinstance(problem.map, Billiard)
         place = run.values["position"][1:]
@@ -56,7 +56,7 @@ class Bounces(Check):
                 "The change of the speed, as a part of it,",
             ),
             "wall": (
-                np.abs(off) / trial.instance.scales.length,
+                np.abs(off) / subject.instance.scales.length,
                 "The distance of a bounce from the wall, in units of the table,",
             ),
             "inward": (
@@ -70,7 +70,7 @@ class Bounces(Check):
                 quantity=name,
                 t=run.t[1:],
                 values=values,
-                allowed=ROUND_OFF_FACTOR * trial.method.round_off,
+                allowed=ROUND_OFF_FACTOR * subject.method.round_off,
                 unit="1",
                 basis=BASIS,
                 what=what,

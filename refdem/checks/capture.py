@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.variant import Variant
@@ -24,27 +24,27 @@ class Capture(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes with a hook of the world that truth says catches something."""
-        if not any(hook.b < 0 for hook in trial.instance.scene.all(Catch)):
+        if not any(hook.b < 0 for hook in subject.instance.scene.all(Catch)):
             return "there is no hook"
-        if trial.truth is None or "omega" in trial.truth.scalars:
+        if subject.truth is None or "omega" in subject.truth.scalars:
             return None
         return "nothing is caught"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Rate of turning, v/omega against the distance, and L/omega against the moment of
         inertia.
         """
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "omega", no_truth(trial))]
-        run = runs[trial.finest].trajectory
-        scene = trial.instance.scene
+            return [undecided(self.name, "omega", no_truth(subject))]
+        run = runs[subject.finest].trajectory
+        scene = subject.instance.scene
         hook = next(hook for hook in scene.all(Catch) if hook.b < 0)
         arm = run.position[:, hook.a] - np.array(hook.anchor_b)
         velocity = run.velocity[:, hook.a]
@@ -62,7 +62,7 @@ class Capture(Check):
                 )
             ]
         first = caught[0] + 1
-        bound = float(trial.bound(trial.levels[-1])[-1])
+        bound = float(subject.bound(subject.levels[-1])[-1])
         rate = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
         omega = truth.scalars["omega"][0]
         inertia = truth.scalars["inertia"][0]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, left_at_finest, worst
 from refdem.core.refinement import COUNTING_FLOOR
@@ -24,41 +24,41 @@ class Constraint(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes with rods between points, and methods that do not make places of the rods'
         angles.
         """
-        if trial.instance.scene.all(Rod):
-            return trial.method.derived.get("rod")
+        if subject.instance.scene.all(Rod):
+            return subject.method.derived.get("rod")
         return "there is no constraint"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, and the finest where lengths are held to the order only and must fall
         with it.
         """
-        return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
+        return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Drift of length and of velocity."""
-        variant = _judged_level(trial)
-        coarsest = Variant(trial.levels[0])
-        allowed, basis = trial.kept("constraint", variant.level)
-        rounding = trial.round_off(variant.level) * _farthest(trial)
-        allowed = allowed + rounding - trial.round_off(variant.level)
-        drifts = _drifts(trial, runs[variant].trajectory)
-        coarse = _drifts(trial, runs[coarsest].trajectory)
+        variant = _judged_level(subject)
+        coarsest = Variant(subject.levels[0])
+        allowed, basis = subject.kept("constraint", variant.level)
+        rounding = subject.round_off(variant.level) * _farthest(subject)
+        allowed = allowed + rounding - subject.round_off(variant.level)
+        drifts = _drifts(subject, runs[variant].trajectory)
+        coarse = _drifts(subject, runs[coarsest].trajectory)
         found = []
         for quantity, drift in drifts.items():
             bound = allowed
-            if variant != coarsest and len(trial.levels) > 2:
+            if variant != coarsest and len(subject.levels) > 2:
                 bound = np.minimum(
-                    allowed, left_at_finest(trial, coarse[quantity]) + COUNTING_FLOOR * rounding
+                    allowed, left_at_finest(subject, coarse[quantity]) + COUNTING_FLOOR * rounding
                 )
             found.append(
                 worst(
                     check=self.name,
                     quantity=quantity,
-                    t=trial.instance.times,
+                    t=subject.instance.times,
                     values=drift,
                     allowed=bound,
                     unit="1",
@@ -73,42 +73,43 @@ class Constraint(Check):
         return found
 
 
-def _judged_level(trial: Trial) -> Variant:
+def _judged_level(subject: Subject) -> Variant:
     """The coarsest, where nothing is hidden by a small step, if the method claims lengths to
     round-off; else the finest.
     """
-    keeps = trial.method.keeps("constraint", trial.instance.problem.features)
+    keeps = subject.method.keeps("constraint", subject.instance.problem.features)
     if keeps:
-        return Variant(trial.levels[0])
-    return trial.finest
+        return Variant(subject.levels[0])
+    return subject.finest
 
 
-def _farthest(trial: Trial) -> float:
+def _farthest(subject: Subject) -> float:
     """How many times the scale the places are, at least 1: no state that is written in such numbers
     holds a length more exactly.
     """
-    ends = [end for rod in trial.instance.scene.all(Rod) for end in rod.ends(*_start(trial))]
-    return max(1.0, *(float(np.linalg.norm(end)) / trial.instance.scales.length for end in ends))
+    ends = [end for rod in subject.instance.scene.all(Rod) for end in rod.ends(*_start(subject))]
+    return max(1.0, *(float(np.linalg.norm(end)) / subject.instance.scales.length for end in ends))
 
 
-def _start(trial: Trial) -> tuple[Array, Array]:
+def _start(subject: Subject) -> tuple[Array, Array]:
     """Places and attitudes (1, N, 3 and 4) at the start."""
-    bodies = trial.instance.scene.bodies
+    bodies = subject.instance.scene.bodies
     return bodies.position[None], bodies.attitude[None]
 
 
-def _drifts(trial: Trial, run: Trajectory) -> dict[str, Array]:
+def _drifts(subject: Subject, run: Trajectory) -> dict[str, Array]:
     """Largest drift (T,) of any rod: length over L, and relative speed along the rod over L/tau."""
     length = np.zeros(len(run.t))
     speed = np.zeros(len(run.t))
-    for rod in trial.instance.scene.all(Rod):
+    for rod in subject.instance.scene.all(Rod):
         first, second = rod.ends(run.position, run.attitude)
         apart = first - second
         distance = np.linalg.norm(apart, axis=1)
         relative = run.velocity[:, rod.a] - (run.velocity[:, rod.b] if rod.b >= 0 else 0.0)
-        length = np.maximum(length, np.abs(distance - rod.length) / trial.instance.scales.length)
+        length = np.maximum(length, np.abs(distance - rod.length) / subject.instance.scales.length)
         speed = np.maximum(
-            speed, np.abs(np.sum(apart * relative, axis=1)) / distance / trial.instance.scales.speed
+            speed,
+            np.abs(np.sum(apart * relative, axis=1)) / distance / subject.instance.scales.speed,
         )
     return {"length": length, "velocity": speed}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.trajectory import Trajectory
@@ -33,10 +33,10 @@ class ContactChannels(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """A few spheres that meet each other and nothing else, under a law with an overlap."""
-        scene = trial.instance.scene
-        laws = trial.instance.scene.all(Contact)
+        scene = subject.instance.scene
+        laws = subject.instance.scene.all(Contact)
         if len(laws) != 1 or laws[0].law == "rigid" or {"plane", "periodic_box"} & scene.features:
             return "spheres do not meet each other alone, or without overlap"
         alone = (
@@ -47,18 +47,18 @@ class ContactChannels(Check):
             return None
         return f"it is not a scene of 2 to {MOST} spheres"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Each channel against the state, in units of the length of the scene and of the largest
         force.
         """
-        run = runs[trial.finest].trajectory
-        meeting = _of_states(trial.instance.scene, run)
-        length = trial.instance.scales.length
-        rounded = _rounded_overlap(trial, run)
+        run = runs[subject.finest].trajectory
+        meeting = _of_states(subject.instance.scene, run)
+        length = subject.instance.scales.length
+        rounded = _rounded_overlap(subject, run)
         peak = float(np.max(meeting.force))
         found = []
         if "overlap" in run.channels:
@@ -68,8 +68,8 @@ class ContactChannels(Check):
         # At the touch rounding says whether a dashpot acts.
         told = np.abs(meeting.overlap) > rounded * length
         if "contact_force" in run.channels and peak > 0 and told.any():
-            off, apart = _off_force(trial, run, meeting)
-            allowed = np.full(len(off), _rounded_force(trial, run, meeting) + apart / peak)
+            off, apart = _off_force(subject, run, meeting)
+            allowed = np.full(len(off), _rounded_force(subject, run, meeting) + apart / peak)
             basis = (
                 "it follows from places and velocities of the same row, or of half a step before,"
                 " to round-off"
@@ -163,7 +163,7 @@ def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
     )
 
 
-def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array, float]:
+def _off_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> tuple[Array, float]:
     """How far (T,) [N] the force told is from that of the row, and by how much more [N] it may be
     off.
 
@@ -173,10 +173,10 @@ def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array,
     """
     told = _largest(run, "contact_force")
     off = np.abs(told - meeting.force)
-    if meeting.law.damping == 0 or trial.method.control != "step":
+    if meeting.law.damping == 0 or subject.method.control != "step":
         return off, 0.0
-    scene = trial.instance.scene
-    level = trial.levels[-1]
+    scene = subject.instance.scene
+    level = subject.levels[-1]
     late = meeting.law.damping * level / float(np.min(meeting.effective))
     alone = all(isinstance(element, Contact | UniformGravity) for element in scene.elements)
     if len(scene.bodies) > 2 or not alone or late > 1.0:
@@ -184,37 +184,37 @@ def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array,
     return np.minimum(off, np.abs(told - meeting.of_half_step(level))), 0.0
 
 
-def _rounded_overlap(trial: Trial, run: Trajectory) -> float:
+def _rounded_overlap(subject: Subject, run: Trajectory) -> float:
     """Rounding of an overlap, in units of the length.
 
     R + R' - |d| is a difference of numbers as large as places and radii, each rounded, here and in
     the run.
     """
     reach = float(np.max(np.abs(run.position))) + 2 * float(
-        np.max(trial.instance.scene.bodies.radius)
+        np.max(subject.instance.scene.bodies.radius)
     )
     return (
-        trial.round_off(trial.levels[-1])
-        + 4 * trial.method.round_off * reach / trial.instance.scales.length
+        subject.round_off(subject.levels[-1])
+        + 4 * subject.method.round_off * reach / subject.instance.scales.length
     )
 
 
-def _rounded_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> float:
+def _rounded_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> float:
     """Rounding of the force, in units of the largest: that of an overlap over the largest, and that
     of a dashpot's velocities.
     """
-    length = trial.instance.scales.length
+    length = subject.instance.scales.length
     of_overlap = (
         meeting.law.exponent
-        * _rounded_overlap(trial, run)
+        * _rounded_overlap(subject, run)
         * length
         / float(np.max(meeting.overlap))
     )
     speed = float(np.max(np.abs(run.velocity)))
     of_speed = (
-        8 * trial.method.round_off * meeting.law.damping * speed / float(np.max(meeting.force))
+        8 * subject.method.round_off * meeting.law.damping * speed / float(np.max(meeting.force))
     )
-    return trial.round_off(trial.levels[-1]) + of_overlap + of_speed
+    return subject.round_off(subject.levels[-1]) + of_overlap + of_speed
 
 
 CHECK = ContactChannels()

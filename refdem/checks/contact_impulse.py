@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.trajectory import Trajectory
@@ -61,15 +61,15 @@ class ContactImpulse(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Two free spheres, or one and a wall, under a law with an overlap, on which nothing else
         acts, in steps.
         """
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         laws = scene.all(Contact)
         walls = scene.all(Plane)
-        if trial.method.control != "step":
-            return f"the method is controlled by {trial.method.control}, not by a step"
+        if subject.method.control != "step":
+            return f"the method is controlled by {subject.method.control}, not by a step"
         if len(scene.elements) != 1 + len(walls) or len(laws) != 1 or laws[0].law == "rigid":
             return "something else acts than a contact with an overlap"
         spheres = all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
@@ -78,21 +78,21 @@ class ContactImpulse(Check):
             return None
         return "it is not a scene of two free spheres, or of one and a wall"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, at which what is late is furthest off, with a sample every few
         steps.
         """
-        return (_dense(trial),)
+        return (_dense(subject),)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """How far the impulses of intervals are outside, in units of mass times speed."""
-        run = runs[_dense(trial)].trajectory
-        scene = trial.instance.scene
+        run = runs[_dense(subject)].trajectory
+        scene = subject.instance.scene
         law = scene.all(Contact)[0]
-        unit = scene.bodies.mass[0] * trial.instance.scales.speed
-        fastest = float(np.max(np.abs(run.velocity))) / trial.instance.scales.speed
-        rounding = TERMS * trial.round_off(trial.levels[0]) * max(1.0, fastest)
-        found = [self._normal(trial, run, unit, rounding)]
+        unit = scene.bodies.mass[0] * subject.instance.scales.speed
+        fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
+        rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
+        found = [self._normal(subject, run, unit, rounding)]
         presses = _presses(scene, run)
         if law.friction > 0 and law.tangential_stiffness == 0 and presses.any():
             found.append(
@@ -151,8 +151,8 @@ class ContactImpulse(Check):
             )
         ]
 
-    def _normal(self, trial: Trial, run: Trajectory, unit: float, rounding: float) -> Finding:
-        scene = trial.instance.scene
+    def _normal(self, subject: Subject, run: Trajectory, unit: float, rounding: float) -> Finding:
+        scene = subject.instance.scene
         law = scene.all(Contact)[0]
         overlap, rate, normal = _meeting(scene, run)
         interval = np.diff(run.t)
@@ -167,7 +167,7 @@ class ContactImpulse(Check):
         # a touch between two samples is told by their velocities to F' dt, with F' about F / tau.
         # Friction tilts by the turn of the normal.
         largest = float(np.max(np.abs(force)))
-        part = interval / trial.instance.scales.tau
+        part = interval / subject.instance.scales.tau
         touches = _around(overlap > 0, np.logical_or) & ~_around(overlap > 0, np.logical_and)
         bends = largest * interval * np.where(touches, part, part**2 / 2.0)
         tilts = across * turned
@@ -189,10 +189,10 @@ class ContactImpulse(Check):
         )
 
 
-def _dense(trial: Trial) -> Variant:
+def _dense(subject: Subject) -> Variant:
     """The coarsest level, with samples at every few steps."""
-    level = trial.levels[0]
-    stride = round(trial.instance.problem.interval / level)
+    level = subject.levels[0]
+    stride = round(subject.instance.problem.interval / level)
     dense = 1
     while (
         2 * dense <= MOST_DENSE

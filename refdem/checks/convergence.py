@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import growth_shown, judged, perturbation, undecided
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
@@ -31,50 +31,50 @@ class Convergence(Check):
         " settle"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Fixed steps, at least three levels, and samples that are not certified."""
-        if trial.method.control != "step":
-            return f"the method is controlled by {trial.method.control}, not by a step"
-        if trial.truth is not None and trial.truth.until == len(trial.instance.times):
+        if subject.method.control != "step":
+            return f"the method is controlled by {subject.method.control}, not by a step"
+        if subject.truth is not None and subject.truth.until == len(subject.instance.times):
             return "truth is certified to the end: the observed order sees more"
-        if len(trial.levels) >= 3:
+        if len(subject.levels) >= 3:
             return None
-        return f"{len(trial.levels)} levels are planned; 3 are needed"
+        return f"{len(subject.levels)} levels are planned; 3 are needed"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain runs of the finest three levels, and two that show how errors grow: the
         coarsest one, and moved a little.
         """
-        coarsest = trial.levels[0]
+        coarsest = subject.levels[0]
         return (
-            *trial.plain[-3:],
+            *subject.plain[-3:],
             Variant(coarsest),
-            Variant(coarsest, "perturbed", perturbation(trial.method)),
+            Variant(coarsest, "perturbed", perturbation(subject.method)),
         )
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """What the order lacks that two changes show; undecided where they are round-off or too
         large to show one.
         """
-        coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(trial.plain[-3:]))
-        *_, plain, perturbed = self.needs(trial)
+        coarse, fine = (_change(subject, runs[a], runs[b]) for a, b in pairwise(subject.plain[-3:]))
+        *_, plain, perturbed = self.needs(subject)
         base = runs[plain].trajectory  # a code may refuse the moved start
         if perturbed in runs:
             moved = runs[perturbed].trajectory
         else:
             moved = base
-        growth = float(growth_shown(trial.instance, trial.method, moved, base)[-1])
-        floor = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth
+        growth = float(growth_shown(subject.instance, subject.method, moved, base)[-1])
+        floor = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth
         if fine > HORIZON:
             why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
             return [undecided(self.name, "state", why)]
-        order = trial.order
+        order = subject.order
         if fine > floor:
             seen = float(np.log2(coarse / fine))
         else:
             seen = float(order)
-        if kinked(trial.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
-            return [self._within(trial, fine, growth, seen)]
+        if kinked(subject.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
+            return [self._within(subject, fine, growth, seen)]
         return [
             judged(
                 check=self.name,
@@ -95,12 +95,12 @@ class Convergence(Check):
             )
         ]
 
-    def _within(self, trial: Trial, fine: float, growth: float, seen: float) -> Finding:
+    def _within(self, subject: Subject, fine: float, growth: float, seen: float) -> Finding:
         """Where kinks scatter the changes a pair shows no order; the finest change is still no
         larger than the errors allowed.
         """
         allowed = growth * sum(
-            float(trial.truncation(h)[-1]) + trial.noise(h) for h in trial.levels[-2:]
+            float(subject.truncation(h)[-1]) + subject.noise(h) for h in subject.levels[-2:]
         )
         if fine <= allowed:
             return undecided(
@@ -120,9 +120,9 @@ class Convergence(Check):
         )
 
 
-def _change(trial: Trial, coarse: Outcome, fine: Outcome) -> float:
+def _change(subject: Subject, coarse: CompletedRun, fine: CompletedRun) -> float:
     """Largest scaled difference of any quantity at any sample between two levels."""
-    instance = trial.instance
+    instance = subject.instance
     first = instance.observe(coarse.trajectory)
     second = instance.observe(fine.trajectory)
     found = 0.0

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged, undecided, worst
 from refdem.core.trajectory import Trajectory
@@ -87,11 +87,11 @@ class Cooling(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Equal smooth spheres in a periodic box."""
-        scene = trial.instance.scene
-        laws = trial.instance.scene.all(Contact)
-        if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
+        scene = subject.instance.scene
+        laws = subject.instance.scene.all(Contact)
+        if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
         if not are_alike(scene):
             return "the spheres are not alike: the theory is of equal ones"
@@ -99,24 +99,24 @@ class Cooling(Check):
             return None
         return "the law of contact is another"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Temperature, number of collisions, energy lost in one, shape of the distribution: what
         the run shows of them.
         """
-        if trial.truth is None or "collision_frequency" not in trial.truth.scalars:
+        if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
             return [
                 undecided(self.name, "temperature", "the frequency of collisions is not certified")
             ]
-        gas = _gas(trial.instance.scene, trial.truth.scalars["collision_frequency"][0])
-        run = runs[trial.finest].trajectory
+        gas = _gas(subject.instance.scene, subject.truth.scalars["collision_frequency"][0])
+        run = runs[subject.finest].trajectory
         if (doubt := gas.doubt()) is not None:
             return [undecided(self.name, "temperature", doubt)]
-        temperature = trial.instance.observe(run)["temperature"]
-        haff = trial.truth.scalars.get("haff_time", (np.inf, 0.0))[0]
+        temperature = subject.instance.observe(run)["temperature"]
+        haff = subject.truth.scalars.get("haff_time", (np.inf, 0.0))[0]
         count = int(np.searchsorted(run.t - run.t[0], UNIFORM * haff, side="right"))
         found = [self._temperature(gas, run.t[:count] - run.t[0], temperature[:count], haff)]
         if gas.restitution == 1:

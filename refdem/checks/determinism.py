@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged
 from refdem.core.problem import Motion, Problem
@@ -27,37 +27,37 @@ class Determinism(Check):
         " trajectory"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Methods that claim it."""
-        if trial.method.deterministic:
+        if subject.method.deterministic:
             return None
         return "the method does not claim it"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level that is not coarser than the denser output, again, and with denser
         output.
         """
-        level = self._level(trial)
+        level = self._level(subject)
         asked = (Variant(level), Variant(level, "repeated"))
-        if not isinstance(trial.instance.problem, Motion):
+        if not isinstance(subject.instance.problem, Motion):
             return asked
         return (*asked, Variant(level, "denser_output", DENSER))
 
-    def _level(self, trial: Trial) -> float:
-        interval = trial.instance.problem.interval
+    def _level(self, subject: Subject) -> float:
+        interval = subject.instance.problem.interval
         fitting = [
             level
-            for level in trial.levels
-            if trial.method.control != "step" or level <= interval / DENSER
+            for level in subject.levels
+            if subject.method.control != "step" or level <= interval / DENSER
         ]
         if fitting:
             return fitting[0]
-        return trial.levels[-1]
+        return subject.levels[-1]
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest difference of any number, twice."""
-        base, again, *denser = (runs[variant].trajectory for variant in self.needs(trial))
-        step = trial.method.control == "step"
+        base, again, *denser = (runs[variant].trajectory for variant in self.needs(subject))
+        step = subject.method.control == "step"
         found = [
             judged(
                 check=self.name,
@@ -69,7 +69,7 @@ class Determinism(Check):
                 what="The largest difference between two runs of one request",
             )
         ]
-        if denser and step and trial.levels[-1] <= trial.instance.problem.interval / DENSER:
+        if denser and step and subject.levels[-1] <= subject.instance.problem.interval / DENSER:
             found.append(
                 judged(
                     check=self.name,

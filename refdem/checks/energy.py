@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core.balance import energy_scale, kinetic, mechanical
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, judged, left_at_finest, sharpest, undecided, worst
 from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR, flight
@@ -36,73 +36,77 @@ class Energy(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Where the potential energy is known at every sample, and a closed form keeps count of
         what a drive brings in.
         """
-        method = trial.method
+        method = subject.method
         if (
-            trial.instance.scene.is_driven()
+            subject.instance.scene.is_driven()
             and method.control == "exact"
             and "energy" not in method.conserves
         ):
             return "a drive brings energy in, and the method does not claim to keep count of it"
-        if "contact:rigid" in trial.instance.scene.features:
+        if "contact:rigid" in subject.instance.scene.features:
             return "rigid contacts have no potential"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest and the finest level; all of them where the coarsest may have a bound that
         is too wide to see anything.
         """
-        if trial.method.keeps("energy", trial.instance.problem.features):
-            return tuple(dict.fromkeys((Variant(trial.levels[0]), trial.finest)))
-        return trial.plain
+        if subject.method.keeps("energy", subject.instance.problem.features):
+            return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
+        return subject.plain
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Balance at each level; drift at the finest one if the method claims to have none."""
-        found = [self._balance(trial, _first_sharp(trial, runs), runs, "balance")]
-        if len(trial.levels) > 1:
-            found.append(self._balance(trial, trial.finest, runs, "finest"))
-        shown = _work(trial, runs[trial.finest]) is not None
-        scene = trial.instance.scene
+        found = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
+        if len(subject.levels) > 1:
+            found.append(self._balance(subject, subject.finest, runs, "finest"))
+        shown = _work(subject, runs[subject.finest]) is not None
+        scene = subject.instance.scene
         if shown and not scene.is_driven() and not _stiffens(scene):
-            found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
+            found.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
         if (
-            trial.method.symplectic
-            and trial.method.control == "step"
-            and trial.instance.scene.is_conservative()
+            subject.method.symplectic
+            and subject.method.control == "step"
+            and subject.instance.scene.is_conservative()
         ):
-            found.append(self._drift(trial, runs[trial.finest]))
+            found.append(self._drift(subject, runs[subject.finest]))
         return found
 
     def _balance(
-        self, trial: Trial, variant: Variant, runs: Mapping[Variant, Outcome], quantity: str
+        self,
+        subject: Subject,
+        variant: Variant,
+        runs: Mapping[Variant, CompletedRun],
+        quantity: str,
     ) -> Finding:
         """The imbalance at one level; at the finest it must have fallen with the order from what
         the coarsest shows.
         """
-        measured = self._imbalance(trial, runs[variant])
+        measured = self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         what, change = measured
-        kept, basis = trial.kept("energy", variant.level)
-        rounding = trial.round_off(variant.level) * _of_positions(trial) + _of_falling(
-            trial, variant.level
+        kept, basis = subject.kept("energy", variant.level)
+        rounding = subject.round_off(variant.level) * _of_positions(subject) + _of_falling(
+            subject, variant.level
         )
-        of_rods = _of_rods(trial)
+        of_rods = _of_rods(subject)
         allowed = TERMS * (np.maximum(kept, rounding) + of_rods)
-        coarse = self._imbalance(trial, runs[Variant(trial.levels[0])])
+        coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
         two_sided = not what.startswith(("The rise", SPRINGS))
         if (
-            variant == trial.finest
-            and len(trial.levels) > 2
+            variant == subject.finest
+            and len(subject.levels) > 2
             and two_sided
             and not isinstance(coarse, str)
         ):
             # Equal terms that are added up step by step, as in free flight, round alike.
-            alike = flight(trial.instance, trial.method, variant.level)
-            fallen = left_at_finest(trial, coarse[1]) + TERMS * COUNTING_FLOOR * (
+            alike = flight(subject.instance, subject.method, variant.level)
+            fallen = left_at_finest(subject, coarse[1]) + TERMS * COUNTING_FLOOR * (
                 rounding + of_rods + alike
             )
             if np.any(fallen < allowed):
@@ -111,28 +115,28 @@ class Energy(Check):
         return worst(
             check=self.name,
             quantity=quantity,
-            t=trial.instance.times,
+            t=subject.instance.times,
             values=change,
             allowed=allowed,
-            signal=_exchanged(trial, runs[variant]),
+            signal=_exchanged(subject, runs[variant]),
             unit="1",
             basis=f"{basis}, for each of two terms",
             what=f"{what}, in units of the energy at the start,",
         )
 
-    def _imbalance(self, trial: Trial, run: Outcome) -> tuple[str, Array] | str:
+    def _imbalance(self, subject: Subject, run: CompletedRun) -> tuple[str, Array] | str:
         """What changes and by how much (T,), in units of the energy at the start; or why nobody can
         say.
         """
-        scene = trial.instance.scene
-        scale = energy_scale(trial.instance)
+        scene = subject.instance.scene
+        scale = energy_scale(subject.instance)
         energy = mechanical(scene, run.trajectory)
         what = "The change of kinetic and potential energy"
         with np.errstate(
             invalid="ignore"
         ):  # a body in the centre of attraction has no finite energy: not a number fails
             change = np.abs(energy - energy[0]) / scale
-        work = _work(trial, run)
+        work = _work(subject, run)
         if work is None and _stiffens(scene):
             return (
                 "a tangential spring that stiffens with its load gives and takes energy, and the"
@@ -154,16 +158,16 @@ class Energy(Check):
                 )
         return what, change
 
-    def _dissipation(self, trial: Trial, variant: Variant, run: Outcome) -> Finding:
+    def _dissipation(self, subject: Subject, variant: Variant, run: CompletedRun) -> Finding:
         """Work done against friction and damping is lost: it never comes back."""
         work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(
             axis=1
-        ) / energy_scale(trial.instance)
-        allowed, basis = trial.kept("energy", variant.level)
+        ) / energy_scale(subject.instance)
+        allowed, basis = subject.kept("energy", variant.level)
         return worst(
             check=self.name,
             quantity="dissipation",
-            t=trial.instance.times,
+            t=subject.instance.times,
             values=np.maximum.accumulate(work) - work,
             allowed=TERMS * allowed,
             unit="1",
@@ -174,15 +178,15 @@ class Energy(Check):
             ),
         )
 
-    def _drift(self, trial: Trial, run: Outcome) -> Finding:
+    def _drift(self, subject: Subject, run: CompletedRun) -> Finding:
         """Secular drift: the mean over the last quarter against the mean over the first."""
-        energy = mechanical(trial.instance.scene, run.trajectory) / energy_scale(trial.instance)
+        energy = mechanical(subject.instance.scene, run.trajectory) / energy_scale(subject.instance)
         quarter = max(1, len(energy) // 4)
         drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
-        level = trial.levels[-1]
-        order = trial.order
-        truncation = trial.method.constant * (level / trial.instance.scales.tau) ** order
-        rounding = trial.round_off(level) * _of_positions(trial) + _of_falling(trial, level)
+        level = subject.levels[-1]
+        order = subject.order
+        truncation = subject.method.constant * (level / subject.instance.scales.tau) ** order
+        rounding = subject.round_off(level) * _of_positions(subject) + _of_falling(subject, level)
         allowed = TERMS * (truncation + rounding)
         return judged(
             check=self.name,
@@ -201,36 +205,36 @@ class Energy(Check):
         )
 
 
-def _exchanged(trial: Trial, run: Outcome) -> Array:
+def _exchanged(subject: Subject, run: CompletedRun) -> Array:
     """How much the kinetic energy has changed since the start (T,), in units of the energy at the
     start: what there is to balance.
     """
-    moving = kinetic(trial.instance.scene, run.trajectory)
-    away: Array = np.abs(moving - moving[0]) / energy_scale(trial.instance)
-    rounding = trial.round_off(trial.levels[0])
+    moving = kinetic(subject.instance.scene, run.trajectory)
+    away: Array = np.abs(moving - moving[0]) / energy_scale(subject.instance)
+    rounding = subject.round_off(subject.levels[0])
     if np.any(away > rounding):
         return away
     return np.zeros_like(away)
 
 
-def _first_sharp(trial: Trial, runs: Mapping[Variant, Outcome]) -> Variant:
+def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Variant:
     """The coarsest level whose bound is no more than a tenth of the energy that is exchanged; the
     coarsest of all if none is.
     """
-    exchanged = _exchanged(trial, runs[trial.finest])
-    for variant in trial.plain:
-        kept, _ = trial.kept("energy", variant.level)
+    exchanged = _exchanged(subject, runs[subject.finest])
+    for variant in subject.plain:
+        kept, _ = subject.kept("energy", variant.level)
         if variant in runs and not sharpest(TERMS * kept, exchanged).is_blind:
             return variant
-    return Variant(trial.levels[0])
+    return Variant(subject.levels[0])
 
 
-def _work(trial: Trial, run: Outcome) -> Array | None:
+def _work(subject: Subject, run: CompletedRun) -> Array | None:
     """The dissipated work [J] that a run shows;
 
     None of a method that tells what the energy lacks, for then any balance holds.
     """
-    if "dissipated_work" in trial.method.derived:
+    if "dissipated_work" in subject.method.derived:
         return None
     return run.trajectory.channels.get("dissipated_work")
 
@@ -247,17 +251,17 @@ def _stiffens(scene: Scene) -> bool:
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
-def _of_rods(trial: Trial) -> Array | float:
+def _of_rods(subject: Subject) -> Array | float:
     """Round-off (T,) where only their force holds rods: what rounds their ends' speed along them
     goes on as length, c u sqrt(n) t/tau.
 
     A method that claims the constraint brings them back at every step.
     """
-    method = trial.method
-    scales = trial.instance.scales
-    t = trial.instance.times
+    method = subject.method
+    scales = subject.instance.scales
+    t = subject.instance.times
     if (
-        not trial.instance.scene.all(Rod)
+        not subject.instance.scene.all(Rod)
         or "constraint" in method.conserves
         or method.control != "tolerance"
     ):
@@ -269,17 +273,17 @@ def _of_rods(trial: Trial) -> Array | float:
     return drift
 
 
-def _of_falling(trial: Trial, level: float) -> float:
+def _of_falling(subject: Subject, level: float) -> float:
     """Round-off of velocities to which constant gravity adds the same at every step, and of the
     places they carry.
     """
-    falls = "uniform_gravity" in trial.instance.scene.features
+    falls = "uniform_gravity" in subject.instance.scene.features
     if falls:
-        return flight(trial.instance, trial.method, level)
+        return flight(subject.instance, subject.method, level)
     return 0.0
 
 
-def _of_positions(trial: Trial) -> float:
+def _of_positions(subject: Subject) -> float:
     """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where
     the motion fills its scale.
 
@@ -288,13 +292,13 @@ def _of_positions(trial: Trial) -> float:
     places, so that it is u |r| that counts where |r| > L.
     """
     far = (
-        float(np.linalg.norm(trial.instance.scene.bodies.position, axis=1).max())
-        / trial.instance.scales.length
+        float(np.linalg.norm(subject.instance.scene.bodies.position, axis=1).max())
+        / subject.instance.scales.length
     )
-    if "contact" not in trial.instance.scene.features:
+    if "contact" not in subject.instance.scene.features:
         far = 1.0
     return max(1.0, far) * float(
-        np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance)))
+        np.sqrt(subject.instance.scales.energy / (2 * energy_scale(subject.instance)))
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core.balance import kinetic
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, undecided
 from refdem.core.variant import Variant
@@ -26,40 +26,40 @@ class EnergyReturn(Check):
     kills = "a law keyed to the sign of the velocity, a field whose work is another"
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes in which a field or a turn changes the kinetic energy, and methods whose end state
         is complete.
         """
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         if not scene.all(PiecewiseField) and not scene.all(Wedge):
             return "no asymmetric force changes the kinetic energy"
-        if trial.method.complete_state:
+        if subject.method.complete_state:
             return None
         return "the method's end state is not complete, so it cannot go on from there"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level, there and back."""
-        return (trial.finest, Variant(trial.levels[-1], "reversed"))
+        return (subject.finest, Variant(subject.levels[-1], "reversed"))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Gain against truth; gain and loss against each other."""
-        truth = certified(trial)
-        if truth is None or truth.until < len(trial.instance.times):
-            return [undecided(self.name, "gain", no_truth(trial))]
-        instance = trial.instance
-        scene = trial.instance.scene
-        there, back = (kinetic(scene, runs[variant].trajectory) for variant in self.needs(trial))
+        truth = certified(subject)
+        if truth is None or truth.until < len(subject.instance.times):
+            return [undecided(self.name, "gain", no_truth(subject))]
+        instance = subject.instance
+        scene = subject.instance.scene
+        there, back = (kinetic(scene, runs[variant].trajectory) for variant in self.needs(subject))
         speeds = truth.value("v")[[0, -1]]
         true = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
         unit = instance.scales.energy * fastest**2
         gained = there[-1] - there[0]
         lost = back[-1] - back[0]
-        allowed = float(trial.bound(trial.levels[-1])[-1])
+        allowed = float(subject.bound(subject.levels[-1])[-1])
         growth = float(truth.growth()[-1])
-        exact = trial.method.reversible or trial.method.control == "exact"
+        exact = subject.method.reversible or subject.method.control == "exact"
         if exact:
-            back_off = 2 * trial.round_off(trial.levels[-1]) * growth**2
+            back_off = 2 * subject.round_off(subject.levels[-1]) * growth**2
         else:
             back_off = 2 * allowed * growth
         gain_error = judged(

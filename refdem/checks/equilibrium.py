@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, worst
 from refdem.core.variant import Variant
@@ -29,9 +29,9 @@ class Equilibrium(Check):
         "a top that attracts or lets nothing go, a bottom that repels, a wrong rate of departure"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """One rod to the world, gravity, a start at rest next to the vertical."""
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         kinds = sorted(element.kind for element in scene.elements)
         if (
             kinds != ["rod", "uniform_gravity"]
@@ -45,25 +45,27 @@ class Equilibrium(Check):
             return None
         return "it does not start next to an equilibrium"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far
         beyond delta it goes.
         """
-        run = runs[trial.finest].trajectory
-        scene = trial.instance.scene
+        run = runs[subject.finest].trajectory
+        scene = subject.instance.scene
         rod = scene.all(Rod)[0]
         seen = _angles(scene, run.position[:, rod.a])
         w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
         delta = float(_angles(scene, scene.bodies.position)[0])
         if _is_top(scene):
-            return [self._departure(trial, run.t, seen, w0, delta)]
-        return self._at_bottom(trial, run.t, seen, w0, delta)
+            return [self._departure(subject, run.t, seen, w0, delta)]
+        return self._at_bottom(subject, run.t, seen, w0, delta)
 
-    def _departure(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> Finding:
+    def _departure(
+        self, subject: Subject, t: Array, seen: Array, w0: float, delta: float
+    ) -> Finding:
         """From the top, up to SMALL: the term of third order of the series is what is left of the
         true motion.
         """
@@ -72,7 +74,7 @@ class Equilibrium(Check):
         phase = phase[small]
         first = delta * np.cosh(phase)
         third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
-        allowed = _in_proportion(trial, delta)[small]
+        allowed = _in_proportion(subject, delta)[small]
         return worst(
             check=self.name,
             quantity="departure",
@@ -89,13 +91,13 @@ class Equilibrium(Check):
         )
 
     def _at_bottom(
-        self, trial: Trial, t: Array, seen: Array, w0: float, delta: float
+        self, subject: Subject, t: Array, seen: Array, w0: float, delta: float
     ) -> list[Finding]:
         """theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt) with w = w0 (1 - delta^2/16), to
         third order (Lindstedt).
         """
         phase = w0 * np.abs(t - t[0])
-        allowed = _in_proportion(trial, delta) * (1 + phase)
+        allowed = _in_proportion(subject, delta) * (1 + phase)
         first = delta * np.cos(phase)
         third = np.abs(delta) ** 3 * (phase / 16 + 1 / 96)
         bounded = worst(
@@ -123,18 +125,18 @@ class Equilibrium(Check):
         return [bounded, swing]
 
 
-def _in_proportion(trial: Trial, delta: float) -> Array:
+def _in_proportion(subject: Subject, delta: float) -> Array:
     """Truncation and round-off (T,) [rad].
 
     Next to an equilibrium the equation is linear, so the error of fixed steps is in proportion to
     delta; a tolerance is absolute.
     """
-    level = trial.levels[-1]
-    if trial.method.control == "step":
+    level = subject.levels[-1]
+    if subject.method.control == "step":
         size = abs(delta)
     else:
         size = 1.0
-    found: Array = trial.truncation(level) * size + trial.round_off(level)
+    found: Array = subject.truncation(level) * size + subject.round_off(level)
     return found
 
 

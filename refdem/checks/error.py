@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from refdem.core.case import Instance
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
 from refdem.core.judgement import (
     MIXED,
@@ -45,43 +45,46 @@ class Error(Check):
     judges = (Problem,)
     kills = "anything that makes the motion wrong beyond the method's own truncation error"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Everywhere: without truth it says undecided."""
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of every level."""
-        return trial.plain
+        return subject.plain
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding a quantity."""
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "state", no_truth(trial))]
+            return [undecided(self.name, "state", no_truth(subject))]
         seen = {
             level: errors(
-                trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)
+                subject.instance,
+                runs[Variant(level)].trajectory,
+                truth,
+                subject.method.delay(level),
             )
-            for level in trial.levels
+            for level in subject.levels
         }
-        if not (names := seen[trial.levels[0]]):
+        if not (names := seen[subject.levels[0]]):
             return [undecided(self.name, "state", MIXED)]
-        moved = _signals(trial, truth)
-        bounds = _bounds(trial, runs)
+        moved = _signals(subject, truth)
+        bounds = _bounds(subject, runs)
         found = [
             self._finding(
-                trial, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds
+                subject, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds
             )
             for name in names
         ]
-        return found + self._unsaid(trial, names)
+        return found + self._unsaid(subject, names)
 
-    def _unsaid(self, trial: Trial, names: Iterable[str]) -> list[Finding]:
+    def _unsaid(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
         """One finding for what the engine left out of a question without time: its parts are asked
         for one by one.
         """
-        left = [name for name in trial.instance.quantities if name not in set(names)]
-        if not left or not isinstance(trial.instance.problem, Static):
+        left = [name for name in subject.instance.quantities if name not in set(names)]
+        if not left or not isinstance(subject.instance.problem, Static):
             return []
         of = ", ".join(dict.fromkeys(name.partition(".")[0] for name in left))
         return [
@@ -95,8 +98,8 @@ class Error(Check):
 
     def _finding(
         self,
-        trial: Trial,
-        runs: Mapping[Variant, Outcome],
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
         quantity: str,
         seen: dict[float, Array],
         moved: Array,
@@ -126,7 +129,7 @@ class Error(Check):
         allowed = bounds[at]
         point = int(np.argmax(error / allowed))
         levels = [
-            _level(trial, level, error, trial.bound(level), runs[Variant(level)].cost.seconds)
+            _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
             for level, error in seen.items()
         ]
         return judged(
@@ -135,18 +138,18 @@ class Error(Check):
             value=float(error[point]),
             bound=float(allowed[point]),
             unit="1",
-            basis=_basis(trial, at, settled=bool(allowed[point] < trial.bound(at)[point])),
-            what=_what(trial, quantity, at, point, count),
+            basis=_basis(subject, at, settled=bool(allowed[point] < subject.bound(at)[point])),
+            what=_what(subject, quantity, at, point, count),
             sight=min(sights.values(), key=_part),
             levels=tuple(levels),
-            series=curve(trial.instance.times[:count], error, allowed),
-            order_seen=_order_seen(trial, levels),
-            order_claimed=float(trial.order) if trial.method.control == "step" else None,
-            constant_seen=_constant_seen(trial, levels),
+            series=curve(subject.instance.times[:count], error, allowed),
+            order_seen=_order_seen(subject, levels),
+            order_claimed=float(subject.order) if subject.method.control == "step" else None,
+            constant_seen=_constant_seen(subject, levels),
         )
 
 
-def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]:
+def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[float, Array]:
     """The bound of every level that can be judged (count,), up to the horizon; of the finest the
     smaller of two.
 
@@ -155,10 +158,10 @@ def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]
     step leave is measured, and goes on beyond it.
     """
     found: dict[float, Array] = {}
-    for level in trial.levels:
-        allowed = trial.bound(level)
-        if level == trial.levels[-1]:
-            allowed = _sharpened(allowed, _settling(trial, runs))
+    for level in subject.levels:
+        allowed = subject.bound(level)
+        if level == subject.levels[-1]:
+            allowed = _sharpened(allowed, _settling(subject, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             found[level] = allowed[:count]
@@ -181,7 +184,7 @@ def _sharpened(allowed: Array, settled: Array | None) -> Array:
     return found
 
 
-def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
+def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
     """What the last halvings of the step leave of the error at the finest level (count,), in units
     of the scales; None if unknown.
 
@@ -193,27 +196,27 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where
     samples leave no room for longer steps, it says nothing.
     """
-    method = trial.method
-    instance = trial.instance
-    if method.control == "exact" or len(trial.levels) < 3 or trial.truth is None:
+    method = subject.method
+    instance = subject.instance
+    if method.control == "exact" or len(subject.levels) < 3 or subject.truth is None:
         return None
-    count = trial.truth.until
+    count = subject.truth.until
     if method.control == "tolerance":
-        count = scored(trial.bound(trial.levels[-3]))
+        count = scored(subject.bound(subject.levels[-3]))
     if count < 2:
         return None
-    count = trial.truth.until
-    order = trial.order
+    count = subject.truth.until
+    order = subject.order
     coarse, middle, fine = (
-        instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:]
+        instance.observe(runs[Variant(level)].trajectory) for level in subject.levels[-3:]
     )
     before = _changes(instance, coarse, middle, count)
     last = _changes(instance, middle, fine, count)
-    rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
-    room = room_of(trial)
+    rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
+    room = room_of(subject)
     falls = 2.0**order
     if method.control == "tolerance":
-        falls = trial.levels[-2] / trial.levels[-1]
+        falls = subject.levels[-2] / subject.levels[-1]
         if not np.any(before > rounding):
             return None
     elif not kinked(instance):
@@ -226,7 +229,7 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     is_cut = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = room * change + rounding
     if is_cut:
-        allowed = allowed + ROOM * (_straddled(instance, fine, count) * trial.levels[-1])
+        allowed = allowed + ROOM * (_straddled(instance, fine, count) * subject.levels[-1])
     return allowed
 
 
@@ -262,12 +265,12 @@ def _changes(
     return largest
 
 
-def _signals(trial: Trial, truth: SampledTruth) -> dict[str, Array]:
+def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
     """How far the truth of every quantity has moved (until,), in units of its scale; 0 for one that
     stays within round-off.
     """
-    rounding = trial.noise(trial.levels[-1]) * truth.growth()
-    moved = movements(trial.instance, truth)
+    rounding = subject.noise(subject.levels[-1]) * truth.growth()
+    moved = movements(subject.instance, truth)
     return {
         name: away if np.any(away > rounding) else np.zeros_like(away)
         for name, away in moved.items()
@@ -291,13 +294,13 @@ def _part(sight: Sight) -> float:
     return sight.sharpness
 
 
-def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:
+def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds: float) -> Level:
     """What the tolerance table and the order need of one level."""
-    assert trial.truth is not None
+    assert subject.truth is not None
     counts = (
-        trial.method.control == "step"
+        subject.method.control == "step"
         and scored(allowed) == len(allowed)
-        and bool(allowed[-1] >= _floor(trial, level))
+        and bool(allowed[-1] >= _floor(subject, level))
     )
     return Level(
         level=level,
@@ -308,68 +311,67 @@ def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: fl
     )
 
 
-def _floor(trial: Trial, level: float) -> float:
+def _floor(subject: Subject, level: float) -> float:
     """Below 20 x round-off times the sensitivity there is no truncation error to see."""
-    assert trial.truth is not None
-    return COUNTING_FLOOR * trial.noise(level) * float(trial.truth.growth()[-1])
+    assert subject.truth is not None
+    return COUNTING_FLOOR * subject.noise(level) * float(subject.truth.growth()[-1])
 
 
-def _order_seen(trial: Trial, levels: list[Level]) -> float | None:
+def _order_seen(subject: Subject, levels: list[Level]) -> float | None:
     """The order of the last pair of counting levels whose errors are truncation errors."""
     seen = [
         (a, b)
         for a, b in pairwise(levels)
-        if a.counts and b.counts and b.error > _floor(trial, b.level)
+        if a.counts and b.counts and b.error > _floor(subject, b.level)
     ]
     if seen and seen[-1][0].error > 0:
         return float(np.log2(seen[-1][0].error / seen[-1][1].error))
     return None
 
 
-def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
+def _constant_seen(subject: Subject, levels: list[Level]) -> float | None:
     """The largest error over (T/tau) (h/tau)^p S among the levels that count: the measured C."""
-    assert trial.truth is not None
-    growth = trial.truth.growth()[-1]
+    assert subject.truth is not None
+    growth = subject.truth.growth()[-1]
     sizes = [
-        level.error / float(trial.truncation(level.level)[-1] * growth)
+        level.error / float(subject.truncation(level.level)[-1] * growth)
         for level in levels
         if level.counts
     ]
     if sizes:
-        return max(sizes) * trial.method.constant
+        return max(sizes) * subject.method.constant
     return None
 
 
-def _basis(trial: Trial, level: float, *, settled: bool) -> str:
+def _basis(subject: Subject, level: float, *, settled: bool) -> str:
     """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
-    if settled and trial.method.control == "tolerance":
+    if settled and subject.method.control == "tolerance":
         return (
             "what an error may be that falls with the tolerance if the run still changed by so"
             " little with the last"
         )
     if settled:
-        order = trial.order
+        order = subject.order
         return (
             f"what an error of order {order} may be if the run still changed by so little when the"
             " step was halved"
         )
-    if trial.method.control == "exact":
+    if subject.method.control == "exact":
         return "an exact method may be off by round-off times the sensitivity S of the motion"
-    if trial.method.control == "tolerance":
-        factor = float(trial.truncation(level)[-1]) / level
+    if subject.method.control == "tolerance":
+        factor = float(subject.truncation(level)[-1]) / level
         return (
             f"{factor:.3g} times the tolerance {level:.2g}, times the sensitivity S of the motion"
         )
-    order = trial.order
-    return (
-        f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {trial.method.constant:g}"
-    )
+    order = subject.order
+    constant = subject.method.constant
+    return f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {constant:g}"
 
 
-def _what(trial: Trial, quantity: str, level: float, point: int, count: int) -> str:
+def _what(subject: Subject, quantity: str, level: float, point: int, count: int) -> str:
     """The measured value in words."""
-    times = trial.instance.times
-    when = trial.instance.problem.when
+    times = subject.instance.times
+    when = subject.instance.problem.when
     if count == len(times):
         end = ""
     else:
@@ -378,7 +380,7 @@ def _what(trial: Trial, quantity: str, level: float, point: int, count: int) -> 
         "step": f" at step {level:.3g} s",
         "tolerance": f" at tolerance {level:.1g}",
         "exact": "",
-    }[trial.method.control]
+    }[subject.method.control]
     return (
         f"The error of {quantity} in units of its scale{step}, worst against its bound at"
         f" {when(times[point])}{end},"

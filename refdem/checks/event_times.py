@@ -9,7 +9,7 @@ from math import exp, inf, sqrt
 import numpy as np
 
 from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
     Sight,
@@ -51,38 +51,42 @@ class EventTimes(Check):
         " force only turns"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Points that rub on a belt, shapes in touch that part, where truth has the times."""
-        if not has_crossings(trial.instance.scene):
+        if not has_crossings(subject.instance.scene):
             return "no times of events are certified for such scenes"
-        if trial.truth is not None and certified(trial) and not crossings(trial, trial.truth):
+        if (
+            subject.truth is not None
+            and certified(subject)
+            and not crossings(subject, subject.truth)
+        ):
             return "truth tells no times of events"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each kind of event that the run reports."""
         told: dict[str, list[float]] = {}
-        run = runs[trial.finest].trajectory
+        run = runs[subject.finest].trajectory
         for event in run.events:
             told.setdefault(event.kind, []).append(event.time)
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, kind, no_truth(trial)) for kind in KINDS if kind in told]
-        scored = predicted(trial, truth, crossings(trial, truth), run)
+            return [undecided(self.name, kind, no_truth(subject)) for kind in KINDS if kind in told]
+        scored = predicted(subject, truth, crossings(subject, truth), run)
         return [
-            self._finding(trial, kind, np.array(told[kind]), scored)
+            self._finding(subject, kind, np.array(told[kind]), scored)
             for kind in KINDS
             if kind in told and kind in scored.events
         ]
 
-    def _finding(self, trial: Trial, kind: str, told: Array, scored: "Predicted") -> Finding:
+    def _finding(self, subject: Subject, kind: str, told: Array, scored: "Predicted") -> Finding:
         """The pair that comes nearest to its bound."""
-        start = float(trial.instance.times[0])
-        tau = trial.instance.scales.tau
+        start = float(subject.instance.times[0])
+        tau = subject.instance.scales.tau
         known = scored.events[kind]
         due = [
             (one, allowed)
@@ -99,7 +103,7 @@ class EventTimes(Check):
         ]
         pairs += [nearest(float(time), known, scored.told - start) for time in seen]
         off, allowed, time = max(pairs, key=lambda pair: pair[0] / pair[1] if pair[1] else inf)
-        if located(trial):
+        if located(subject):
             stepped = ""
         else:
             stepped = ", and a step, at whose end the method sees it"
@@ -146,18 +150,20 @@ def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, flo
     return found
 
 
-def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajectory) -> Predicted:
+def predicted(
+    subject: Subject, truth: SampledTruth, known: Crossings, run: Trajectory
+) -> Predicted:
     """Events up to the horizon of the motion, or up to the first that comes too slowly.
 
     Of a belt nothing is known of what comes after the last event, which may be told too early; all
     else parts or stops once.
     """
-    bound = trial.bound(trial.levels[-1])
-    times = trial.instance.times[: truth.until]
-    tau = trial.instance.scales.tau
+    bound = subject.bound(subject.levels[-1])
+    times = subject.instance.times[: truth.until]
+    tau = subject.instance.scales.tau
     end = float(times[max(0, scored(bound) - 1)])
     last = float(times[0])
-    seen = seen_bound(trial, truth, run)
+    seen = seen_bound(subject, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
     for one, kind in sorted(
         ((one, name) for name, ones in known.items() for one in ones), key=lambda pair: pair[0].time
@@ -170,8 +176,8 @@ def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajecto
                 " moves it by more than tau/10"
             )
             return Predicted(events, last, last, slow)
-        moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(trial, one)
-        allowed = min(moved, moved_as_seen) + one.radius + ticks(trial, one.time)
+        moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(subject, one)
+        allowed = min(moved, moved_as_seen) + one.radius + ticks(subject, one.time)
         if one.time > end:
             return Predicted(events, end, min(end, one.time - allowed), truth.reason)
         events[kind].append((one, allowed))
@@ -189,30 +195,30 @@ def error_at(one: Crossing, bound: Array, times: Array) -> float:
     )
 
 
-def seen_bound(trial: Trial, truth: SampledTruth, run: Trajectory) -> Array:
+def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     """What the run may be off by at each sample (until,) and since the last: what it is seen to be
     off by so far, with room.
     """
-    level = trial.levels[-1]
-    rounding: Array = COUNTING_FLOOR * trial.noise(level) * truth.growth()
-    return room_of(trial) * largest_so_far(trial, level, run, truth) + rounding
+    level = subject.levels[-1]
+    rounding: Array = COUNTING_FLOOR * subject.noise(level) * truth.growth()
+    return room_of(subject) * largest_so_far(subject, level, run, truth) + rounding
 
 
-def interpolated(trial: Trial, one: Crossing) -> float:
+def interpolated(subject: Subject, one: Crossing) -> float:
     """How far [s] the zero of g between two steps may be from its own: of a chord |g''| h^2/8 over
     |g'|, less for higher orders.
 
     A method of order p that claims to tell events at their own times finds them between its steps
     to that order too.
     """
-    if trial.method.control != "step":
+    if subject.method.control != "step":
         return 0.0
     if one.rate == 0:
         return inf
-    level = trial.levels[-1]
+    level = subject.levels[-1]
     of_chord = one.bend * level**2 / (8 * one.rate)
-    further = max(0.0, trial.order - 2.0)
-    return of_chord * float((level / trial.instance.scales.tau) ** further)
+    further = max(0.0, subject.order - 2.0)
+    return of_chord * float((level / subject.instance.scales.tau) ** further)
 
 
 def shift(error: float, one: Crossing) -> float:
@@ -223,22 +229,22 @@ def shift(error: float, one: Crossing) -> float:
     return inf
 
 
-def located(trial: Trial) -> bool:
+def located(subject: Subject) -> bool:
     """Events are told at their own times, not at the end of a step."""
-    return trial.method.control != "step" or trial.method.locates_events
+    return subject.method.control != "step" or subject.method.locates_events
 
 
-def ticks(trial: Trial, time: float) -> float:
+def ticks(subject: Subject, time: float) -> float:
     """Rounding [s] of a clock that is written, or summed step by step, and the step of a method
     that sees events at its end.
     """
-    level = trial.levels[-1]
-    if trial.method.control == "step":
-        summed = steps_at(trial.instance, trial.method, level)
+    level = subject.levels[-1]
+    if subject.method.control == "step":
+        summed = steps_at(subject.instance, subject.method, level)
     else:
         summed = 0.0
-    rounding = trial.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
-    return rounding + (0.0 if located(trial) else level)
+    rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
+    return rounding + (0.0 if located(subject) else level)
 
 
 CHECK = EventTimes()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.refinement import steps_at
@@ -33,11 +33,11 @@ class Flight(Check):
         " by the step before"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Bodies that meet each other or walls under a law with an overlap, and on which nothing
         else acts.
         """
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         if (
             "contact" not in scene.features
             or {element.kind for element in scene.elements} - BETWEEN_CONTACTS
@@ -49,18 +49,18 @@ class Flight(Check):
             return None
         return "nothing flies"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest distance of any such body from where v dt takes it; none where every body was
         hit in every interval.
         """
-        run = runs[trial.finest].trajectory
-        scene = trial.instance.scene
-        scales = trial.instance.scales
-        rounding = trial.round_off(trial.levels[-1])
+        run = runs[subject.finest].trajectory
+        scene = subject.instance.scene
+        scales = subject.instance.scales
+        rounding = subject.round_off(subject.levels[-1])
         way = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         alone = _is_alone(scene, run, way, rounding)
         if not alone.any():
@@ -70,8 +70,8 @@ class Flight(Check):
         fast = np.max(np.abs(run.velocity)) * scales.duration / scales.length
         # r + v h is rounded the same way at every step while r keeps its exponent, so that these
         # roundings do add up.
-        steps = steps_at(trial.instance, trial.method, trial.levels[-1]) / (len(run.t) - 1)
-        adding = 2.0 * trial.method.round_off * steps * far
+        steps = steps_at(subject.instance, subject.method, subject.levels[-1]) / (len(run.t) - 1)
+        adding = 2.0 * subject.method.round_off * steps * far
         return [
             worst(
                 check=self.name,

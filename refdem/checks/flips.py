@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import scored
@@ -21,33 +21,33 @@ class Flips(Check):
     kills = "a missing or wrong gyroscopic term, inertia axes mixed up"
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """One tumbling body without elements."""
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         if "tumbling" not in scene.features or scene.elements or len(scene.bodies) != 1:
             return "there is no free body that tumbles"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The difference of the two numbers, as far as the run is scored."""
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "flips", no_truth(trial))]
-        bound = trial.bound(trial.levels[-1])
+            return [undecided(self.name, "flips", no_truth(subject))]
+        bound = subject.bound(subject.levels[-1])
         count = scored(bound)
-        axis = "xyz"[int(np.argsort(trial.instance.scene.bodies.inertia[0])[1])]
+        axis = "xyz"[int(np.argsort(subject.instance.scene.bodies.inertia[0])[1])]
         name = f"omega_body.{axis}"
         told = (
             np.abs(truth.value(name)[:count])
-            > bound[:count] * trial.instance.quantities[name].scale
+            > bound[:count] * subject.instance.quantities[name].scale
         )  # else round-off has the sign
-        seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count][told])
+        seen = _flips(subject.instance.observe(runs[subject.finest].trajectory)[name][:count][told])
         true = _flips(truth.value(name)[:count][told])
-        until = f"up to t = {trial.instance.times[count - 1]:.4g} s"
+        until = f"up to t = {subject.instance.times[count - 1]:.4g} s"
         what = (
             f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the"
             " difference"

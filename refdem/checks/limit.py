@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, signed, undecided
 from refdem.core.refinement import kinked, scored
@@ -36,31 +36,31 @@ class Limit(Check):
         " converges, but elsewhere"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Smooth motions in steps of three sizes, with places and velocities of one time."""
-        if trial.method.control != "step":
-            return f"the method is controlled by {trial.method.control}, not by a step"
-        if kinked(trial.instance):
+        if subject.method.control != "step":
+            return f"the method is controlled by {subject.method.control}, not by a step"
+        if kinked(subject.instance):
             return "kinks scatter the errors, so that they are no power of the step"
-        if trial.method.delay(trial.levels[0]) != 0:
+        if subject.method.delay(subject.levels[0]) != 0:
             return "velocities lag by a time that changes with the step"
-        if len(trial.levels) > 2:
+        if len(subject.levels) > 2:
             return None
         return "three steps are needed"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain runs of the three finest levels."""
-        return tuple(Variant(level) for level in trial.levels[-3:])
+        return tuple(Variant(level) for level in subject.levels[-3:])
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for the state: the largest extrapolated error of any quantity, in its
         scale.
         """
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "state", no_truth(trial))]
-        coarse, middle, fine = (runs[variant].trajectory for variant in self.needs(trial))
-        count = min(truth.until, scored(trial.bound(trial.levels[-3])))
+            return [undecided(self.name, "state", no_truth(subject))]
+        coarse, middle, fine = (runs[variant].trajectory for variant in self.needs(subject))
+        count = min(truth.until, scored(subject.bound(subject.levels[-3])))
         if count < 2:
             return [
                 undecided(
@@ -69,9 +69,9 @@ class Limit(Check):
                     "at the third finest step no more than the start can be predicted",
                 )
             ]
-        order = trial.order
-        errors = [signed(trial, run, truth, count) for run in (coarse, middle, fine)]
-        floor = 3 * float(np.max(trial.noise(trial.levels[-1]) * truth.growth()[:count]))
+        order = subject.order
+        errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
+        floor = 3 * float(np.max(subject.noise(subject.levels[-1]) * truth.growth()[:count]))
         sizes = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if sizes[1] > floor and np.log2(sizes[0] / sizes[1]) < order - SETTLED:
             return [

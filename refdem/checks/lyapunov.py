@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, distances, followed, judged, no_truth, undecided
 from refdem.core.problem import Iteration, Motion
@@ -65,15 +65,15 @@ class Lyapunov(Check):
         " they part"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Where the case says that it is chaotic, or that it is not and lasts long; methods whose
         neighbours can be compared.
         """
-        scales = trial.instance.scales
-        chaotic = trial.instance.case.is_chaotic(trial.instance.p)
+        scales = subject.instance.scales
+        chaotic = subject.instance.case.is_chaotic(subject.instance.p)
         if chaotic is None:
             return "nobody has said whether the motion is chaotic"
-        if trial.method.control == "tolerance" or trial.method.precision != "double":
+        if subject.method.control == "tolerance" or subject.method.precision != "double":
             return (
                 "neighbouring runs differ by the tolerance, or by single precision, as much as by"
                 " their starts"
@@ -82,24 +82,26 @@ class Lyapunov(Check):
             return f"a regular motion is told from a chaotic one after {LONG:g} tau, not before"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level, and the same from a start beside it."""
-        return (trial.finest, Variant(trial.levels[-1], "perturbed", APART))
+        return (subject.finest, Variant(subject.levels[-1], "perturbed", APART))
 
-    def _of_regular_motion(self, trial: Trial, run: Outcome, apart: Array, seen: Growth) -> Finding:
+    def _of_regular_motion(
+        self, subject: Subject, run: CompletedRun, apart: Array, seen: Growth
+    ) -> Finding:
         """The power by which neighbours (T,) part, held to S where the true motion is unstable for
         a while.
         """
         count = len(apart)
-        t = trial.instance.times[:count]
-        truth = certified(trial)
+        t = subject.instance.times[:count]
+        truth = certified(subject)
         if truth is None or truth.until < count:
             return self._regular(seen, None)
         known = truth.growth()[:count]
         true = growth(t, known)
         is_unstable = true.power > LARGEST_POWER
         if is_unstable:
-            follows = followed(trial, trial.levels[-1], run.trajectory, truth, BESIDE)
+            follows = followed(subject, subject.levels[-1], run.trajectory, truth, BESIDE)
             if follows < count:
                 why = (
                     "the true motion is unstable for a while and the run has left it, so that its"
@@ -107,20 +109,20 @@ class Lyapunov(Check):
                 )
                 return undecided(self.name, "power", why)
         # Neighbours of a regular motion part as the square of time at most.
-        square = (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2
+        square = (t[-1] - t[0]) ** 2 / subject.instance.scales.tau**2
         if not is_unstable and known[-1] <= square:
             return self._regular(seen, true)
         room = float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart)))
         return self._regular(seen, true, room)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The exponent, and the class of the motion."""
-        plain, beside = self.needs(trial)
+        plain, beside = self.needs(subject)
         if beside not in runs:
             return [
                 undecided(self.name, "exponent", "the code refused the start beside it when it ran")
             ]
-        apart = distances(trial.instance, runs[beside].trajectory, runs[plain].trajectory)
+        apart = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
         beyond = np.flatnonzero(apart > SATURATED)
         if len(beyond):
             count = int(beyond[0])
@@ -136,27 +138,27 @@ class Lyapunov(Check):
                     f"neighbours are far apart after {count} samples; ask for more of them",
                 )
             ]
-        t = trial.instance.times[:count]
+        t = subject.instance.times[:count]
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
-        truth = certified(trial)
-        if not trial.instance.case.is_chaotic(trial.instance.p):
-            return [self._of_regular_motion(trial, runs[plain], apart[:count], seen)]
+        truth = certified(subject)
+        if not subject.instance.case.is_chaotic(subject.instance.p):
+            return [self._of_regular_motion(subject, runs[plain], apart[:count], seen)]
         if truth is None or truth.until < count:
             if truth:
                 why = f"truth is certified for {truth.until} of {count} samples"
             else:
-                why = no_truth(trial)
+                why = no_truth(subject)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
         true = growth(t, truth.growth()[:count])
         if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
-            until = trial.instance.problem.when(t[-1])
+            until = subject.instance.problem.when(t[-1])
             size = f"{true.exponent:.2g} +- {true.error:.1g}"
             why = (
                 f"until {until} neighbours of the true motion part with the exponent {size}, the"
                 f" power {true.power:.2g}"
             )
             return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
-        return [self._positive(seen), self._against_truth(trial, seen, true, t)]
+        return [self._positive(seen), self._against_truth(subject, seen, true, t)]
 
     def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
         """No faster than a power of the time, or than neighbours of the true motion part at the
@@ -206,7 +208,7 @@ class Lyapunov(Check):
             ),
         )
 
-    def _against_truth(self, trial: Trial, seen: Growth, true: Growth, t: Array) -> Finding:
+    def _against_truth(self, subject: Subject, seen: Growth, true: Growth, t: Array) -> Finding:
         """The exponent that S has over the same time: error bars count only where the run is not on
         the same trajectory.
         """
@@ -218,7 +220,7 @@ class Lyapunov(Check):
             " starts off"
         )
         tight = float(np.log(FASTER if faster else SLOWER)) / lasts
-        if tight < bound and np.max(trial.bound(trial.levels[-1])[: len(t)]) < SATURATED:
+        if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight
             if faster:
                 beyond = f"but for a factor of {FASTER:g}"
@@ -232,7 +234,7 @@ class Lyapunov(Check):
             quantity="exponent",
             value=abs(seen.exponent - true.exponent),
             bound=bound,
-            unit="1/s" if isinstance(trial.instance.problem, Motion) else "1",
+            unit="1/s" if isinstance(subject.instance.problem, Motion) else "1",
             basis=basis,
             what=(
                 f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth"

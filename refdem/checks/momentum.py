@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core.balance import linear, momentum_scale
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.refinement import sweeping
@@ -22,29 +22,29 @@ class Momentum(Check):
         "a contact force applied to one body only, a lost mass, a velocity mixed up between bodies"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Isolated scenes."""
-        if trial.instance.scene.is_isolated():
+        if subject.instance.scene.is_isolated():
             return None
         return "something acts from outside, so momentum is not kept"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level."""
-        return (Variant(trial.levels[0]),)
+        return (Variant(subject.levels[0]),)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest change of the vector."""
-        level = trial.levels[0]
+        level = subject.levels[0]
         run = runs[Variant(level)].trajectory
-        total = linear(trial.instance.scene, run)
+        total = linear(subject.instance.scene, run)
         return [
             worst(
                 check=self.name,
                 quantity="total",
-                t=trial.instance.times,
-                values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(trial.instance),
-                allowed=trial.round_off(level) * sweeping(trial.instance, trial.method),
-                signal=_exchanged(trial, run),
+                t=subject.instance.times,
+                values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(subject.instance),
+                allowed=subject.round_off(level) * sweeping(subject.instance, subject.method),
+                signal=_exchanged(subject, run),
                 unit="1",
                 basis=(
                     "action equals reaction at every step, so only round-off c u sqrt(n) may"
@@ -55,13 +55,13 @@ class Momentum(Check):
         ]
 
 
-def _exchanged(trial: Trial, run: Trajectory) -> Array:
+def _exchanged(subject: Subject, run: Trajectory) -> Array:
     """The largest change of any body's momentum since the start (T,), in units of the sum of m|v|:
     what action and reaction balance.
     """
-    change = trial.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
-    largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(trial.instance)
-    rounding = trial.round_off(trial.levels[0])
+    change = subject.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
+    largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(subject.instance)
+    rounding = subject.round_off(subject.levels[0])
     if np.any(largest > rounding):
         return largest
     return np.zeros_like(largest)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
     MIXED,
@@ -70,46 +70,51 @@ class Order(Check):
     title = "Observed order"
     kills = "a wrong coefficient in the integrator, a force taken at the wrong time level"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Methods with a fixed step."""
-        if trial.method.control == "step":
+        if subject.method.control == "step":
             return None
-        return f"the method is controlled by {trial.method.control}, not by a step"
+        return f"the method is controlled by {subject.method.control}, not by a step"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of every level, and of finer ones where one pair shows little."""
-        return tuple(Variant(level) for level in order_levels(trial.instance, trial.levels))
+        return tuple(Variant(level) for level in order_levels(subject.instance, subject.levels))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for the state: the largest scaled error of any quantity; one more if errors
         can be seen to grow or fall.
         """
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "state", no_truth(trial))]
-        found = _seen(trial, runs, truth)
-        if not found[trial.levels[0]]:
+            return [undecided(self.name, "state", no_truth(subject))]
+        found = _seen(subject, runs, truth)
+        if not found[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
-        return [self._state(trial, runs, truth, found), *self._growth(trial, found)]
+        return [self._state(subject, runs, truth, found), *self._growth(subject, found)]
 
     def _state(
-        self, trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, found: Seen
+        self,
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
+        truth: SampledTruth,
+        found: Seen,
     ) -> Finding:
         """The observed order against the claimed one."""
-        counting, common = _counting(trial)
+        counting, common = _counting(subject)
         if len(counting) < 3:
+            levels = len(self.needs(subject))
             why = (
-                f"of {len(self.needs(trial))} levels {len(counting)} can count (a bound between 20"
+                f"Only {len(counting)} of {levels} refinement levels are usable (a bound between 20"
                 " x round-off and 0.1); 3 are needed"
             )
             return undecided(self.name, "state", why)
-        floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
+        floor = [COUNTING_FLOOR * _floor(subject, h) for h in counting]
         seen = [_largest(found[h], common) for h in counting]
         if all(error <= low for error, low in zip(seen[1:], floor[1:], strict=True)):
             return self._nothing_left(seen, floor)
-        if kinked(trial.instance):
+        if kinked(subject.instance):
             above = [k for k in range(len(seen)) if seen[k] > floor[k]]
-            return self._mean(trial, [counting[k] for k in above], [seen[k] for k in above])
+            return self._mean(subject, [counting[k] for k in above], [seen[k] for k in above])
         pairs = list(zip(pairwise(seen), floor[1:], strict=True))
         orders = [
             float(np.log2(a / b)) for (a, b), low in pairs if b > low
@@ -118,16 +123,18 @@ class Order(Check):
         # An error b that is rounded by a part r of itself is off by r/ln 2 octaves, and so is the
         # one before, by less.
         rounded = max(low / COUNTING_FLOOR / b for (_, b), low in pairs if b > low)
-        before = [_largest(found[h], common) for h in trial.levels if h > counting[0]]
+        before = [_largest(found[h], common) for h in subject.levels if h > counting[0]]
         earlier = [
             float(np.log2(a / b)) for a, b in pairwise([*before, seen[0]]) if b > 0 and a < SMALL
         ]
-        expected = expected_lack([*earlier, *orders], trial.order) + 2 * rounded / float(
+        expected = expected_lack([*earlier, *orders], subject.order) + 2 * rounded / float(
             np.log(2.0)
         )
-        return self._deficit(trial, orders, expected, _misfits(trial, runs, truth, shown, common))
+        return self._deficit(
+            subject, orders, expected, _misfits(subject, runs, truth, shown, common)
+        )
 
-    def _growth(self, trial: Trial, found: Seen) -> list[Finding]:
+    def _growth(self, subject: Subject, found: Seen) -> list[Finding]:
         """Errors at the three finest levels must not grow as the step falls, whatever bound they
         are within.
 
@@ -142,16 +149,16 @@ class Order(Check):
             return []
         seen = [_largest(found[h], common) for h in levels]
         above = all(
-            error > COUNTING_FLOOR * _floor(trial, h)
+            error > COUNTING_FLOOR * _floor(subject, h)
             for h, error in zip(levels[-3:], seen[-3:], strict=True)
         )
         if not above:
             return []
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(seen[-3:])]
         grows = min(rises) > RISE
-        if kinked(trial.instance):
+        if kinked(subject.instance):
             slope, deviation, _ = mean_order(levels, seen)
-            grows = grows and slope < -RISE and trial.order - slope > SURE * deviation
+            grows = grows and slope < -RISE and subject.order - slope > SURE * deviation
         listed = ", ".join(f"{error:.2g}" for error in seen)
         return [
             judged(
@@ -189,7 +196,7 @@ class Order(Check):
         )
 
     def _deficit(
-        self, trial: Trial, orders: list[float], expected: float, misfits: "Misfits | None"
+        self, subject: Subject, orders: list[float], expected: float, misfits: "Misfits | None"
     ) -> Finding:
         """What the order lacks at the end; one pair alone shows no limit, and decides only where it
         is nearer to another order.
@@ -197,7 +204,7 @@ class Order(Check):
         A lack that grows from pair to pair fails however small it is, if terms of a lower order
         tell the errors better.
         """
-        claimed = trial.order
+        claimed = subject.order
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
         lacking = lack(orders, claimed)
@@ -208,7 +215,7 @@ class Order(Check):
             )
             return undecided(self.name, "state", why)
         if lacking > tolerance and misfits is not None and not misfits.is_lower:
-            return self._cancelled(trial, orders, misfits)
+            return self._cancelled(subject, orders, misfits)
         basis = (
             f"order {claimed} is claimed and the pairs of levels must reach it, as the step falls,"
             " within max(0.15, 0.05 p)"
@@ -233,11 +240,11 @@ class Order(Check):
             order_claimed=float(claimed),
         )
 
-    def _cancelled(self, trial: Trial, orders: list[float], misfits: "Misfits") -> Finding:
+    def _cancelled(self, subject: Subject, orders: list[float], misfits: "Misfits") -> Finding:
         """Pairs lack order because leading terms cancel: the errors themselves are made of terms of
         the claimed order and more.
         """
-        claimed = trial.order
+        claimed = subject.order
         listed = ", ".join(f"{order:.2f}" for order in orders)
         if misfits.claimed > CANCELLED:
             why = (
@@ -263,17 +270,19 @@ class Order(Check):
             order_claimed=float(claimed),
         )
 
-    def _mean(self, trial: Trial, steps: list[float], seen: list[float]) -> Finding:
+    def _mean(self, subject: Subject, steps: list[float], seen: list[float]) -> Finding:
         """What the mean order lacks where the constant scatters: nearer to the claimed order than
         to the one below, or surely not.
         """
-        claimed = trial.order
-        limit = smoothness(trial.instance, trial.method)
+        claimed = subject.order
+        limit = smoothness(subject.instance, subject.method)
         basis = (
             f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2,"
             " so the mean order counts"
         )
-        if limit is not None and claimed < trial.method.order_for(trial.instance.problem.features):
+        if limit is not None and claimed < subject.method.order_for(
+            subject.instance.problem.features
+        ):
             basis = (
                 f"a force that goes as |s|^{limit.exponent:g} leaves fixed steps order {claimed:g};"
                 f" the method may declare {limit.key}"
@@ -292,7 +301,7 @@ class Order(Check):
             )
             return undecided(self.name, "state", why)
         if lacking > 0.5:
-            basis += "; " + _declared(trial)
+            basis += "; " + _declared(subject)
         return judged(
             check=self.name,
             quantity="state",
@@ -374,8 +383,8 @@ class Misfits(NamedTuple):
 
 
 def _misfits(
-    trial: Trial,
-    runs: Mapping[Variant, Outcome],
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
     truth: SampledTruth,
     levels: Sequence[float],
     common: int,
@@ -384,12 +393,12 @@ def _misfits(
 
     None where there are fewer, or velocities lag behind the places.
     """
-    if len(levels) < 3 or trial.method.delay(levels[0]) != 0:
+    if len(levels) < 3 or subject.method.delay(levels[0]) != 0:
         return None
-    errors = [signed(trial, runs[Variant(h)].trajectory, truth, common) for h in levels]
+    errors = [signed(subject, runs[Variant(h)].trajectory, truth, common) for h in levels]
     if not errors[-1].size:
         return None
-    order = trial.order
+    order = subject.order
     return Misfits(claimed=_left(errors, order, order + 1), lower=_left(errors, order - 1, order))
 
 
@@ -406,21 +415,21 @@ def _left(errors: Sequence[Array], first: float, second: float) -> float:
     return float(np.max(np.abs(fine - told)) / np.max(np.abs(fine)))
 
 
-def _declared(trial: Trial) -> str:
+def _declared(subject: Subject) -> str:
     """What to declare if the method has a lower order here and its author knows: the key of
     `refdem.toml`.
     """
-    limits = [limit for _, limit in singularities(trial.instance.scene)]
+    limits = [limit for _, limit in singularities(subject.instance.scene)]
     if limits:
         return f"if the method has a lower order there, declare {min(limits).key}"
     return "no force of the scene excuses it"
 
 
-def _seen(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth) -> Seen:
+def _seen(subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth) -> Seen:
     """Scaled errors of every quantity at every level that an order is read from."""
-    levels = order_levels(trial.instance, trial.levels)
+    levels = order_levels(subject.instance, subject.levels)
     return {
-        h: errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h))
+        h: errors(subject.instance, runs[Variant(h)].trajectory, truth, subject.method.delay(h))
         for h in levels
     }
 
@@ -430,18 +439,18 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
     return max(float(np.max(error[:common])) for error in scaled.values())
 
 
-def _counting(trial: Trial) -> tuple[list[float], int]:
+def _counting(subject: Subject) -> tuple[list[float], int]:
     """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that
     all of them score.
 
     Where the sensitivity carries every bound past a tenth, the levels are compared on the samples
     that the third finest scores, or the fourth where kinks scatter the errors.
     """
-    truth = trial.truth
+    truth = subject.truth
     assert truth is not None
-    levels = order_levels(trial.instance, trial.levels)
-    ranges = {h: scored(trial.bound(h)) for h in levels}
-    if kinked(trial.instance):
+    levels = order_levels(subject.instance, subject.levels)
+    ranges = {h: scored(subject.bound(h)) for h in levels}
+    if kinked(subject.instance):
         third = 3
     else:
         third = 2
@@ -451,19 +460,19 @@ def _counting(trial: Trial) -> tuple[list[float], int]:
     )
     if common < 2:
         return [], 0
-    allowed: dict[float, Array] = {h: trial.bound(h)[:common] for h in levels}
+    allowed: dict[float, Array] = {h: subject.bound(h)[:common] for h in levels}
     counting = [
         h
         for h in levels
-        if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)
+        if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(subject, h)
     ]
     return counting, common
 
 
-def _floor(trial: Trial, level: float) -> float:
+def _floor(subject: Subject, level: float) -> float:
     """Round-off at a level, that of the clock too, times the sensitivity."""
-    assert trial.truth is not None
-    return trial.noise(level) * float(trial.truth.growth()[-1])
+    assert subject.truth is not None
+    return subject.noise(level) * float(subject.truth.growth()[-1])
 
 
 CHECK = Order()

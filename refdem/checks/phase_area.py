@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from refdem.core.case import EnsembleCase
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, certified, no_truth, undecided, worst
 from refdem.core.problem import Ensemble
@@ -40,27 +40,27 @@ class PhaseArea(Check):
         " behind"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Cases whose starts are an outline."""
-        if isinstance(trial.instance.case, EnsembleCase):
+        if isinstance(subject.instance.case, EnsembleCase):
             return None
         return "the starts are no outline"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of the finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding: the largest error in units of the area at the start."""
-        truth = certified(trial)
-        case = trial.instance.case
+        truth = certified(subject)
+        case = subject.instance.case
         if truth is None or "area" not in truth.values:
-            return [undecided(self.name, "area", no_truth(trial))]
+            return [undecided(self.name, "area", no_truth(subject))]
         assert isinstance(case, EnsembleCase)
-        x, v = case.outline(trial.instance.p, runs[trial.finest].trajectory)
+        x, v = case.outline(subject.instance.p, runs[subject.finest].trajectory)
         first = abs(truth.value("area")[0])
         straight = (
-            polygon(x, v, BROKEN if "friction" in trial.instance.problem.features else SMOOTH)
+            polygon(x, v, BROKEN if "friction" in subject.instance.problem.features else SMOOTH)
             / first
         )
         until = min(
@@ -72,12 +72,14 @@ class PhaseArea(Check):
                 undecided(self.name, "area", "the outline has too few points for how it stretches")
             ]
         error = np.abs(phase_area(x, v)[:until] - truth.value("area")[:until]) / first
-        allowed = straight[:until] + rounding(trial, x, v)[:until] * truth.growth()[:until] / first
+        allowed = (
+            straight[:until] + rounding(subject, x, v)[:until] * truth.growth()[:until] / first
+        )
         return [
             worst(
                 check=self.name,
                 quantity="area",
-                t=trial.instance.times[:until],
+                t=subject.instance.times[:until],
                 values=np.maximum(0.0, error - truth.radius("area")[:until] / first),
                 allowed=allowed,
                 signal=1.0,
@@ -107,11 +109,11 @@ def polygon(x: Array, v: Array, part: float) -> Array:
     return found
 
 
-def rounding(trial: Trial, x: Array, v: Array) -> Array:
+def rounding(subject: Subject, x: Array, v: Array) -> Array:
     """Round-off (T,) of an area: that of the points along the whole outline."""
     shift_x, shift_v = (np.abs(column).max(axis=1) for column in (x, v))
     around: Any = shift_v * _way(x) + shift_x * _way(v)
-    found: Array = CORNER_ROUNDINGS * trial.round_off(trial.levels[-1]) * around
+    found: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * around
     return found
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.variant import Variant
@@ -17,30 +17,30 @@ class QuaternionNorm(Check):
     title = "Quaternion norm"
     kills = "an attitude that is integrated and never normalised"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes in which something turns, and methods whose attitudes nobody has made unit
         quaternions on the way.
         """
-        if "rotation" not in trial.instance.scene.features:
+        if "rotation" not in subject.instance.scene.features:
             return "nothing turns"
-        return trial.method.derived.get("attitude")
+        return subject.method.derived.get("attitude")
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level."""
-        return (Variant(trial.levels[0]),)
+        return (Variant(subject.levels[0]),)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest | |q| - 1 | of any body."""
-        level = trial.levels[0]
+        level = subject.levels[0]
         return [
             worst(
                 check=self.name,
                 quantity="norm",
-                t=trial.instance.times,
+                t=subject.instance.times,
                 values=np.abs(
                     np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1) - 1
                 ).max(axis=1),
-                allowed=trial.round_off(level),
+                allowed=subject.round_off(level),
                 unit="1",
                 basis="an attitude is a unit quaternion at every step, to round-off c u sqrt(n)",
                 what="The largest deviation of |q| from 1",

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, no_truth, undecided, worst
 from refdem.core.variant import Variant
@@ -17,30 +17,30 @@ class Rest(Check):
     title = "Rest stays rest"
     kills = "sgn(0) = 0 in a friction law, contact that sinks or jitters, gravity not balanced"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes that start at rest and, as truth says, stay there."""
-        bodies = trial.instance.scene.bodies
+        bodies = subject.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
             return "something moves from the start"
-        if trial.truth is not None and any(
-            np.ptp(values[: trial.truth.until]) > 0
-            for values in trial.truth.values.values()
+        if subject.truth is not None and any(
+            np.ptp(values[: subject.truth.until]) > 0
+            for values in subject.truth.values.values()
             if values
         ):
             return "it does not stay at rest"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Largest displacement and largest speed of any body."""
-        if certified(trial) is None:
-            return [undecided(self.name, "rest", no_truth(trial))]
-        run = runs[trial.finest].trajectory
-        scales = trial.instance.scales
-        moved = np.linalg.norm(run.position - trial.instance.scene.bodies.position, axis=-1).max(
+        if certified(subject) is None:
+            return [undecided(self.name, "rest", no_truth(subject))]
+        run = runs[subject.finest].trajectory
+        scales = subject.instance.scales
+        moved = np.linalg.norm(run.position - subject.instance.scene.bodies.position, axis=-1).max(
             axis=1
         )
         half = len(moved) // 2
@@ -53,9 +53,9 @@ class Rest(Check):
             worst(
                 check=self.name,
                 quantity=name,
-                t=trial.instance.times,
+                t=subject.instance.times,
                 values=size,
-                allowed=trial.round_off(trial.levels[-1]),
+                allowed=subject.round_off(subject.levels[-1]),
                 unit="1",
                 basis="a resting body stays at rest whatever the step, to round-off c u sqrt(n)",
                 what=(

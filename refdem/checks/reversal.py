@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
     ROOM,
@@ -39,30 +39,30 @@ class Reversal(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes without a direction of time and methods whose end state is complete."""
-        if not trial.instance.scene.is_reversible():
+        if not subject.instance.scene.is_reversible():
             return "energy comes in or goes out, so time has a direction"
-        if "contact:rigid" in trial.instance.scene.features:
+        if "contact:rigid" in subject.instance.scene.features:
             return "rigid contact forces at rest are not part of the state"
-        if trial.method.complete_state:
+        if subject.method.complete_state:
             return None
         return "the method's end state is not complete, so it cannot go on from there"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """A level, reversed, and backward where the method can; the two finest of the trial where
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
+        """A level, reversed, and backward where the method can; the two finest of the subject where
         the defect has an order.
         """
-        if trial.method.backward:
+        if subject.method.backward:
             changes: tuple[Change, ...] = ("reversed", "backward")
         else:
             changes = ("reversed",)
-        level = _level(trial)
-        if _has_order(trial):
-            pair = trial.levels[-2:]
+        level = _level(subject)
+        if _has_order(subject):
+            pair = subject.levels[-2:]
         else:
             pair = ()
-        told = Variant(_telling(trial, level))
+        told = Variant(_telling(subject, level))
         shown = (
             Variant(level),
             told,
@@ -71,24 +71,24 @@ class Reversal(Check):
         )
         return tuple(dict.fromkeys(shown))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The distance from the start, in units of each quantity's scale, and how fast it falls
         with the step.
         """
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "return", no_truth(trial))]
-        level = _level(trial)
+            return [undecided(self.name, "return", no_truth(subject))]
+        level = _level(subject)
         growth = float(truth.growth()[-1])
-        size = _size(trial, level)
+        size = _size(subject, level)
         basis = "the truncation error there and back, the first amplified on the way back"
-        if _is_exact(trial):
+        if _is_exact(subject):
             basis = (
                 "a reversible method returns to round-off c u sqrt(n), there and back, times the"
                 " sensitivity S both ways"
             )
-        if _has_order(trial) and len(trial.levels) > 1:
-            order = self._order(trial, runs, growth)
+        if _has_order(subject) and len(subject.levels) > 1:
+            order = self._order(subject, runs, growth)
         else:
             order = []
         if size > HORIZON:
@@ -100,8 +100,8 @@ class Reversal(Check):
                     " before",
                 )
             ]
-        fallen = _fallen(trial, runs, level, growth)
-        shown = _shown(trial, runs, level)
+        fallen = _fallen(subject, runs, level, growth)
+        shown = _shown(subject, runs, level)
         if shown < size:
             size = shown
             basis = "the way back adds as much as the way there is seen to be off by"
@@ -109,7 +109,7 @@ class Reversal(Check):
             judged(
                 check=self.name,
                 quantity=variant.change,
-                value=_defect(trial, runs[variant].trajectory, variant.change),
+                value=_defect(subject, runs[variant].trajectory, variant.change),
                 bound=min(size, fallen),
                 unit="1",
                 basis=(
@@ -122,32 +122,34 @@ class Reversal(Check):
                     " of each scale,"
                 ),
             )
-            for variant in self.needs(trial)
+            for variant in self.needs(subject)
             if variant.level == level and variant.goes_on
         ]
 
-    def _order(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: float) -> list[Finding]:
+    def _order(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
+    ) -> list[Finding]:
         """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even
         term undoes itself.
         """
-        order = trial.order
+        order = subject.order
         if order % 2:
             expected = order
         else:
             expected = order + 1
         coarse, fine = (
-            _defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed")
-            for h in trial.levels[-2:]
+            _defect(subject, runs[Variant(h, "reversed")].trajectory, "reversed")
+            for h in subject.levels[-2:]
         )
-        scales = trial.instance.scales
-        method = trial.method
+        scales = subject.instance.scales
+        method = subject.method
         following = (
             method.constant
             * scales.duration
             / scales.tau
-            * (trial.levels[-1] / scales.tau) ** (expected + 1)
+            * (subject.levels[-1] / scales.tau) ** (expected + 1)
         )
-        floor = max(following, COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth**2)
+        floor = max(following, COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth**2)
         if (
             not floor < fine <= coarse < HORIZON
         ):  # below the next term of the error there is no leading one to see
@@ -172,66 +174,68 @@ class Reversal(Check):
         ]
 
 
-def _fallen(trial: Trial, runs: Mapping[Variant, Outcome], level: float, growth: float) -> float:
+def _fallen(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
+) -> float:
     """What the claimed order leaves at a level of the defect at a coarser one; infinite where
     nobody knows.
     """
-    if not _has_order(trial) or len(trial.levels) < 3:
+    if not _has_order(subject) or len(subject.levels) < 3:
         return math.inf
-    coarse = _defect(trial, runs[Variant(trial.levels[-2], "reversed")].trajectory, "reversed")
-    order = trial.order
-    octaves = math.log2(trial.levels[-2] / level)
-    return ROOM * coarse / 2.0 ** (order * octaves) + COUNTING_FLOOR * trial.noise(level) * growth
+    coarse = _defect(subject, runs[Variant(subject.levels[-2], "reversed")].trajectory, "reversed")
+    order = subject.order
+    octaves = math.log2(subject.levels[-2] / level)
+    return ROOM * coarse / 2.0 ** (order * octaves) + COUNTING_FLOOR * subject.noise(level) * growth
 
 
-def _is_exact(trial: Trial) -> bool:
+def _is_exact(subject: Subject) -> bool:
     """The way back undoes the way there, to round-off."""
-    return trial.method.reversible or trial.method.control == "exact"
+    return subject.method.reversible or subject.method.control == "exact"
 
 
-def _size(trial: Trial, level: float) -> float:
+def _size(subject: Subject, level: float) -> float:
     """What the defect of the way back may be at a level, as the claims say; needs truth.
 
     With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the
     end, and the way back takes that to D(s)^-1 e: to first order it undoes the growth on the way
     there, and S counts once.
     """
-    reached = _reached(trial, level)
-    return _there_and_back(trial, reached * _unbent(trial), reached)
+    reached = _reached(subject, level)
+    return _there_and_back(subject, reached * _unbent(subject), reached)
 
 
-def _unbent(trial: Trial) -> float:
+def _unbent(subject: Subject) -> float:
     """How many times S the growth on the way back may be, or S times at most.
 
     D^-1 of a reversible scene is D transposed and put in another order (D is symplectic), so that
     in the maximum norm it is at most S times the number of columns.
     """
-    assert trial.truth is not None
-    bodies = trial.instance.scene.bodies
-    columns = 2 * bodies.position.size * (2 if "rotation" in trial.instance.scene.features else 1)
-    return min(float(columns), float(trial.truth.growth()[-1]))
+    assert subject.truth is not None
+    bodies = subject.instance.scene.bodies
+    columns = 2 * bodies.position.size * (2 if "rotation" in subject.instance.scene.features else 1)
+    return min(float(columns), float(subject.truth.growth()[-1]))
 
 
-def _there_and_back(trial: Trial, each: float, reached: float) -> float:
+def _there_and_back(subject: Subject, each: float, reached: float) -> float:
     """The defect where each way adds `each`, and what is wrong at the end by `reached` bends the
     way back by its square, grown by S.
     """
-    assert trial.truth is not None
-    return 2 * (each + reached**2 * float(trial.truth.growth()[-1]))
+    assert subject.truth is not None
+    return 2 * (each + reached**2 * float(subject.truth.growth()[-1]))
 
 
-def _reached(trial: Trial, level: float) -> float:
+def _reached(subject: Subject, level: float) -> float:
     """What the way there may be off by, as its claims say: an error made early, times S."""
-    assert trial.truth is not None
-    if not _is_exact(trial):
-        return float(trial.bound(level)[-1])
-    summed = clock(trial.instance, trial.method, level) + flight(
-        trial.instance, trial.method, level
+    assert subject.truth is not None
+    if not _is_exact(subject):
+        return float(subject.bound(level)[-1])
+    summed = clock(subject.instance, subject.method, level) + flight(
+        subject.instance, subject.method, level
     )
-    return (math.sqrt(2.0) * trial.round_off(level) + summed) * float(trial.truth.growth()[-1])
+    return (math.sqrt(2.0) * subject.round_off(level) + summed) * float(subject.truth.growth()[-1])
 
 
-def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float:
+def _shown(subject: Subject, runs: Mapping[Variant, CompletedRun], level: float) -> float:
     """What the defect may be, as the error of the way there shows it against truth; infinite where
     nobody knows.
 
@@ -242,56 +246,60 @@ def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float
     the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be
     small by chance, as where no number has to be rounded.
     """
-    truth = certified(trial)
+    truth = certified(subject)
     assert truth is not None
-    telling = _telling(trial, level)
-    if truth.until < len(trial.instance.times) or (
-        trial.method.control == "tolerance" and telling == level
+    telling = _telling(subject, level)
+    if truth.until < len(subject.instance.times) or (
+        subject.method.control == "tolerance" and telling == level
     ):
         return math.inf
-    if trial.method.control == "tolerance":
+    if subject.method.control == "tolerance":
         room = ROOM
     else:
-        room = room_of(trial)
-    own = room * float(largest_so_far(trial, telling, runs[Variant(telling)].trajectory, truth)[-1])
-    reached = own + COUNTING_FLOOR * trial.noise(level)
-    if trial.method.control == "step":
+        room = room_of(subject)
+    own = room * float(
+        largest_so_far(subject, telling, runs[Variant(telling)].trajectory, truth)[-1]
+    )
+    reached = own + COUNTING_FLOOR * subject.noise(level)
+    if subject.method.control == "step":
         grown = float(truth.growth()[-1])
     else:
-        grown = _unbent(trial)
-    return _there_and_back(trial, reached * grown, reached)
+        grown = _unbent(subject)
+    return _there_and_back(subject, reached * grown, reached)
 
 
-def _telling(trial: Trial, level: float) -> float:
+def _telling(subject: Subject, level: float) -> float:
     """The level whose error is taken for that of the way back: of chosen steps a looser one, for
     they may be others on the way back.
     """
-    if trial.method.control == "tolerance" and len(trial.levels) > 1:
-        return trial.levels[-2]
+    if subject.method.control == "tolerance" and len(subject.levels) > 1:
+        return subject.levels[-2]
     return level
 
 
-def _level(trial: Trial) -> float:
+def _level(subject: Subject) -> float:
     """The level that is judged: the finest, or the first half of a half of it at which the way back
     is still predictable.
     """
-    finest = trial.levels[-1]
-    if certified(trial) is None or trial.method.control != "step" or _is_exact(trial):
+    finest = subject.levels[-1]
+    if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
         return finest
     finer = (finest / 2**k for k in range(FURTHER + 1))
-    return next((level for level in finer if _size(trial, level) <= HORIZON), finest)
+    return next((level for level in finer if _size(subject, level) <= HORIZON), finest)
 
 
-def _has_order(trial: Trial) -> bool:
+def _has_order(subject: Subject) -> bool:
     """The defect is a truncation error, and no kink within a step scatters it."""
-    return trial.method.control == "step" and not _is_exact(trial) and not kinked(trial.instance)
+    return (
+        subject.method.control == "step" and not _is_exact(subject) and not kinked(subject.instance)
+    )
 
 
-def _defect(trial: Trial, back: Trajectory, change: Change) -> float:
+def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
     """Largest scaled difference between the start and the state that came back."""
-    start = trial.instance.scene.bodies
+    start = subject.instance.scene.bodies
     end = back.end()
-    scales = trial.instance.scales
+    scales = subject.instance.scales
     if change == "reversed":
         sign = -1.0
     else:
@@ -303,7 +311,7 @@ def _defect(trial: Trial, back: Trajectory, change: Change) -> float:
         float(np.max(np.abs(sign * end["omega"] - start.omega))) / float(spin),
         (
             float(np.max(angle_between(end["attitude"], start.attitude)))
-            if "rotation" in trial.instance.scene.features
+            if "rotation" in subject.instance.scene.features
             else 0.0
         ),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from refdem.checks.cooling import DILUTE, ERRORS, FEWEST, SHORT, THEORY, are_alike
 from refdem.core.balance import mechanical
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import undecided, worst
 from refdem.core.variant import Variant
@@ -38,12 +38,12 @@ class Roughness(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Equal elastic spheres in a periodic box that stick in every contact, do not spin at
         first, and swing back in time.
         """
-        scene = trial.instance.scene
-        if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
+        scene = subject.instance.scene
+        if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
         if not are_alike(scene):
             return "the spheres are not alike: the theory is of equal ones"
@@ -63,21 +63,21 @@ class Roughness(Check):
             return None
         return "contacts do not give back their slip, or bodies spin at first"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """All of the energy, and the part of it that is in spins."""
-        if trial.truth is None or "collision_frequency" not in trial.truth.scalars:
+        if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
             return [undecided(self.name, "energy", "the frequency of collisions is not certified")]
-        scene = trial.instance.scene
-        run = runs[trial.finest].trajectory
-        frequency = trial.truth.scalars["collision_frequency"][0]
+        scene = subject.instance.scene
+        run = runs[subject.finest].trajectory
+        frequency = subject.truth.scalars["collision_frequency"][0]
         n = len(scene.bodies)
         mass = float(scene.bodies.mass[0])
         law = scene.all(Contact)[0]
-        temperature = trial.instance.p.t0
+        temperature = subject.instance.p.t0
         soft = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
         packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
         if packing > DILUTE or soft > SHORT:

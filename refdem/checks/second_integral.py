@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import scored
@@ -31,11 +31,11 @@ class SecondIntegral(Check):
     kills = "a lost centrifugal or Coriolis term, a wheel that is left out, a string that slips"
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """A string over a wheel of little or no size and inertia, with three times the pendulum's
         mass on the other side.
         """
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         strings = scene.all(StringOverWheel)
         if not strings:
             return "there is no string over a wheel"
@@ -44,25 +44,25 @@ class SecondIntegral(Check):
             return None
         return "the machine has no second integral"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest difference between its change in the run and in truth."""
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "I", no_truth(trial))]
-        allowed = trial.bound(trial.levels[-1])
+            return [undecided(self.name, "I", no_truth(subject))]
+        allowed = subject.bound(subject.levels[-1])
         count = scored(allowed)
         g = float(
             np.linalg.norm(
-                sum(np.array(field.g) for field in trial.instance.scene.all(UniformGravity))
+                sum(np.array(field.g) for field in subject.instance.scene.all(UniformGravity))
             )
         )
         seen = {
             name: v[:count]
-            for name, v in trial.instance.observe(runs[trial.finest].trajectory).items()
+            for name, v in subject.instance.observe(runs[subject.finest].trajectory).items()
         }
         known = {name: truth.value(name)[:count] for name in seen}
         turns = np.round(

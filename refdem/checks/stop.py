@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, undecided
 from refdem.core.trajectory import Trajectory
@@ -20,28 +20,28 @@ class Stop(Check):
     title = "Stop and sticking"
     kills = "a wrong friction force or its sign, friction that lets a body creep, sgn(0) = 0"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes with dry friction that truth says come to rest."""
-        if not trial.instance.scene.all(Slider):
+        if not subject.instance.scene.all(Slider):
             return "there is no dry friction"
-        if trial.truth is not None and "stop_time" not in trial.truth.scalars:
+        if subject.truth is not None and "stop_time" not in subject.truth.scalars:
             return "it does not stop"
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Stop position, stop time, and the speed left afterwards."""
-        truth = certified(trial)
+        truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, "stop", no_truth(trial))]
+            return [undecided(self.name, "stop", no_truth(subject))]
         stop, _ = truth.scalars["stop_time"]
         place, radius = truth.scalars["stop_position"]
-        run = runs[trial.finest].trajectory
-        t = trial.instance.times
-        scales = trial.instance.scales
+        run = runs[subject.finest].trajectory
+        t = subject.instance.times
+        scales = subject.instance.scales
         if stop >= t[-1]:
             return [
                 undecided(
@@ -50,9 +50,9 @@ class Stop(Check):
                     f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s",
                 )
             ]
-        level = trial.levels[-1]
-        allowed = float(trial.bound(level)[-1])
-        rounding = trial.round_off(level)
+        level = subject.levels[-1]
+        allowed = float(subject.bound(level)[-1])
+        rounding = subject.round_off(level)
         after = t > stop + allowed * scales.tau
         reached = abs(float(run.position[-1, 0, 0]) - place) / scales.length
         if after.any():
@@ -72,7 +72,7 @@ class Stop(Check):
                     " units of L,"
                 ),
             ),
-            self._time(trial, run, stop, place, allowed, rounding),
+            self._time(subject, run, stop, place, allowed, rounding),
             judged(
                 check=self.name,
                 quantity="creep",
@@ -86,7 +86,7 @@ class Stop(Check):
 
     def _time(
         self,
-        trial: Trial,
+        subject: Subject,
         run: Trajectory,
         stop: float,
         place: float,
@@ -96,8 +96,8 @@ class Stop(Check):
         """The sample after which the speed stays at zero; a stop that the engine reports itself is
         judged by event-times.
         """
-        t = trial.instance.times
-        scales = trial.instance.scales
+        t = subject.instance.times
+        scales = subject.instance.scales
         moving = np.flatnonzero(
             np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding)
         )
@@ -105,8 +105,8 @@ class Stop(Check):
             seen = t[moving[-1]]
         else:
             seen = 0.0
-        slack = trial.instance.problem.interval + _unseen(
-            trial, max(allowed, rounding) * scales.speed, place
+        slack = subject.instance.problem.interval + _unseen(
+            subject, max(allowed, rounding) * scales.speed, place
         )
         return judged(
             check=self.name,
@@ -125,7 +125,7 @@ class Stop(Check):
         )
 
 
-def _unseen(trial: Trial, speed: float, place: float) -> float:
+def _unseen(subject: Subject, speed: float, place: float) -> float:
     """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a
     spring may push it on.
 
@@ -135,17 +135,17 @@ def _unseen(trial: Trial, speed: float, place: float) -> float:
     cycle (a tau <= v), all of that is unseen, and the slow end of the half cycle before: the time
     since truth last was so fast.
     """
-    scene = trial.instance.scene
+    scene = subject.instance.scene
     braking = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
     pushing = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
     slowing = (braking - pushing) / float(scene.bodies.mass.sum())
-    tau = trial.instance.scales.tau
+    tau = subject.instance.scales.tau
     surely_seen = 2 * speed
     fastest = slowing * tau
     if fastest > surely_seen:
         return float(np.pi / 2 * surely_seen / slowing)
     longest = np.pi * tau
-    truth = certified(trial)
+    truth = certified(subject)
     assert truth is not None
     if "v" in truth.values:
         fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
@@ -153,7 +153,9 @@ def _unseen(trial: Trial, speed: float, place: float) -> float:
         fast = np.zeros(0, int)
     return max(
         float(longest),
-        truth.scalars["stop_time"][0] - float(trial.instance.times[fast[-1]]) if len(fast) else 0.0,
+        truth.scalars["stop_time"][0] - float(subject.instance.times[fast[-1]])
+        if len(fast)
+        else 0.0,
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core import symmetry
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
     MORE,
@@ -54,63 +54,63 @@ class Symmetry(Check):
         " that knows the origin"
     )
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Scenes with some symmetry that the method can be shown."""
-        if self._shown(trial):
+        if self._shown(subject):
             return None
         return "no symmetry of the scene is one that the method can run"
 
-    def _shown(self, trial: Trial) -> list[str]:
+    def _shown(self, subject: Subject) -> list[str]:
         """Symmetries that the scene has and whose picture of it the method does not refuse."""
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
         return [
             name
             for name in names
-            if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None
+            if subject.unsupported(symmetry.picture(subject.instance, name)[1]) is None
         ]
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """One level, as it is, in every symmetry, and with the start moved a little: by several
         amounts where a rounding decides.
 
         Where a truncation error may know the axes of space, the scene turned at a second level too:
         such an error falls.
         """
-        level = level_for(trial)
-        shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
+        level = level_for(subject)
+        shown = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
         other: tuple[Variant, ...] = ()
-        if _has_axes(trial) and Variant(level, "rotated") in shown:
-            beside = _beside(trial)
+        if _has_axes(subject) and Variant(level, "rotated") in shown:
+            beside = _beside(subject)
             other = (Variant(beside), Variant(beside, "rotated"))
-        if _decides(trial) and trial.method.control == "step":
-            other = (*other, *_draws(trial, level), *_coarser(trial))
-        elif trial.method.control == "tolerance":
-            other = tuple(Variant(looser) for looser in trial.levels[:-1])
+        if _decides(subject) and subject.method.control == "step":
+            other = (*other, *_draws(subject, level), *_coarser(subject))
+        elif subject.method.control == "tolerance":
+            other = tuple(Variant(looser) for looser in subject.levels[:-1])
         return (
             Variant(level),
-            Variant(level, "perturbed", perturbation(trial.method)),
+            Variant(level, "perturbed", perturbation(subject.method)),
             *shown,
             *other,
         )
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
-        plain, perturbed, *others = self.needs(trial)
+        plain, perturbed, *others = self.needs(subject)
         shown = [
             variant
             for variant in others
             if variant.level == plain.level and variant.change in symmetry.NAMES
         ]
         base = runs[plain].trajectory
-        growth = growth_of(trial, _least_moved(trial, runs, perturbed), base)
+        growth = growth_of(subject, _least_moved(subject, runs, perturbed), base)
         found = []
         for variant in shown:
             if variant not in runs:  # the code said when it ran that it cannot show this one
                 continue
-            view = symmetry.of(trial.instance, variant.change)
-            decided = _decided_by_rounding(trial, runs, growth, variant.change)
-            bounds = round_off(trial, view) * growth + decided
+            view = symmetry.of(subject.instance, variant.change)
+            decided = _decided_by_rounding(subject, runs, growth, variant.change)
+            bounds = round_off(subject, view) * growth + decided
             count = scored(bounds)
             if count < 2:
                 found.append(
@@ -121,23 +121,23 @@ class Symmetry(Check):
                     )
                 )
                 continue
-            apart = distances(trial.instance, view.undone(runs[variant].trajectory), base)
+            apart = distances(subject.instance, view.undone(runs[variant].trajectory), base)
             if (
                 variant.change == "rotated"
-                and _has_axes(trial)
+                and _has_axes(subject)
                 and np.any(apart[:count] > bounds[:count])
             ):
-                found.append(self._rotated(trial, runs, growth, decided))
+                found.append(self._rotated(subject, runs, growth, decided))
                 continue
             found.append(
                 worst(
                     check=self.name,
                     quantity=variant.change,
-                    t=trial.instance.times[:count],
+                    t=subject.instance.times[:count],
                     values=apart[:count],
                     allowed=bounds[:count],
                     unit="1",
-                    basis=_basis(trial),
+                    basis=_basis(subject),
                     what=(
                         f"The difference between the motion and the same {variant.change}, in units"
                         " of each scale,"
@@ -149,30 +149,30 @@ class Symmetry(Check):
         ]
 
     def _rotated(
-        self, trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, decided: Array
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, decided: Array
     ) -> Finding:
         """A method may put attitudes in coordinates with axes of their own: then what differs is
         truncation, and falls with the step.
 
         What a rounding decides need not fall: `decided` (T,) is allowed beside it.
         """
-        coarsest = trial.levels[0]
-        finest = trial.levels[-1]
-        view = symmetry.of(trial.instance, "rotated")
+        coarsest = subject.levels[0]
+        finest = subject.levels[-1]
+        view = symmetry.of(subject.instance, "rotated")
         turned = {
             level: view.undone(runs[Variant(level, "rotated")].trajectory)
             for level in (coarsest, finest)
         }
-        coarse = distances(trial.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
-        fine = distances(trial.instance, turned[finest], runs[Variant(finest)].trajectory)
-        order = trial.order
+        coarse = distances(subject.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
+        fine = distances(subject.instance, turned[finest], runs[Variant(finest)].trajectory)
+        order = subject.order
         octaves = np.log2(coarsest / finest)
-        allowed = (2 * trial.truncation(finest)) * growth
+        allowed = (2 * subject.truncation(finest)) * growth
         count = scored(allowed)
         largest = float(np.max(fine))
         falls = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
         falling = np.maximum(
-            falls, 2 * trial.noise(finest) * symmetry.size(trial.instance, view) * growth
+            falls, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
         )
         what = (
             "The difference between the motion and the same rotated, in units of each scale, at the"
@@ -181,7 +181,7 @@ class Symmetry(Check):
         return worst(
             check=self.name,
             quantity="rotated",
-            t=trial.instance.times[:count],
+            t=subject.instance.times[:count],
             values=fine[:count],
             allowed=(np.minimum(allowed, falling) + decided)[:count],
             unit="1",
@@ -196,95 +196,95 @@ class Symmetry(Check):
         )
 
 
-def _has_axes(trial: Trial) -> bool:
+def _has_axes(subject: Subject) -> bool:
     """Attitudes, which a method with steps may put in coordinates whose truncation error knows the
     axes of space.
     """
-    turns = "rotation" in trial.instance.scene.features
-    return turns and trial.method.control == "step" and len(trial.levels) > 1
+    turns = "rotation" in subject.instance.scene.features
+    return turns and subject.method.control == "step" and len(subject.levels) > 1
 
 
-def _beside(trial: Trial) -> float:
+def _beside(subject: Subject) -> float:
     """The level to compare with that of `level_for`: the other end of the ladder."""
-    is_finest = level_for(trial) == trial.levels[-1]
+    is_finest = level_for(subject) == subject.levels[-1]
     if is_finest:
-        return trial.levels[0]
-    return trial.levels[-1]
+        return subject.levels[0]
+    return subject.levels[-1]
 
 
-def level_for(trial: Trial) -> float:
+def level_for(subject: Subject) -> float:
     """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be
     allowed for.
     """
-    if _decides(trial):
-        return trial.levels[-1]
-    return trial.levels[0]
+    if _decides(subject):
+        return subject.levels[-1]
+    return subject.levels[0]
 
 
-def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
+def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Array:
     """How much an early error has grown (T,): S of the truth, or what the moved start shows.
 
     S is that of the true motion. A run that has left it, as one whose steps are too long for a
     close passage, grows as its own moved start shows from there on.
     """
-    truth = certified(trial)
-    shown = growth_shown(trial.instance, trial.method, perturbed, base)
+    truth = certified(subject)
+    shown = growth_shown(subject.instance, subject.method, perturbed, base)
     if truth is None or truth.until != len(base.t):
         return shown
     growth = truth.growth()
-    left = followed(trial, level_for(trial), base, truth)
+    left = followed(subject, level_for(subject), base, truth)
     found: Array = np.concatenate([growth[:left], np.maximum(growth, shown)[left:]])
     return found
 
 
-def round_off(trial: Trial, view: symmetry.Symmetry) -> float:
+def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
     """Round-off of both runs with the numbers as large as the symmetry makes them.
 
     In other units the moments of inertia are rounded anew, which makes another body of a needle.
     """
-    level = level_for(trial)
-    rounding = 2 * trial.noise(level) * symmetry.size(trial.instance, view)
+    level = level_for(subject)
+    rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
     if view.units != symmetry.Symmetry().units:
-        rounding += trial.method.round_off * symmetry.rounded_rates(trial.instance)
+        rounding += subject.method.round_off * symmetry.rounded_rates(subject.instance)
     return rounding
 
 
-def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
+def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
     """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of
     which no moved starts are run.
     """
-    error = np.full_like(growth, round_off(trial, view))
-    if _decides(trial):
-        error += 2 * trial.truncation(level_for(trial))
+    error = np.full_like(growth, round_off(subject, view))
+    if _decides(subject):
+        error += 2 * subject.truncation(level_for(subject))
     return error * growth
 
 
-def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:
+def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
     """The start moved by other amounts, to either side of whatever threshold is within a rounding
     of it.
     """
-    units = perturbation(trial.method) // PERTURBED
+    units = perturbation(subject.method) // PERTURBED
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
-def _coarser(trial: Trial) -> tuple[Variant, ...]:
+def _coarser(subject: Subject) -> tuple[Variant, ...]:
     """The plain run at twice the step, which shows the truncation error of iterations that find
     forces between rigid bodies.
     """
-    if _iterates(trial) and len(trial.levels) > 1:
-        return (Variant(trial.levels[-2]),)
+    if _iterates(subject) and len(subject.levels) > 1:
+        return (Variant(subject.levels[-2]),)
     return ()
 
 
-def _iterates(trial: Trial) -> bool:
+def _iterates(subject: Subject) -> bool:
     """Forces between rigid bodies are found by iterations, which end at a tolerance of their
     own.
     """
-    return trial.method.control == "step" and "contact:rigid" in trial.instance.scene.features
+    return subject.method.control == "step" and "contact:rigid" in subject.instance.scene.features
 
 
 def _decided_by_rounding(
-    trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
     """What may differ (T,) in a picture because a rounding decided otherwise: never more than
     truncation of both runs.
@@ -297,25 +297,25 @@ def _decided_by_rounding(
     rigid bodies that begin with another contact leave something else of the forces: a part of the
     truncation error, which the run at twice the step shows.
     """
-    if not _decides(trial):
+    if not _decides(subject):
         return np.zeros(len(growth))
-    level = level_for(trial)
+    level = level_for(subject)
     base = runs[Variant(level)].trajectory
-    truncation: Array = 2 * trial.truncation(level) * growth
-    if trial.method.control != "step":
-        return np.minimum(truncation, _chosen(trial, runs, growth, picture))
-    draws = [runs[variant].trajectory for variant in _moved(trial, level) if variant in runs]
+    truncation: Array = 2 * subject.truncation(level) * growth
+    if subject.method.control != "step":
+        return np.minimum(truncation, _chosen(subject, runs, growth, picture))
+    draws = [runs[variant].trajectory for variant in _moved(subject, level) if variant in runs]
     if not draws:
         return truncation
-    largest = np.maximum.reduce([distances(trial.instance, draw, base) for draw in draws])
+    largest = np.maximum.reduce([distances(subject.instance, draw, base) for draw in draws])
     shown: Array = MORE * np.maximum.accumulate(largest)
-    if _iterates(trial):
-        shown = shown + _left_by_iterations(trial, runs, growth, picture)
+    if _iterates(subject):
+        shown = shown + _left_by_iterations(subject, runs, growth, picture)
     return np.minimum(shown, truncation)
 
 
 def _left_by_iterations(
-    trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
     """What iterations over contacts of rigid bodies may leave in a picture (T,).
 
@@ -323,39 +323,45 @@ def _left_by_iterations(
     or in other units. Measured: a stack that is turned has other points of contact in MuJoCo and
     moves by 1.2 times as much as when the step is doubled.
     """
-    level = level_for(trial)
-    rounding: Array = _many_roundings(trial, picture) * growth
+    level = level_for(subject)
+    rounding: Array = _many_roundings(subject, picture) * growth
     if picture not in REORDERED:
         return rounding
-    coarser = _coarser(trial)
+    coarser = _coarser(subject)
     if not coarser or coarser[0] not in runs:
         return np.full(len(growth), np.inf)
-    change = distances(trial.instance, runs[coarser[0]].trajectory, runs[Variant(level)].trajectory)
-    return rounding + room_of(trial) * np.maximum.accumulate(change)
+    change = distances(
+        subject.instance, runs[coarser[0]].trajectory, runs[Variant(level)].trajectory
+    )
+    return rounding + room_of(subject) * np.maximum.accumulate(change)
 
 
-def _many_roundings(trial: Trial, picture: str) -> float:
+def _many_roundings(subject: Subject, picture: str) -> float:
     """Round-off of a picture where more is computed than a few numbers a step: iterations, or steps
     of which nobody tells how many.
     """
-    view = symmetry.of(trial.instance, picture)
-    return COUNTING_FLOOR * trial.noise(level_for(trial)) * symmetry.size(trial.instance, view)
+    view = symmetry.of(subject.instance, picture)
+    return (
+        COUNTING_FLOOR * subject.noise(level_for(subject)) * symmetry.size(subject.instance, view)
+    )
 
 
-def _looser(trial: Trial, picture: str) -> float | None:
+def _looser(subject: Subject, picture: str) -> float | None:
     """The coarsest tolerance that a picture may stand for, of those that ran; None where they were
     all stricter.
 
     A tolerance that is relative grows with the numbers of the picture, and one that is absolute
     with its units.
     """
-    view = symmetry.of(trial.instance, picture)
+    view = symmetry.of(subject.instance, picture)
     longest = max(max(view.units), 1.0 / min(view.units))
-    effective = trial.levels[-1] * longest * symmetry.size(trial.instance, view)
-    return next((level for level in reversed(trial.levels[:-1]) if level >= effective), None)
+    effective = subject.levels[-1] * longest * symmetry.size(subject.instance, view)
+    return next((level for level in reversed(subject.levels[:-1]) if level >= effective), None)
 
 
-def _chosen(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str) -> Array:
+def _chosen(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
+) -> Array:
     """How far two choices of steps may take a motion apart (T,): as far as a run with a looser
     tolerance comes from truth.
 
@@ -364,16 +370,18 @@ def _chosen(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, pictur
     has both above it. Without truth for all of the motion nobody knows: infinitely.
     """
     unknown = np.full(len(growth), np.inf)
-    truth = certified(trial)
-    looser = _looser(trial, picture)
+    truth = certified(subject)
+    looser = _looser(subject, picture)
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
-    own = float(largest_so_far(trial, looser, runs[Variant(looser)].trajectory, truth)[-1])
-    found: Array = ROOM * own + _many_roundings(trial, picture) * growth
+    own = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
+    found: Array = ROOM * own + _many_roundings(subject, picture) * growth
     return found
 
 
-def _least_moved(trial: Trial, runs: Mapping[Variant, Outcome], perturbed: Variant) -> Trajectory:
+def _least_moved(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], perturbed: Variant
+) -> Trajectory:
     """The run from the start moved up, or down where a rounding decides and that went less far:
     what it decides is no growth.
 
@@ -383,18 +391,18 @@ def _least_moved(trial: Trial, runs: Mapping[Variant, Outcome], perturbed: Varia
     down = Variant(perturbed.level, "perturbed", -perturbed.amount)
     draws = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
     return min(
-        draws, key=lambda draw: float(np.max(distances(trial.instance, draw, base))), default=base
+        draws, key=lambda draw: float(np.max(distances(subject.instance, draw, base))), default=base
     )
 
 
-def _moved(trial: Trial, level: float) -> tuple[Variant, ...]:
+def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
     """Every run with a moved start."""
-    return (Variant(level, "perturbed", perturbation(trial.method)), *_draws(trial, level))
+    return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
 
 
-def _basis(trial: Trial) -> str:
+def _basis(subject: Subject) -> str:
     differs = "round-off"
-    if _decides(trial):
+    if _decides(subject):
         differs = "round-off and what it decides in starts moved by a few roundings"
     return (
         f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion,"
@@ -402,13 +410,13 @@ def _basis(trial: Trial) -> str:
     )
 
 
-def _decides(trial: Trial) -> bool:
+def _decides(subject: Subject) -> bool:
     """The last bit may decide something: which step size is chosen, or in which step of a method
     that does not look for it a contact begins or a body sticks."""
-    features = trial.instance.scene.features
-    switches = SWITCHES & features and trial.method.control == "step"
-    return trial.method.control == "tolerance" or bool(
-        switches and trial.order < max(2, trial.method.order)
+    features = subject.instance.scene.features
+    switches = SWITCHES & features and subject.method.control == "step"
+    return subject.method.control == "tolerance" or bool(
+        switches and subject.order < max(2, subject.method.order)
     )
 
 

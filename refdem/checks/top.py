@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, left_at_finest, worst
 from refdem.core.refinement import COUNTING_FLOOR
@@ -35,20 +35,20 @@ class Top(Check):
     )
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """One body on one ball joint of the world, and no other element than gravity."""
-        scene = trial.instance.scene
+        scene = subject.instance.scene
         kinds = {element.kind for element in scene.elements} - {"uniform_gravity"}
         joints = scene.all(BallJoint)
         if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0:
             return None
         return "there is no top"
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, and the finest for what is held to the order only."""
-        return tuple(dict.fromkeys((Variant(trial.levels[0]), trial.finest)))
+        return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Opening of the joint in place and velocity; change of L_z and L_3."""
         laws = {
             "joint": "constraint",
@@ -56,26 +56,27 @@ class Top(Check):
             "L_z": "angular-momentum",
             "L_3": OWN_SPIN,
         }
-        coarsest = _changes(trial, runs[Variant(trial.levels[0])].trajectory)
-        finest = _changes(trial, runs[trial.finest].trajectory)
+        coarsest = _changes(subject, runs[Variant(subject.levels[0])].trajectory)
+        finest = _changes(subject, runs[subject.finest].trajectory)
         found = []
         for name, coarse in coarsest.items():
-            keeps = trial.method.keeps(laws[name], trial.instance.problem.features)
+            keeps = subject.method.keeps(laws[name], subject.instance.problem.features)
             if keeps:
-                level = trial.levels[0]
+                level = subject.levels[0]
             else:
-                level = trial.levels[-1]
-            allowed, basis = trial.kept(laws[name], level)
-            if not keeps and len(trial.levels) > 2:
+                level = subject.levels[-1]
+            allowed, basis = subject.kept(laws[name], level)
+            if not keeps and len(subject.levels) > 2:
                 allowed = np.minimum(
-                    allowed, left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(level)
+                    allowed,
+                    left_at_finest(subject, coarse) + COUNTING_FLOOR * subject.round_off(level),
                 )
                 basis = f"{basis}, and what the order leaves of the change at the coarsest step"
             found.append(
                 worst(
                     check=self.name,
                     quantity=name,
-                    t=trial.instance.times,
+                    t=subject.instance.times,
                     values=coarse if keeps else finest[name],
                     allowed=allowed,
                     signal=1.0 if name.startswith("L_") else None,
@@ -90,14 +91,14 @@ class Top(Check):
         return found
 
 
-def _changes(trial: Trial, run: Trajectory) -> dict[str, Array]:
+def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
     """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of
     L_z and L_3, each in its scale.
     """
-    scene = trial.instance.scene
-    size = trial.instance.scales
+    scene = subject.instance.scene
+    size = subject.instance.scales
     found = {}
-    if "ball_joint" not in trial.method.derived:
+    if "ball_joint" not in subject.method.derived:
         place, speed = _opening(scene, run)
         found = {"joint": place / size.length, "joint velocity": speed / size.speed}
     spins = _spins(scene, run)

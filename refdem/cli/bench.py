@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from refdem.bench.record import Record
+    from refdem.bench.record import BenchRecord
     from refdem.bench.tables import Table
     from refdem.report.bench import Cells
 
@@ -96,7 +96,9 @@ def command(
     tell(bench.record(), out, then, [_cells(crowded(crowd, rounds))] if crowd else [])
 
 
-def tell(record: "Record", out: Path, then: "Record | None", more: "Sequence[Cells]") -> None:
+def tell(
+    record: "BenchRecord", out: Path, then: "BenchRecord | None", more: "Sequence[Cells]"
+) -> None:
     """Writes the record and its pages, and ends the program: 1 if a method is slower."""
     import msgspec
 
@@ -138,7 +140,7 @@ def crowded(sizes: str, rounds: int) -> "Table":
 
 
 def written(
-    out: Path, record: "Record", then: "Record | None", more: "Sequence[Cells]" = ()
+    out: Path, record: "BenchRecord", then: "BenchRecord | None", more: "Sequence[Cells]" = ()
 ) -> bool:
     """Writes the pages and prints the tables; whether a method is slower than `then`."""
     from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate

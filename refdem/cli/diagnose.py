@@ -94,7 +94,7 @@ def diagnosed(
     from refdem.faults.twins import diagnosis, first_part
 
     claims = engine.method(method)
-    if (reason := engine.refuses(instance.problem, claims)) is not None:
+    if (reason := engine.unsupported(instance.problem, claims)) is not None:
         raise UnsupportedError(f"{engine.name}/{method} cannot say {instance.label}: {reason}")
     every = levels(instance, claims, 10, 1e6)
     chosen = every[min(level, len(every) - 1)]

@@ -93,11 +93,11 @@ def show(tasks: "Iterable[Task]") -> None:
     left_out: dict[str, list[str]] = {}
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
-        if task.refusal is not None:
-            print(f"{title}: refuses: {task.refusal}")
+        if task.unsupported is not None:
+            print(f"{title}: refuses: {task.unsupported}")
             continue
         levels = (
-            ", ".join(f"{level:.3g}" for level in task.trial.levels if level) or "one run, exact"
+            ", ".join(f"{level:.3g}" for level in task.subject.levels if level) or "one run, exact"
         )
         print(
             f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks:"

@@ -34,7 +34,7 @@ def command(
     """
     import msgspec
 
-    from refdem.campaign.kills import Trial
+    from refdem.campaign.kills import FaultTrial
     from refdem.cli.progress import Progress
     from refdem.core import discovery
     from refdem.errors import EngineMissingError, UsageError
@@ -48,7 +48,7 @@ def command(
         found = None
     if found is not None and (reason := found.missing()) is not None:
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
-    matrix = Trial(
+    matrix = FaultTrial(
         engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()
     ).matrix()
     print(

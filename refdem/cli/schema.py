@@ -28,7 +28,7 @@ def command(
     from refdem.core.statics import SolidDocument
     from refdem.engines.external.description import Description
     from refdem.scene import SceneDocument
-    from refdem.stress.record import Record as Stress
+    from refdem.stress.record import StressRecord as Stress
 
     solid = msgspec.defstruct(
         "SolidRequestDocument",

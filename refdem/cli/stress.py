@@ -9,7 +9,7 @@ import typer
 if TYPE_CHECKING:
     from refdem.core.store import Store
     from refdem.report.stress import Cells, Section
-    from refdem.stress.record import Record
+    from refdem.stress.record import StressRecord
     from refdem.stress.tables import Table
 
 TITLE = "Numerical stability"
@@ -90,7 +90,7 @@ def command(
     raise typer.Exit(status(record))
 
 
-def status(record: "Record") -> int:
+def status(record: "StressRecord") -> int:
     """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such
     rungs, 2 if nothing was judged.
     """
@@ -116,7 +116,7 @@ def status(record: "Record") -> int:
     return 0
 
 
-def written(out: Path, record: "Record", store: "Store | None" = None) -> None:
+def written(out: Path, record: "StressRecord", store: "Store | None" = None) -> None:
     """Writes the pages."""
     from refdem.report.stress import write
     from refdem.stress.tables import introduction, summary
@@ -132,7 +132,7 @@ def written(out: Path, record: "Record", store: "Store | None" = None) -> None:
     )
 
 
-def _section(record: "Record", number: int) -> "Section":
+def _section(record: "StressRecord", number: int) -> "Section":
     """A battery with its points and tables."""
     from refdem.report.stress import Point, Section
     from refdem.stress.tables import details

@@ -13,7 +13,7 @@ from refdem.core.trajectory_csv import csv_lines, number_in, read_trajectory
 from refdem.errors import EngineError, UsageError
 
 if TYPE_CHECKING:
-    from refdem.core.question import Problem
+    from refdem.core.problem_kinds import Problem
 
 SOLID_COLUMNS = ("solid", *(name.rpartition(".")[2] for name in MASS_PROPERTIES))
 """solid,mass,x,y,z,xx,yy,zz,xy,xz,yz: a row a solid in the order of the request; the tensor's own

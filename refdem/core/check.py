@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Subject:
     """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and
     the truth, if certified.
 
-    `refusal` says of any motion why the method cannot run it, or None.
+    `unsupported` says of any motion why the method cannot run it, or None.
     """
 
     instance: Instance
@@ -33,7 +33,7 @@ class Trial:
     levels: tuple[float, ...]
     truth: SampledTruth | None
     truth_reason: str = ""
-    refusal: Callable[[Motion], str | None] = lambda motion: None
+    unsupported: Callable[[Motion], str | None] = lambda motion: None
 
     @property
     def finest(self) -> Variant:
@@ -88,7 +88,7 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class CompletedRun:
     """A run that worked, as a check sees it."""
 
     trajectory: Trajectory
@@ -110,20 +110,20 @@ class Check(ABC):
     judges: ClassVar[tuple[type[Problem], ...]] = (Motion,)  # kinds of questions that it applies to
 
     @abstractmethod
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """None if it applies, else the reason why not."""
 
-    def left_out(self, trial: Trial) -> str | None:
+    def left_out(self, subject: Subject) -> str | None:
         """None if it judges this kind of question and applies, else the reason why not."""
-        problem = trial.instance.problem
+        problem = subject.instance.problem
         if isinstance(problem, self.judges):
-            return self.applies(trial)
+            return self.applies(subject)
         return f"it does not judge {problem.words}"
 
     @abstractmethod
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The runs that `judge` will read."""
 
     @abstractmethod
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The findings; none where the runs do not write what it judges."""

@@ -156,15 +156,15 @@ class Engine(ABC):
         """A digest of all that can change a run: the engine, its adapter, the kernels it uses."""
 
     @abstractmethod
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None if the method can run the problem, else the missing feature in a few words."""
 
-    def refuses(self, problem: Problem, method: Method) -> str | None:
-        """`refusal` of any kind of question: the method must be for it, and know some of it."""
+    def unsupported(self, problem: Problem, method: Method) -> str | None:
+        """None if the method can run a problem of any kind, else the reason."""
         if method.answers != problem.kind:
             return f"cannot run {problem.words}"
         if isinstance(problem, Motion):
-            return self.refusal(problem, method)
+            return self.unsupported_motion(problem, method)
         if method.knows & problem.features:
             return None
         return f"knows nothing that is asked of {problem.words}"

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.question import Motion, Problem
+from refdem.core.problem_kinds import Motion, Problem
 from refdem.errors import UsageError
 from refdem.scene import Scene, SceneDocument
 

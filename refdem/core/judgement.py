@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.case import Instance
-from refdem.core.check import Trial
+from refdem.core.check import Subject
 from refdem.core.engine import Method
 from refdem.core.finding import Finding, Outcome, Series
 from refdem.core.problem import Motion
@@ -179,17 +179,21 @@ def undecided(check: str, quantity: str, why: str) -> Finding:
 MIXED = "every quantity mixes places with velocities, which are half a step early"
 
 
-def certified(trial: Trial) -> SampledTruth | None:
+def certified(subject: Subject) -> SampledTruth | None:
     """The truth if at least two samples of it (or the only one) are certified."""
-    least = min(2, len(trial.instance.times))
-    if trial.truth is not None and trial.truth.until >= least:
-        return trial.truth
+    least = min(2, len(subject.instance.times))
+    if subject.truth is not None and subject.truth.until >= least:
+        return subject.truth
     return None
 
 
-def no_truth(trial: Trial) -> str:
+def no_truth(subject: Subject) -> str:
     """Why there is nothing to compare with."""
-    return trial.truth_reason or (trial.truth.reason if trial.truth else "") or "no certified truth"
+    return (
+        subject.truth_reason
+        or (subject.truth.reason if subject.truth else "")
+        or "no certified truth"
+    )
 
 
 def errors(
@@ -309,12 +313,12 @@ def predictable(scaled: Mapping[str, Array]) -> int:
 
 
 def followed(
-    trial: Trial, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON
+    subject: Subject, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON
 ) -> int:
     """Number of samples before a run first is that part of the scale from truth: S tells of the
     true motion, not of another.
     """
-    off = errors(trial.instance, run, truth, trial.method.delay(level))
+    off = errors(subject.instance, run, truth, subject.method.delay(level))
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     beyond = np.flatnonzero(~(largest <= within))
     if len(beyond):
@@ -322,37 +326,37 @@ def followed(
     return len(largest)
 
 
-def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTruth) -> Array:
+def largest_so_far(subject: Subject, level: float, run: Trajectory, truth: SampledTruth) -> Array:
     """The largest error of any quantity against truth up to each sample (until,), in units of the
     scales.
     """
-    off = errors(trial.instance, run, truth, trial.method.delay(level))
+    off = errors(subject.instance, run, truth, subject.method.delay(level))
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     so_far: Array = np.maximum.accumulate(largest)
     return so_far
 
 
-def room_of(trial: Trial) -> float:
+def room_of(subject: Subject) -> float:
     """How many times an error may be what it is at another step: ROOM, and more where kinks scatter
     it.
     """
-    if not kinked(trial.instance):
+    if not kinked(subject.instance):
         return ROOM
-    if trial.method.locates_events:
+    if subject.method.locates_events:
         return ROOM_OF_CUTS
     return ROOM_OF_KINKS
 
 
-def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
+def signed(subject: Subject, run: Trajectory, truth: SampledTruth, count: int) -> Array:
     """Differences (parts, count) from truth with their signs, in units of their scales; angles
     modulo 2 pi.
 
     An attitude counts as the vector [rad] of the small turn from the true one, in body axes.
     """
-    observed = trial.instance.observe(run)
+    observed = subject.instance.observe(run)
     found = []
     for name, values in observed.items():
-        quantity = trial.instance.quantities[name]
+        quantity = subject.instance.quantities[name]
         if quantity.group or name not in truth.values:
             continue
         difference = values[:count] - truth.value(name)[:count]
@@ -383,7 +387,7 @@ def _small_turns(
     return turns
 
 
-def left_at_finest(trial: Trial, coarse: Array) -> float:
+def left_at_finest(subject: Subject, coarse: Array) -> float:
     """What the claimed order leaves at the finest level of an error (T,) that the coarsest level
     shows; infinite if it says nothing.
 
@@ -391,10 +395,14 @@ def left_at_finest(trial: Trial, coarse: Array) -> float:
     higher order still count. Kinks scatter C from step to step; round-off, which does not fall, is
     the caller's to add.
     """
-    if trial.method.control != "step" or kinked(trial.instance) or not np.all(np.isfinite(coarse)):
+    if (
+        subject.method.control != "step"
+        or kinked(subject.instance)
+        or not np.all(np.isfinite(coarse))
+    ):
         return float(np.inf)
-    order = trial.order
-    octaves = float(np.log2(trial.levels[0] / trial.levels[-1]))
+    order = subject.order
+    octaves = float(np.log2(subject.levels[0] / subject.levels[-1]))
     return float(ROOM * np.max(coarse) / 2.0 ** (order * octaves))
 
 

@@ -11,7 +11,14 @@ from msgspec import Meta
 from numpy.typing import NDArray
 
 from refdem.core.ensemble import Ensemble, EnsembleDocument
-from refdem.core.question import DENSE, PER_OCTAVE, Iteration, IterationDocument, Motion, Problem
+from refdem.core.problem_kinds import (
+    DENSE,
+    PER_OCTAVE,
+    Iteration,
+    IterationDocument,
+    Motion,
+    Problem,
+)
 from refdem.core.reading import json_as
 from refdem.core.statics import Identity, IdentityDocument, Solid, SolidDocument
 from refdem.errors import EngineError, UsageError

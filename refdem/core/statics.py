@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.algebra import SIZES
-from refdem.core.question import Problem
+from refdem.core.problem_kinds import Problem
 from refdem.errors import UsageError
 from refdem.scene.shapes import Polyhedron, Sphere
 

@@ -77,15 +77,15 @@ class Reference(Engine):
         )
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None if the method can run the problem, else why not."""
-        return self.refuses(problem, method)
+        return self.unsupported(problem, method)
 
-    def refuses(self, problem: Problem, method: Method) -> str | None:
+    def unsupported(self, problem: Problem, method: Method) -> str | None:
         """None if the method answers such questions and can run this one, else why not."""
         solver = self.solvers[method.name]
         if isinstance(problem, solver.answers):
-            return solver.refusal(problem)
+            return solver.unsupported(problem)
         return f"cannot run {problem.words}"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -93,7 +93,7 @@ class Reference(Engine):
         refuses the scene.
         """
         solver = self.solvers[self.method(request.method).name]
-        reason = self.refuses(request.problem, solver.claims)
+        reason = self.unsupported(request.problem, solver.claims)
         if reason:
             raise UnsupportedError(
                 f"the reference's {request.method} cannot run this scene: {reason}"
@@ -108,7 +108,7 @@ class Reference(Engine):
         """
         from refdem.solvers._belt_section import section
 
-        reason = self.solvers["stick-slip"].refusal(problem)
+        reason = self.solvers["stick-slip"].unsupported(problem)
         if reason:
             raise UnsupportedError(f"the reference has no section of this scene: {reason}")
         return section(problem.scene, frequency, skip=skip, keep=keep)
@@ -119,7 +119,7 @@ class Reference(Engine):
         """
         reasons = []
         for method in self.methods:
-            reason = self.refuses(problem, method)
+            reason = self.unsupported(problem, method)
             if reason is None:
                 return method
             reasons.append(f"{method.name}: {reason}")

@@ -76,13 +76,13 @@ def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
 def pull_along(m: "Moving", state: State, number: int) -> Number:
     """The force [N] along a slider's axis of all else, where it does not slip."""
     slider = m.world.sliders[number]
-    trial = state.copy()
-    trial.side[number] = 1
-    without = m.parts.loads(m.world, trial, m.parts).force[slider.a]
+    subject = state.copy()
+    subject.side[number] = 1
+    without = m.parts.loads(m.world, subject, m.parts).force[slider.a]
     return vec.dot(
         vec.minus(
             without,
-            m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, trial.v[slider.a]))),
+            m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, subject.v[slider.a]))),
         ),
         slider.axis,
     )
@@ -279,10 +279,10 @@ def _cut(
     kept = [end]
 
     def margin(part: float) -> float:
-        trial, load_trial = step(m, state, load, part * h)
-        found = margins(m, state, trial, load_trial, h)
+        subject, load_trial = step(m, state, load, part * h)
+        found = margins(m, state, subject, load_trial, h)
         if least(found) < 0:
-            kept[0] = trial, found
+            kept[0] = subject, found
         return float(least(found))
 
     if m.world.number is float:

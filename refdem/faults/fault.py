@@ -75,13 +75,13 @@ class Carrier(Engine):
         """As the engine, with the fault."""
         return f"{self.engine.fingerprint(method)} {self.fault.name}"
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """As the engine."""
-        return self.engine.refusal(problem, method)
+        return self.engine.unsupported_motion(problem, method)
 
-    def refuses(self, problem: Problem, method: Method) -> str | None:
+    def unsupported(self, problem: Problem, method: Method) -> str | None:
         """As the engine."""
-        return self.engine.refuses(problem, method)
+        return self.engine.unsupported(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The run, spoiled before or after."""

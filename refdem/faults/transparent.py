@@ -117,7 +117,7 @@ class Transparent(Engine):
         """Its source."""
         return fingerprint.of_source("faults")
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None for what the method's step can do."""
         scene = problem.scene
         if method.name in ("iterated", "carried"):
@@ -145,7 +145,7 @@ class Transparent(Engine):
             return "no constraints"
         return None
 
-    def refuses(self, problem: Problem, method: Method) -> str | None:
+    def unsupported(self, problem: Problem, method: Method) -> str | None:
         """None for iterations by `iterated`, for linear flows by `carried`; motions as above."""
         if isinstance(problem, Ensemble) and method.name == "carried":
             if problem.features <= LINEAR:
@@ -153,7 +153,7 @@ class Transparent(Engine):
             return "not a linear flow"
         if isinstance(problem, Iteration) and method.name == "iterated":
             return None
-        return super().refuses(problem, method)
+        return super().unsupported(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Fixed steps, cut at events; a row of numbers after every `stride` of them."""

@@ -279,7 +279,7 @@ class Beside:
         able = [
             method.name
             for method in METHODS
-            if engine.refuses(self.request.problem, method) is None
+            if engine.unsupported(self.request.problem, method) is None
         ]
         asked = [(name, self.step) for name in able if self.request.step is not None]
         best = next((name for name in ("rk4", "verlet", "suzuki") if name in able), None)

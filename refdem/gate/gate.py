@@ -143,6 +143,6 @@ def supported(engine: Engine) -> list[Entry]:
         of_case = [entry for entry in telling if entry.id == name]
         for entry in (Entry(name), *of_case):
             problem = case.at(**entry.set).problem
-            if any(engine.refuses(problem, method) is None for method in engine.methods):
+            if any(engine.unsupported(problem, method) is None for method in engine.methods):
                 found.append(entry)
     return found

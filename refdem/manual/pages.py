@@ -111,7 +111,7 @@ def checks(instance: Instance) -> Iterator[CheckLine]:
     specification = Specification(name="manual", case=[], engines=["reference"])
     reference = discovery.engine("reference")
     planned = plan.tasks(specification, instance, (), reference, None)
-    tasks = [task for task in planned if task.refusal is None]
+    tasks = [task for task in planned if task.unsupported is None]
     applied: set[str] = set()
     for task in tasks:
         applied |= {check.name for check in task.checks}

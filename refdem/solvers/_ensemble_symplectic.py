@@ -83,11 +83,11 @@ class EnsembleSymplectic(Solver):
     def __init__(self) -> None:
         self.weights = np.array(WEIGHTS[self.claims.order])
 
-    def refusal(self, problem: Ensemble) -> str | None:
+    def unsupported(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a rod that hangs in gravity and swings in a plane."""
         if not problem.scene.all(Rod) or not single.gravity(problem.scene).any():
             return "no rod in gravity"
-        return carried_ensemble.METHOD.refusal(problem)
+        return carried_ensemble.METHOD.unsupported(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""

@@ -21,7 +21,7 @@ class FreeBodies(Solver):
     `turn` fills in the attitude and omega of one of them, and says how long the kernel took.
     """
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None if nothing acts on any body."""
         scene = problem.scene
         if scene.elements:
@@ -82,9 +82,9 @@ class SteppedFreeBodies(FreeBodies):
     def function(self) -> str:
         """Name of the kernel's function."""
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None if nothing acts on any body and some body turns."""
-        reason = super().refusal(problem)
+        reason = super().unsupported(problem)
         if reason:
             return reason
         if "rotation" not in problem.scene.features:

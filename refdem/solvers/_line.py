@@ -62,7 +62,7 @@ class Line:
         return Trajectory.of_points(t, position, v[:, None, None] * self.axis, **more)
 
 
-def refusal(problem: Motion) -> str | None:
+def unsupported(problem: Motion) -> str | None:
     """None for one point on one spring to the world, with at most one dashpot, forces and gravity,
     all along one line.
     """

@@ -68,13 +68,13 @@ def pairs(scene: Scene) -> NDArray[np.int64]:
     return np.array(found, np.int64).reshape(-1, 2)
 
 
-def refusal(problem: Motion) -> str | None:
+def unsupported(problem: Motion) -> str | None:
     """None if the scene is points and spheres under springs, gravity, a central field and linear or
     Hertzian contact.
     """
     scene = problem.scene
     for element in scene.elements:
-        reason = _element_refusal(element)
+        reason = _element_unsupported(element)
         if reason:
             return reason
     if len(scene.all(Contact)) > 1:
@@ -86,11 +86,11 @@ def refusal(problem: Motion) -> str | None:
         return f"more than {MANY} pairs that may meet"
     law = contact_of(scene)
     if law:
-        return _contact_refusal(scene, law)
-    return _body_refusal(scene)
+        return _contact_unsupported(scene, law)
+    return _body_unsupported(scene)
 
 
-def _element_refusal(element: Element) -> str | None:
+def _element_unsupported(element: Element) -> str | None:
     if not isinstance(element, ELEMENTS):
         return f"{element.kind} is not a smooth force or a contact"
     if isinstance(element, Spring):
@@ -101,7 +101,7 @@ def _element_refusal(element: Element) -> str | None:
     return None
 
 
-def _body_refusal(scene: Scene) -> str | None:
+def _body_unsupported(scene: Scene) -> str | None:
     bodies = scene.bodies
     spin = rotated(conjugate(bodies.attitude), bodies.omega)
     momentum = bodies.inertia * spin
@@ -114,7 +114,7 @@ def _body_refusal(scene: Scene) -> str | None:
     return None
 
 
-def _contact_refusal(scene: Scene, law: Contact) -> str | None:
+def _contact_unsupported(scene: Scene, law: Contact) -> str | None:
     if law.law == "rigid":
         return f"contact law {law.law}"
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
@@ -125,7 +125,7 @@ def _contact_refusal(scene: Scene, law: Contact) -> str | None:
             return "friction on a sphere whose three moments of inertia differ"
         if law.tangential_stiffness == 0 and len(pairs(scene)) > 1:
             return "friction without a tangential spring at more than one contact"
-    return _body_refusal(scene)
+    return _body_unsupported(scene)
 
 
 def middle(scene: Scene) -> Array:

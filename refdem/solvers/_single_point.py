@@ -23,7 +23,7 @@ def gravity(scene: Scene) -> Array:
     return np.sum([np.zeros(3), *fields], axis=0)
 
 
-def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
+def unsupported(scene: Scene, *kinds: type[Element]) -> str | None:
     """None if one body that does not turn is acted on by exactly one element of each kind, and by
     gravity where it may be.
 

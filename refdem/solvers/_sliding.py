@@ -20,7 +20,7 @@ direction.
 """
 
 
-def refusal(scene: Scene) -> str | None:
+def unsupported(scene: Scene) -> str | None:
     """None unless slip may end, or begin, out of any plane: its direction there is no smooth
     function of time, and no method that takes it for one keeps an order above 2."""
     law = _particles.contact_of(scene)

@@ -43,9 +43,9 @@ class CarriedEnsemble(Solver):
     answers = Ensemble
     kernels = ("coulomb", "linear_oscillator", "oscillator", "pendulum")
 
-    def refusal(self, problem: Ensemble) -> str | None:
+    def unsupported(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a line or on a rod whose motion has a closed form."""
-        reasons = [solver.refusal(problem.motion(0)) or "" for solver, _ in FLOWS]
+        reasons = [solver.unsupported(problem.motion(0)) or "" for solver, _ in FLOWS]
         if all(reasons):
             return "; ".join(reasons)
         return _astray(problem)
@@ -55,7 +55,7 @@ class CarriedEnsemble(Solver):
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Ensemble)
-        flow = next(flow for solver, flow in FLOWS if solver.refusal(problem.motion(0)) is None)
+        flow = next(flow for solver, flow in FLOWS if solver.unsupported(problem.motion(0)) is None)
         shape = (len(problem.times), len(problem.position), 1, 3)
         position = np.empty(shape)
         velocity = np.empty(shape)
@@ -71,7 +71,9 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     it.
     """
     origin, axis = _frame(problem)
-    solver = next(solver for solver, _ in FLOWS[:2] if solver.refusal(problem.motion(0)) is None)
+    solver = next(
+        solver for solver, _ in FLOWS[:2] if solver.unsupported(problem.motion(0)) is None
+    )
     place = (problem.position[:, 0] - origin) @ axis
     rate = problem.velocity[:, 0] @ axis
     units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
@@ -194,7 +196,7 @@ def _astray(problem: Ensemble) -> str | None:
     if problem.scene.all(Rod):
         solver: Solver = exact_pendulum.METHOD
         for member in _doubtful(problem):
-            if solver.refusal(problem.motion(member)):
+            if solver.unsupported(problem.motion(member)):
                 return f"start {member} does not swing in the plane on its rod"
         return None
     if any(spring.length for spring in problem.scene.all(Spring)):

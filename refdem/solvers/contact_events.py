@@ -29,14 +29,14 @@ class ContactEvents(Solver):
     )
     kernels = (_particles.FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """Scenes with linear contact between shapes that can meet."""
         law = _particles.contact_of(problem.scene)
         if law is None:
             return "no shapes that can meet"
         if law.law != "linear":
             return f"contact law {law.law}: not smooth at its onset"
-        return RK4.refusal(problem)
+        return RK4.unsupported(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Steps of at most a twentieth of the shortest contact; events inside a step are found by

@@ -38,7 +38,7 @@ class DissipatingBody(Solver):
     )
     kernels = ("dissipating_body",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one free body with inertia about every axis and damping inside it, and nothing
         else.
         """

@@ -34,15 +34,15 @@ class Equilibrium(Solver):
         cost_rank=0,
     )
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None if nothing moves and nothing will."""
         scene = problem.scene
         if np.any(scene.bodies.velocity) or np.any(scene.bodies.omega):
             return "something moves"
         laws = scene.all(Contact)
         if len(laws) == 1 and laws[0].law == "rigid" and scene.has_shapes():
-            return _rigid_refusal(scene, laws[0])
-        return _particles.refusal(problem) or _balance.unbalanced(scene)
+            return _rigid_unsupported(scene, laws[0])
+        return _particles.unsupported(problem) or _balance.unbalanced(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The start again at every sample; no work is dissipated."""
@@ -57,7 +57,7 @@ class Equilibrium(Solver):
         return Trajectory(t=times, channels=channels, **state), Cost(seconds=seconds)
 
 
-def _rigid_refusal(scene: Scene, law: Contact) -> str | None:
+def _rigid_unsupported(scene: Scene, law: Contact) -> str | None:
     """None if the bodies stand; a sphere stands only where gravity is along the normal."""
     others = [e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)]
     if others:

@@ -32,10 +32,10 @@ class ExactCapture(Solver):
         cost_rank=0,
     )
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one free point and one hook of the world."""
         scene = problem.scene
-        reason = single.refusal(scene, Catch)
+        reason = single.unsupported(scene, Catch)
         if reason:
             return reason
         if scene.all(UniformGravity) or scene.bodies.fixed.any():

@@ -32,12 +32,12 @@ class ExactCoulomb(Solver):
     )
     kernels = ("coulomb",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on a linear spring of natural length 0 and a slider, both to the
         world, moving along the slider.
         """
         scene = problem.scene
-        reason = single.refusal(scene, Spring, Slider)
+        reason = single.unsupported(scene, Spring, Slider)
         if reason:
             return reason
         spring = scene.all(Spring)[0]

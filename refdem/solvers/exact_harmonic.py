@@ -30,10 +30,10 @@ class ExactHarmonic(Solver):
     )
     kernels = ("oscillator",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on one spring to the world, linear and of natural length 0."""
         scene = problem.scene
-        reason = single.refusal(scene, Spring)
+        reason = single.unsupported(scene, Spring)
         if reason:
             return reason
         spring = scene.all(Spring)[0]

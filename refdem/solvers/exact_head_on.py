@@ -39,7 +39,7 @@ class ExactHeadOn(Solver):
     )
     kernels = ("head_on",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for two free spheres that do not turn, nothing but linear contact, and no sideways
         velocity.
         """

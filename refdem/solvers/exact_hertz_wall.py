@@ -45,7 +45,7 @@ class ExactHertzWall(Solver):
     )
     kernels = ("power_contact",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one free solid sphere at or before a plane, forward in time, under nothing but
         Hertz's contact.
         """

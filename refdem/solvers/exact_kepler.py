@@ -32,10 +32,10 @@ class ExactKepler(Solver):
     )
     kernels = ("kepler",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on a bound orbit about one centre."""
         scene = problem.scene
-        reason = single.refusal(scene, CentralField)
+        reason = single.unsupported(scene, CentralField)
         if reason:
             return reason
         if scene.all(UniformGravity) or scene.bodies.fixed.any():

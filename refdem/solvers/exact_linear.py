@@ -29,11 +29,11 @@ class ExactLinear(Solver):
     )
     kernels = ("linear_oscillator",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for a linear spring that pulls, and a dashpot or a force; without these the motion
         is harmonic.
         """
-        reason = _line.refusal(problem)
+        reason = _line.unsupported(problem)
         if reason:
             return reason
         scene = problem.scene

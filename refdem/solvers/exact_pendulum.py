@@ -36,10 +36,10 @@ class ExactPendulum(Solver):
     )
     kernels = ("pendulum",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on one rod to the world that moves in a plane with gravity."""
         scene = problem.scene
-        reason = single.refusal(scene, Rod)
+        reason = single.unsupported(scene, Rod)
         if reason:
             return reason
         if scene.bodies.fixed.any():

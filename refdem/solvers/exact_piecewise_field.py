@@ -29,7 +29,7 @@ class ExactPiecewiseField(Solver):
     )
     kernels = ("piecewise_field",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one free point, nothing but one such field, and a velocity along its axis."""
         scene = problem.scene
         bodies = problem.scene.bodies

@@ -30,9 +30,9 @@ class ExactPower(Solver):
     )
     kernels = ("power_oscillator",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one power-law spring of natural length 0 and nothing else."""
-        reason = _line.refusal(problem)
+        reason = _line.unsupported(problem)
         if reason:
             return reason
         scene = problem.scene

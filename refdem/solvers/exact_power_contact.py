@@ -36,7 +36,7 @@ class ExactPowerContact(Solver):
     )
     kernels = ("power_contact",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for two free spheres that do not turn, nothing but Hertz's contact, and no sideways
         velocity.
         """

@@ -40,7 +40,7 @@ class ExactRigidCluster(Solver):
     )
     kernels = ("free_body",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for points that are not in one plane, all held by rods, and nothing else."""
         scene = problem.scene
         others = [element.kind for element in scene.elements if not isinstance(element, Rod)]

@@ -30,7 +30,7 @@ class ExactSlide(Solver):
         cost_rank=1,
     )
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for a block at rest on a plane that is too steep for friction to hold it, and that
         does not tip it.
         """

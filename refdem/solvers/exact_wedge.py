@@ -31,7 +31,7 @@ class ExactWedge(Solver):
     )
     kernels = ("power_contact",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one free body that moves along the normal and does not turn by itself, and
         nothing but one wall for wedges.
         """

@@ -103,7 +103,7 @@ class Gas(Solver):
     )
     kernels = ("gas",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for many equal spheres under a linear contact law, with a tangential spring if there
         is friction, and no other force.
         """

@@ -43,7 +43,7 @@ class IteratedMap(Solver):
     answers = Iteration
     kernels = ("maps",)
 
-    def refusal(self, problem: Iteration) -> str | None:
+    def unsupported(self, problem: Iteration) -> str | None:
         """None for the maps that it has."""
         if type(problem.map) in FUNCTIONS:
             return None

@@ -47,9 +47,9 @@ class LatticeVerlet(Solver):
     kernels = (FAMILY,)
     bits = 53
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for a conservative oscillator on a line whose motion has ends."""
-        reason = _line.refusal(problem)
+        reason = _line.unsupported(problem)
         if reason:
             return reason
         line = _line.line_of(Request(problem=problem, method=self.claims.name))

@@ -37,7 +37,7 @@ class MassProperties(Solver):
     )
     answers = Solid
 
-    def refusal(self, problem: Solid) -> str | None:
+    def unsupported(self, problem: Solid) -> str | None:
         """None: every shape that a solid can have is known."""
         return None
 

@@ -45,7 +45,7 @@ class ObliqueContact(Solver):
     )
     kernels = (FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for two free spheres that touch and press, spins across the plane of their motion,
         under linear contact alone.
         """

@@ -37,7 +37,7 @@ class Rattle(Solver):
     )
     kernels = ("rattle",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for points with at least one rod; springs and gravity are welcome."""
         scene = problem.scene
         others = [

@@ -28,11 +28,11 @@ class RungeKutta(Solver):
     )
     kernels = (_particles.FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """As velocity Verlet, but springs must be smooth at their natural length."""
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
-        return _particles.refusal(problem) or _sliding.refusal(problem.scene)
+        return _particles.unsupported(problem) or _sliding.unsupported(problem.scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Fixed steps in the direction of time."""

@@ -45,7 +45,7 @@ class RodChain(Solver):
     )
     kernels = ("rod_chain",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for a planar chain of points that fits its rods."""
         scene = problem.scene
         others = [

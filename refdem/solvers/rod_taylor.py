@@ -41,10 +41,10 @@ class RodTaylor(Solver):
     )
     kernels = ("rod_taylor",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on one rod to the world, in gravity or none."""
         scene = problem.scene
-        reason = single.refusal(scene, Rod)
+        reason = single.unsupported(scene, Rod)
         if reason:
             return reason
         rod = scene.all(Rod)[0]

@@ -132,7 +132,7 @@ class RotationAlgebra(Solver):
     )
     answers = Identity
 
-    def refusal(self, problem: Identity) -> str | None:
+    def unsupported(self, problem: Identity) -> str | None:
         """None: it knows every operation."""
         return None
 

@@ -14,7 +14,7 @@ class Solver(ABC):
     """One method. A file in solvers/ with an instance named METHOD is found by itself.
 
     `kernels` names every C family that the method calls: their digests are part of a run's key.
-    `answers` is the kind of question that it answers; `refusal` and `run` see no other.
+    `answers` is the kind of question that it answers; `unsupported` and `run` see no other.
     """
 
     claims: Method
@@ -22,7 +22,7 @@ class Solver(ABC):
     kernels: tuple[str, ...] = ()
 
     @abstractmethod
-    def refusal(self, problem: Any) -> str | None:
+    def unsupported(self, problem: Any) -> str | None:
         """None if it can run the problem (judged by the scene's content, never by a case's name),
         else why not.
         """

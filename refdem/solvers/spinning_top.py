@@ -49,7 +49,7 @@ class SpinningTop(Solver):
     )
     kernels = ("spinning_top",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one body with inertia on one ball joint of the world that it fits."""
         scene = problem.scene
         others = [

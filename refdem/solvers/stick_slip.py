@@ -49,7 +49,7 @@ class StickSlip(Solver):
     )
     kernels = (FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one point on a linear spring of natural length 0 and a slider, with at most one
         force, all along one line.
         """

@@ -42,7 +42,7 @@ class StringWheel(Solver):
     )
     kernels = ("string_wheel",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for two points on one string over one wheel that fit it."""
         scene = problem.scene
         others = [

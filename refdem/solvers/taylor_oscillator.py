@@ -34,9 +34,9 @@ class TaylorOscillator(Solver):
     )
     kernels = ("taylor_oscillator",)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for forces that are polynomials of place and velocity, and not merely harmonic."""
-        reason = _line.refusal(problem)
+        reason = _line.unsupported(problem)
         if reason:
             return reason
         scene = problem.scene

@@ -52,7 +52,7 @@ class TumblingBody(Solver):
     )
     kernels = (FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """None for one polyhedron under the linear law, whose corners slide as long as they press,
         over one plane.
         """
@@ -73,7 +73,7 @@ class TumblingBody(Solver):
             return f"not a polyhedron of at most {MOST_CORNERS} corners"
         if not bodies.inertia[0].min() > 0:
             return "no inertia about one of the axes"
-        return _law_refusal(laws[0]) or _never_held(problem)
+        return _law_unsupported(laws[0]) or _never_held(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States, contact channels and events; raises EngineError where a corner that presses comes
@@ -108,7 +108,7 @@ class TumblingBody(Solver):
         return Trajectory(t=times, channels=shown, events=tuple(told), **rows), cost
 
 
-def _law_refusal(law: Contact) -> str | None:
+def _law_unsupported(law: Contact) -> str | None:
     if law.law != "linear":
         return f"contact law {law.law}"
     if law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R"):

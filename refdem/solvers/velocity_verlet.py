@@ -35,9 +35,9 @@ class VelocityVerlet(Solver):
     )
     kernels = (_particles.FAMILY,)
 
-    def refusal(self, problem: Motion) -> str | None:
+    def unsupported(self, problem: Motion) -> str | None:
         """Points and spheres under springs, gravity, a central field and linear contact."""
-        return _particles.refusal(problem)
+        return _particles.unsupported(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Fixed steps in the direction of time."""

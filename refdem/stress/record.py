@@ -69,7 +69,7 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
     question: str
 
 
-class Record(msgspec.Struct, frozen=True, kw_only=True):
+class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
     """Everything that one stress test found;
 
     `refused`: engines and ladders that none of their methods can climb, with reasons.
@@ -83,10 +83,10 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
     refused: list[tuple[str, str, str]] = []
 
 
-def read(path: Path) -> Record:
+def read(path: Path) -> StressRecord:
     """The record in a file; raises UsageError if there is none."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Record)
+        return msgspec.json.decode(path.read_bytes(), type=StressRecord)
     except OSError as error:
         raise UsageError(
             f"{path} cannot be read: {error.strerror}; expected a stress.json that `refdem stress`"

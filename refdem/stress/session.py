@@ -26,7 +26,7 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
 from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.record import Ask, Climb, Record, Rung
+from refdem.stress.record import Ask, Climb, Rung, StressRecord
 from refdem.stress.scenes import truth_here
 from refdem.stress.verdict import climbed, rung_of
 
@@ -76,7 +76,7 @@ class Stress:
     progress: Progress = lambda stage, done, total: None
     rungs: dict[tuple[str, str, str, str], dict[int, Rung]] = field(default_factory=dict)
 
-    def record(self) -> Record:
+    def record(self) -> StressRecord:
         """Climbs all ladders: the record of everything found."""
         specification = Specification(
             name="stress", case=[], engines=self.engines, method=self.method
@@ -145,7 +145,11 @@ class Stress:
         jobs: dict[str, Job] = {}
         requests: dict[tuple[int, Variant], Request] = {}
         for n, (place, task) in enumerate(wanted):
-            if isinstance(task, Failure) or task.refusal is not None or self._is_too_long(place):
+            if (
+                isinstance(task, Failure)
+                or task.unsupported is not None
+                or self._is_too_long(place)
+            ):
                 continue
             for variant in task.variants:
                 request = place.ladder.measure.request(task, variant, place.x)
@@ -199,7 +203,7 @@ class Stress:
         name = place.ladder.rungs[place.number]
         if isinstance(task, Failure):
             return Rung(rung=name, verdict="error", quantity="run: scene", sentence=task.sentence)
-        if task.refusal is None and self._is_too_long(place):
+        if task.unsupported is None and self._is_too_long(place):
             forecast = self._forecast(place)
             return Rung(
                 rung=name,
@@ -217,7 +221,7 @@ class Stress:
             )
             return Rung(rung=name, verdict="error", quantity="run: judging", sentence=told)
 
-    def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> Record:
+    def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> StressRecord:
         """All climbs but those of methods that can climb nothing; where no method of an engine can,
         the reason.
         """
@@ -247,7 +251,7 @@ class Stress:
         for climb in climbs:
             refused.pop((climb.battery, climb.ladder, climb.engine), None)
         used = {place.battery.id: place.battery for place in places}
-        return Record(
+        return StressRecord(
             refdem=refdem.__version__,
             longest=self.longest,
             batteries=[Ask(id=b.id, title=b.title, question=b.question) for b in used.values()],

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from refdem.stress.record import Climb, Record
+from refdem.stress.record import Climb, StressRecord
 from refdem.stress.verdict import number, words
 
 NONE = "\N{EN DASH}"
@@ -18,7 +18,7 @@ class Table:
     rows: Sequence[tuple[str, ...]]
 
 
-def introduction(record: Record) -> str:
+def introduction(record: StressRecord) -> str:
     """What the numbers are, in words."""
     return (
         "Scenes are made harder rung by rung. Each rung is judged as refdem run judges: against"
@@ -31,7 +31,7 @@ def introduction(record: Record) -> str:
     )
 
 
-def summary(record: Record) -> list[Table]:
+def summary(record: StressRecord) -> list[Table]:
     """The farthest rung that the methods of each engine hold, ladder by ladder, and the
     promises.
     """
@@ -108,7 +108,7 @@ def _told(climb: Climb) -> str:
     return holds
 
 
-def details(record: Record, battery: str) -> list[Table]:
+def details(record: StressRecord, battery: str) -> list[Table]:
     """What each method did on each ladder of a battery, and who cannot climb them."""
     climbs = [climb for climb in record.climbs if climb.battery == battery]
     ladders = {climb.ladder for climb in climbs}
@@ -137,7 +137,7 @@ def _row(climb: Climb) -> tuple[str, ...]:
     return climb.ladder, climb.along, method, holds, ends, promised, why
 
 
-def lines(record: Record) -> list[str]:
+def lines(record: StressRecord) -> list[str]:
     """What a terminal shows: every climb that ended before the last rung, broken promises first,
     and counts.
     """

@@ -11,7 +11,7 @@ from flint import arb, arb_mat
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
-from refdem.truth.events.motion import Motion, first_entry
+from refdem.truth.events.motion import HybridMotion, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Guard, Traced, along
 from refdem.truth.traced_field import Program, traced
@@ -87,7 +87,7 @@ def rates(
     return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
 
 
-class ContactMotion(Motion):
+class ContactMotion(HybridMotion):
     """A motion that knows when the spheres part, how deep they press, and how hard."""
 
     def __init__(self, traced_contact: TracedContact, bits: int) -> None:

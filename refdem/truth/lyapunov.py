@@ -20,7 +20,7 @@ from flint import arb, arb_mat, ctx
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, exclusive, precision
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.validated_ivp.integration import Integration, Steps
@@ -138,7 +138,7 @@ def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
     key = ("sharper", ctx.prec)
     if key not in truth.kept:
         start = [value() if callable(value) else arb_of(value) for value in truth.begin]
-        truth.kept[key] = Motion(
+        truth.kept[key] = HybridMotion(
             truth.modes, start, truth.first(start), ctx.prec, Steps(jacobian_bits=JACOBIAN_BITS)
         )
     flow = truth.kept[key].jacobian(arb_of(t)).table()

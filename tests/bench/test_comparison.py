@@ -9,13 +9,13 @@ import msgspec
 import pytest
 
 from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate, verdict
-from refdem.bench.record import Curve, Point, Record, read
+from refdem.bench.record import BenchRecord, Curve, Point, read
 from refdem.errors import UsageError
 
 
 def record(
     seed: int, *, factor: float = 1.0, machine: float = 1.0, rounds: int = 5, noise: float = 0.05
-) -> Record:
+) -> BenchRecord:
     """A record of one method with three levels on a machine that is slower by `machine`, in code
     that is slower by `factor`.
     """
@@ -30,7 +30,7 @@ def record(
         for h in (0.1, 0.05, 0.025)
     ]
     curve = Curve(label="spring", engine="played", method="good", control="step", points=points)
-    return Record(
+    return BenchRecord(
         refdem="0",
         rounds=rounds,
         load=1.0,
@@ -60,7 +60,9 @@ def test_a_code_compared_with_itself_raises_few_false_alarms() -> None:
     assert sum(alarms) <= 15  # two sides of 1 in 252 are 4 in 500
 
 
-def in_turns(seed: int, *, factor: float = 1.0, rounds: int = 7, noise: float = 0.05) -> Record:
+def in_turns(
+    seed: int, *, factor: float = 1.0, rounds: int = 7, noise: float = 0.05
+) -> BenchRecord:
     """The same record with another code, which is faster by `factor`, in every round under the same
     weather.
     """

@@ -11,7 +11,7 @@ from refdem.bench.comparison import compared_in_turns
 from refdem.bench.entrant import Entrant
 from refdem.bench.levels import levels
 from refdem.bench.memory import peaks
-from refdem.bench.record import Curve, Record
+from refdem.bench.record import BenchRecord, Curve
 from refdem.bench.session import Bench
 from refdem.bench.stability import stability_limit
 from refdem.bench.tables import introduction, tables
@@ -23,7 +23,7 @@ REFERENCE = discovery.engine("reference")
 
 
 @pytest.fixture(scope="module")
-def record() -> Record:
+def record() -> BenchRecord:
     """The reference on a short harmonic oscillator."""
     entry = Entry("harmonic-oscillator", {"duration": "4"})
     options = {"with_peers": False, "with_memory": False}
@@ -37,17 +37,17 @@ def record() -> Record:
     ).record()
 
 
-def curve(record: Record, method: str) -> Curve:
+def curve(record: BenchRecord, method: str) -> Curve:
     """The curve of a method of the reference."""
     return next(found for found in record.curves if found.method == method)
 
 
 @pytest.mark.parametrize(("method", "order"), [("velocity-verlet", 2), ("rk4", 4)])
-def test_the_order_seen_is_that_of_the_method(record: Record, method: str, order: int) -> None:
+def test_the_order_seen_is_that_of_the_method(record: BenchRecord, method: str, order: int) -> None:
     assert curve(record, method).order_seen == pytest.approx(order, abs=0.1)
 
 
-def test_the_constant_of_verlet_is_that_of_its_phase_error(record: Record) -> None:
+def test_the_constant_of_verlet_is_that_of_its_phase_error(record: BenchRecord) -> None:
     # Verlet's phase runs ahead by omega t (omega h)^2/24, and sin falls behind by that much: C (1 +
     # T/tau) = (T/tau)/24 at the most.
     found = curve(record, "velocity-verlet").constant_seen
@@ -55,13 +55,13 @@ def test_the_constant_of_verlet_is_that_of_its_phase_error(record: Record) -> No
     assert 0.3 / 24 < found < 1.2 / 24 + 1 / 8 / 5
 
 
-def test_a_closed_form_has_every_error_at_one_price(record: Record) -> None:
+def test_a_closed_form_has_every_error_at_one_price(record: BenchRecord) -> None:
     reached = curve(record, "exact-harmonic").reached
     assert all(reach is not None for reach in reached)
     assert len({reach.seconds for reach in reached if reach}) == 1
 
 
-def test_what_a_low_order_cannot_reach_is_not_reached(record: Record) -> None:
+def test_what_a_low_order_cannot_reach_is_not_reached(record: BenchRecord) -> None:
     assert curve(record, "velocity-verlet").reached[-1] is None
 
 
@@ -81,7 +81,7 @@ def test_a_closed_form_has_no_stability_limit() -> None:
     ) == (None, "")
 
 
-def test_every_point_has_all_of_its_rounds(record: Record) -> None:
+def test_every_point_has_all_of_its_rounds(record: BenchRecord) -> None:
     assert len(record.yardstick) == 4
     assert all(
         len(point.rounds) == 4 and min(point.rounds) > 0
@@ -99,13 +99,13 @@ def test_steps_divide_the_interval_and_each_other() -> None:
     assert np.allclose(np.array(found[:-1]) / np.array(found[1:]), 4, rtol=0)
 
 
-def test_time_grows_with_the_samples_that_are_asked_for(record: Record) -> None:
+def test_time_grows_with_the_samples_that_are_asked_for(record: BenchRecord) -> None:
     grown = {growth.by: growth for growth in curve(record, "exact-harmonic").growth}
     assert grown["samples"].sizes == [64, 1024]
     assert "steps" in {growth.by for growth in curve(record, "rk4").growth}
 
 
-def test_the_tables_say_reached_and_not_reached(record: Record) -> None:
+def test_the_tables_say_reached_and_not_reached(record: BenchRecord) -> None:
     shown = {table.title: table for table in tables(record, "harmonic-oscillator[duration=4]")}
     rows = {row[0]: row for row in shown["Time to an error"].rows}
     assert rows["reference velocity-verlet (reference)"][4] == "not reached"

@@ -43,7 +43,7 @@ class Played(Engine):
     def fingerprint(self, method):
         return "played 1"
 
-    def refusal(self, problem, method):
+    def unsupported_motion(self, problem, method):
         if method.name == "refuses":
             return "no <b>springs</b> today"
         if problem.scene.features <= {"spring", "dimension:1"}:

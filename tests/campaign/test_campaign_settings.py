@@ -77,7 +77,7 @@ def tried(case: Canonical) -> Iterator[Instance]:
 
 
 def says(engine: Engine, instance: Instance) -> bool:
-    return any(engine.refuses(instance.problem, method) is None for method in engine.methods)
+    return any(engine.unsupported(instance.problem, method) is None for method in engine.methods)
 
 
 def said(engine: Engine, among: list[Instance], case: str) -> set[str]:

@@ -50,7 +50,7 @@ def judged(instance: Instance) -> list[str]:
     """
     truth = in_process.truth_of(instance)
     tasks = plan.tasks(SHORT, instance, (), REFERENCE, truth, truth.reason)
-    records = [in_process.record_of(task) for task in tasks if task.refusal is None]
+    records = [in_process.record_of(task) for task in tasks if task.unsupported is None]
     findings = [(record, finding) for record in records for finding in record.findings]
     wrong = [
         f"{record.id(finding)}: {finding.sentence}"

@@ -22,7 +22,7 @@ def task(engine: str, case: str = "harmonic-oscillator", **more: object) -> Task
     )
     ((instance, only),) = plan.instances(specification)
     tasks = plan.tasks(specification, instance, only, discovery.engine(engine), None)
-    return next(one for one in tasks if one.refusal is None)
+    return next(one for one in tasks if one.unsupported is None)
 
 
 def judged(one: Task, refused: list[Variant], kind: str = "unsupported") -> Record:
@@ -111,7 +111,7 @@ def test_a_check_that_was_named_alone_may_decide_nothing() -> None:
 def test_a_record_in_which_no_check_of_all_decides_anything_is_an_error() -> None:
     one = task("pymunk")
     bare = Task(
-        one.engine, one.trial, None, tuple(check for check in one.checks if check.name == "error")
+        one.engine, one.subject, None, tuple(check for check in one.checks if check.name == "error")
     )
     assert "error" in {f.outcome for f in judged(bare, []).findings}
 

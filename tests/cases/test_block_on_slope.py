@@ -131,4 +131,4 @@ def test_a_tall_block_that_would_tip_is_not_said_to_slide(monkeypatch):
 
     monkeypatch.setattr(_slope, "SIDES", (0.25, 2.0, 2.0))
     problem = discovery.case("block-on-slope").at(friction="1/2").problem
-    assert "not over it" in exact_slide.METHOD.refusal(problem)
+    assert "not over it" in exact_slide.METHOD.unsupported(problem)

@@ -116,4 +116,4 @@ def test_engines_without_it_refuse():
     problem = discovery.case("dissipating-body").at().problem
     for name in ("mujoco", "pymunk", "rebound"):
         engine = discovery.engine(name)
-        assert all(engine.refuses(problem, method) for method in engine.methods)
+        assert all(engine.unsupported(problem, method) for method in engine.methods)

@@ -99,14 +99,14 @@ def test_other_engines_and_methods_refuse_a_periodic_box():
     for name in ("mujoco", "pymunk", "rebound"):
         engine = discovery.engine(name)
         if engine.missing() is None:
-            assert all(engine.refuses(motion, method) for method in engine.methods), name
-    assert [m.name for m in ENGINE.methods if ENGINE.refuses(motion, m) is None] == ["gas"]
+            assert all(engine.unsupported(motion, method) for method in engine.methods), name
+    assert [m.name for m in ENGINE.methods if ENGINE.unsupported(motion, m) is None] == ["gas"]
 
 
 def test_methods_decide_about_a_crowd_without_a_list_of_its_pairs():
     motion = CASE.at(n="3000", boundary="walls").motion
     tracemalloc.start()
-    able = [m.name for m in ENGINE.methods if ENGINE.refuses(motion, m) is None]
+    able = [m.name for m in ENGINE.methods if ENGINE.unsupported(motion, m) is None]
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert able == ["gas"]

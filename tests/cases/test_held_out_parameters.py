@@ -18,7 +18,7 @@ def outcomes(case, given, checks=()):
     truth = in_process.truth_of(instance)
     assert truth.reason == ""
     tasks = plan.tasks(SPECIFICATION, instance, (), discovery.engine("reference"), truth, "")
-    runs = [in_process.record_of(task) for task in tasks if task.refusal is None]
+    runs = [in_process.record_of(task) for task in tasks if task.unsupported is None]
     assert runs
     found = [f for record in runs for f in record.findings if not checks or f.check in checks]
     assert found

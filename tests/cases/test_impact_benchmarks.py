@@ -75,15 +75,15 @@ def test_hertz_on_a_wall_is_refused_where_the_closed_form_ends():
     solver = next(method for method in REFERENCE.methods if method.name == "exact-hertz-wall")
     instance = discovery.case("impact-benchmarks").at(member="dem-05-hertz")
     bodies = instance.scene.bodies
-    assert REFERENCE.refusal(instance.problem, solver) is None
+    assert REFERENCE.unsupported_motion(instance.problem, solver) is None
     for changed in ({"position": bodies.position * 0.99}, {"omega": [[0.0, 1.0, 0.0]]}):
         scene = type(instance.scene)(bodies.with_state(**changed), instance.scene.elements)
-        assert REFERENCE.refusal(Motion(scene, instance.times), solver) is not None
-    assert REFERENCE.refusal(Motion(instance.scene, -instance.times), solver) is not None
+        assert REFERENCE.unsupported_motion(Motion(scene, instance.times), solver) is not None
+    assert REFERENCE.unsupported_motion(Motion(instance.scene, -instance.times), solver) is not None
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pymunk", "rebound"])
 def test_no_engine_pretends_to_rub_by_a_spring(name):
     engine = discovery.engine(name)
     problem = discovery.case("impact-benchmarks").at(member="co-4").problem
-    assert all(engine.refusal(problem, method) for method in engine.methods)
+    assert all(engine.unsupported_motion(problem, method) for method in engine.methods)

@@ -44,7 +44,7 @@ def test_the_reference_matches(member):
     else:
         instance = FALLING
     for method in ENGINE.methods:
-        if method.control == "exact" and ENGINE.refuses(instance.problem, method) is None:
+        if method.control == "exact" and ENGINE.unsupported(instance.problem, method) is None:
             assert flagged(ENGINE, instance, method.name) == []
             return
     pytest.fail("no exact method")

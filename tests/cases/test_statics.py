@@ -95,12 +95,12 @@ def test_an_engine_that_knows_nothing_of_it_refuses():
     instance = discovery.case("moments-of-inertia").at()
     engine = discovery.engine("rebound")
     assert all(
-        "cannot run mass properties" in engine.refuses(instance.problem, method)
+        "cannot run mass properties" in engine.unsupported(instance.problem, method)
         for method in engine.methods
     )
     pymunk = discovery.engine("pymunk")
     quaternions = discovery.case("quaternions").at()
-    assert "knows nothing" in pymunk.refuses(quaternions.problem, pymunk.method("vectors"))
+    assert "knows nothing" in pymunk.unsupported(quaternions.problem, pymunk.method("vectors"))
 
 
 def of_tetrahedra(vertices, faces):

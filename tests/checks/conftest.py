@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Cost, Trajectory
@@ -28,17 +28,17 @@ METHODS = {
 _TRUTHS: dict[str, tuple] = {}
 
 
-def trial(case: str, method: str, **given: str) -> Trial:
-    """The trial of a case in one of METHODS, with its certified truth."""
+def subject(case: str, method: str, **given: str) -> Subject:
+    """The subject of a case in one of METHODS, with its certified truth."""
     key = case + str(sorted(given.items()))
     if key not in _TRUTHS:
         instance = discovery.case(case).at(**given)
         _TRUTHS[key] = instance, sampled(instance.truth(), instance.times.tolist())
     instance, truth = _TRUTHS[key]
-    return Trial(instance, METHODS[method], levels(instance, METHODS[method], 4, 1e9), truth)
+    return Subject(instance, METHODS[method], levels(instance, METHODS[method], 4, 1e9), truth)
 
 
-def true_run(of: Trial, until: int | None = None) -> Trajectory:
+def true_run(of: Subject, until: int | None = None) -> Trajectory:
     """The trajectory that truth itself is."""
     truth = of.truth
     bodies = of.instance.scene.bodies
@@ -72,7 +72,9 @@ def true_run(of: Trial, until: int | None = None) -> Trajectory:
 
 
 def findings(
-    check: str, of: Trial, fault: Callable[[Trajectory, float], Trajectory] = lambda run, level: run
+    check: str,
+    of: Subject,
+    fault: Callable[[Trajectory, float], Trajectory] = lambda run, level: run,
 ):
     """What a check finds when every run it needs is the true one, spoiled by `fault(run,
     level)`.
@@ -103,7 +105,7 @@ def findings(
                 attitude=run.attitude[::-1],
                 omega=sign * run.omega[::-1],
             )
-        runs[variant] = Outcome(
+        runs[variant] = CompletedRun(
             (
                 fault(run, variant.level)
                 if variant.change not in ("repeated", "denser_output")
@@ -119,6 +121,6 @@ def judge():
     """`judge(check, case, method, fault=..., **parameters)` -> findings by quantity."""
 
     def judged(check, case, method, fault=lambda run, level: run, **given):
-        return findings(check, trial(case, method, **given), fault)
+        return findings(check, subject(case, method, **given), fault)
 
     return judged

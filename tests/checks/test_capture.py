@@ -9,7 +9,7 @@ import pytest
 
 from refdem.campaign.in_process import truth_of
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
@@ -25,7 +25,7 @@ def outcomes(samples, *, turned=1.0, slowed=1.0):
     instance = discovery.case("captured-mass").at(
         duration="40", samples=samples, speed="3", radius="3"
     )
-    trial = Trial(instance, ENGINE.method("exact-capture"), (0.0,), truth_of(instance))
+    subject = Subject(instance, ENGINE.method("exact-capture"), (0.0,), truth_of(instance))
     run, _ = ENGINE.run(Request(problem=instance.problem, method="exact-capture"))
     later = (run.t > 3.0).nonzero()[0]
     angle = (turned - 1) * run.t[later]
@@ -40,7 +40,7 @@ def outcomes(samples, *, turned=1.0, slowed=1.0):
         column[later, :, 1:2] = s * x + c * y
     velocity[later] *= slowed
     spoiled = replace(run, position=position, velocity=velocity)
-    findings = CHECK.judge(trial, {Variant(0.0): Outcome(spoiled, Cost(seconds=0.0))})
+    findings = CHECK.judge(subject, {Variant(0.0): CompletedRun(spoiled, Cost(seconds=0.0))})
     return {f.quantity: f.outcome for f in findings}
 
 

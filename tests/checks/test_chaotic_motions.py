@@ -113,7 +113,7 @@ def test_neighbours_that_part_faster_than_any_power_are_held_to_s_while_the_moti
     task = task_of(ENGINE, "exact-free-body", instance, grows_early, 3, ("lyapunov",))
     runs = dict(plain_runs)
     beside = next(v for v in runs if v.change == "perturbed")
-    plain, run = (runs[v].trajectory for v in (task.trial.finest, beside))
+    plain, run = (runs[v].trajectory for v in (task.subject.finest, beside))
     grown = 1 + 5e5 * (np.arange(len(run.t)) / len(run.t)) ** 4  # the fourth power of the time
     moved = plain.omega + (run.omega - plain.omega)[:1] * grown[:, None, None]
     runs[beside] = replace(
@@ -176,7 +176,7 @@ def parted(times_of_exponent):
         ENGINE, ENGINE.best(instance.problem).name, instance, truth_of(instance), 3, ("lyapunov",)
     )
     runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
-    plain, beside = Lyapunov().needs(task.trial)
+    plain, beside = Lyapunov().needs(task.subject)
     (name,) = runs[plain].trajectory.values
     x, y = (runs[v].trajectory.values[name] for v in (plain, beside))
     grown = np.abs(y - x) / np.abs(y[0] - x[0])

@@ -9,7 +9,7 @@ import pytest
 
 from refdem.checks.contact_channels import CHECK
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 
@@ -22,7 +22,7 @@ def outcomes(case, spoiled=lambda channels: channels, named=None, **given):
     method = next(
         m
         for m in REFERENCE.methods
-        if REFERENCE.refuses(instance.problem, m) is None and named in (None, m.name)
+        if REFERENCE.unsupported(instance.problem, m) is None and named in (None, m.name)
     )
     if method.control == "exact":
         levels = (0.0,)
@@ -33,12 +33,12 @@ def outcomes(case, spoiled=lambda channels: channels, named=None, **given):
     else:
         step = levels[0]
     run, _ = REFERENCE.run(Request(problem=instance.problem, method=method.name, step=step))
-    trial = Trial(instance, method, levels, None)
-    assert CHECK.applies(trial) is None
+    subject = Subject(instance, method, levels, None)
+    assert CHECK.applies(subject) is None
     found = CHECK.judge(
-        trial,
+        subject,
         {
-            trial.finest: Outcome(
+            subject.finest: CompletedRun(
                 replace(run, channels=spoiled(dict(run.channels))), Cost(seconds=0.0)
             )
         },

@@ -86,7 +86,7 @@ def test_every_method_of_the_reference_that_steps_holds_it(case, given):
     able = [
         m.name
         for m in engine.methods
-        if m.control == "step" and engine.refuses(instance.problem, m) is None
+        if m.control == "step" and engine.unsupported(instance.problem, m) is None
     ]
     assert able
     for method in able:

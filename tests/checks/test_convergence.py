@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Cost, Trajectory
@@ -17,28 +17,30 @@ SECOND = Method(name="second", summary="", control="step", order=2)
 
 
 def blind(method=SECOND):
-    """A trial of the harmonic oscillator (m = k = x0 = 1) whose truth nobody knows."""
+    """The harmonic oscillator (m = k = x0 = 1) whose truth nobody knows."""
     instance = discovery.case("harmonic-oscillator").at()
-    return Trial(instance, method, levels(instance, method, 4, 1e9), None, truth_reason="withheld")
+    return Subject(
+        instance, method, levels(instance, method, 4, 1e9), None, truth_reason="withheld"
+    )
 
 
-def verlet(trial, step, first_order=0.0):
+def verlet(subject, step, first_order=0.0):
     """What velocity Verlet gives: x = cos(w t) with sin(w h/2) = h/2 (Hairer, Lubich and Wanner
     2006, section I.5).
     """
-    t = trial.instance.times
+    t = subject.instance.times
     rate = 2 * np.arcsin(step / 2) / step
     position, velocity = np.zeros((2, len(t), 1, 3))
     position[:, 0, 0] = np.cos(rate * t) + first_order * step * t
     velocity[:, 0, 0] = -np.sin(rate * t) * np.sqrt(1 - step**2 / 4)
-    return Outcome(Trajectory.of_points(t, position, velocity), Cost(seconds=0.0))
+    return CompletedRun(Trajectory.of_points(t, position, velocity), Cost(seconds=0.0))
 
 
-def judged(trial, first_order=0.0):
+def judged(subject, first_order=0.0):
     check = discovery.check("convergence")
-    assert check.applies(trial) is None
+    assert check.applies(subject) is None
     (finding,) = check.judge(
-        trial, {v: verlet(trial, v.level, first_order) for v in check.needs(trial)}
+        subject, {v: verlet(subject, v.level, first_order) for v in check.needs(subject)}
     )
     return finding
 
@@ -54,17 +56,17 @@ def test_an_error_of_first_order_is_seen_without_truth():
 
 
 def test_a_claim_that_is_too_high_is_seen():
-    trial = blind()
-    finding = judged(replace(trial, method=replace(SECOND, order=3)))
+    subject = blind()
+    finding = judged(replace(subject, method=replace(SECOND, order=3)))
     assert finding.outcome == "fail"
     assert finding.value == pytest.approx(1.0, abs=0.02)
 
 
 def test_changes_that_are_round_off_show_no_order_and_lack_none():
-    trial = blind()
+    subject = blind()
     check = discovery.check("convergence")
-    runs = {v: verlet(trial, 1e-9) for v in check.needs(trial)}
-    assert check.judge(trial, runs)[0].outcome == "pass"
+    runs = {v: verlet(subject, 1e-9) for v in check.needs(subject)}
+    assert check.judge(subject, runs)[0].outcome == "pass"
 
 
 def test_runs_that_differ_by_more_than_a_tenth_of_the_scale_decide_nothing():
@@ -72,13 +74,13 @@ def test_runs_that_differ_by_more_than_a_tenth_of_the_scale_decide_nothing():
 
 
 def test_it_leaves_to_the_order_what_truth_can_show():
-    trial = blind()
-    count = len(trial.instance.times)
+    subject = blind()
+    count = len(subject.instance.times)
     certified = type("Truth", (), {"until": count})()
     check = discovery.check("convergence")
-    assert "truth is certified to the end" in check.applies(replace(trial, truth=certified))
-    assert check.applies(replace(trial, truth=type("Truth", (), {"until": count - 1})())) is None
-    assert "3 are needed" in check.applies(replace(trial, levels=trial.levels[:2]))
+    assert "truth is certified to the end" in check.applies(replace(subject, truth=certified))
+    assert check.applies(replace(subject, truth=type("Truth", (), {"until": count - 1})())) is None
+    assert "3 are needed" in check.applies(replace(subject, levels=subject.levels[:2]))
     assert "not by a step" in check.applies(blind_exact())
 
 

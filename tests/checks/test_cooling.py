@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.engines.reference import ENGINE
@@ -58,8 +58,8 @@ def findings(engine_fault: str = "", **given: str):
     instance = discovery.case("granular-gas").at(**given)
     step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
     method = ENGINE.method("gas")
-    trial = Trial(instance, method, (step,), sampled(instance.truth(), instance.times.tolist()))
-    if (reason := CHECK.applies(trial)) is not None:
+    subject = Subject(instance, method, (step,), sampled(instance.truth(), instance.times.tolist()))
+    if (reason := CHECK.applies(subject)) is not None:
         return reason
     if engine_fault:
         engine = Carrier(ENGINE, FAULTS[engine_fault][0])
@@ -67,7 +67,8 @@ def findings(engine_fault: str = "", **given: str):
         engine = ENGINE
     run, _ = engine.run(Request(problem=instance.motion, method="gas", step=step))
     return {
-        f.quantity: f for f in CHECK.judge(trial, {trial.finest: Outcome(run, Cost(seconds=0.0))})
+        f.quantity: f
+        for f in CHECK.judge(subject, {subject.finest: CompletedRun(run, Cost(seconds=0.0))})
     }
 
 

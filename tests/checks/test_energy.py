@@ -10,7 +10,7 @@ import pytest
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.balance import energy_scale
-from refdem.core.check import Trial
+from refdem.core.check import Subject
 from refdem.core.engine import Method
 from refdem.core.judgement import worst
 from refdem.faults.transparent import Transparent
@@ -144,7 +144,7 @@ def test_of_two_terms_each_may_be_off_by_the_bound_on_the_state(judge):
     instance = discovery.case("harmonic-oscillator").at()
     method = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy"}))
     assert found.bound == pytest.approx(
-        2 * Trial(instance, method, (0.0,), None).round_off(0.0), rel=1e-12
+        2 * Subject(instance, method, (0.0,), None).round_off(0.0), rel=1e-12
     )
 
 
@@ -155,5 +155,5 @@ def test_the_bound_of_a_balance_is_two_errors_of_the_state():
     instance = discovery.case("harmonic-oscillator").at()
     task = task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("energy",))
     found = {finding.quantity: finding for finding in record_of(task).findings}
-    allowed, _ = task.trial.kept("energy", task.trial.levels[0])
+    allowed, _ = task.subject.kept("energy", task.subject.levels[0])
     assert np.isclose(2.0 * allowed, found["balance"].bound, rtol=1e-12, atol=0.0).sum() == 1

@@ -11,7 +11,7 @@ from refdem.campaign import plan
 from refdem.campaign.in_process import truth_of
 from refdem.campaign.specification import Specification
 from refdem.core import discovery
-from refdem.core.check import Outcome
+from refdem.core.check import CompletedRun
 from refdem.core.refinement import scored
 from refdem.core.variant import Variant
 
@@ -41,14 +41,14 @@ def test_an_error_that_no_step_removes_is_seen_beyond_the_horizon_of_a_method_of
     instance = discovery.case("two-spheres").at(**STIFF)
     truth = truth_of(instance)
     (task,) = plan.tasks(SPECIFICATION, instance, ("error",), discovery.engine("reference"), truth)
-    method = replace(task.trial.method, order_with={"contact": 1})
-    trial = replace(task.trial, method=method, truth=truth)
-    assert scored(trial.bound(trial.levels[-1])) < len(instance.times) / 2
+    method = replace(task.subject.method, order_with={"contact": 1})
+    subject = replace(task.subject, method=method, truth=truth)
+    assert scored(subject.bound(subject.levels[-1])) < len(instance.times) / 2
     runs = {}
-    for variant in trial.plain:
+    for variant in subject.plain:
         run, cost = task.engine.run(plan.request(task, variant))
-        runs[variant] = Outcome(fault(run), cost)
-    found = discovery.check("error").judge(trial, runs)
+        runs[variant] = CompletedRun(fault(run), cost)
+    found = discovery.check("error").judge(subject, runs)
     assert {finding.quantity for finding in found if finding.outcome == "fail"} == failed
 
 
@@ -104,19 +104,23 @@ def test_a_kink_shortly_before_the_end_of_a_long_step_is_met_alike_by_all_its_ha
     task = next(
         t
         for t in plan.tasks(specification, instance, ("error",), engine, truth)
-        if t.refusal is None
+        if t.unsupported is None
     )
     method = replace(
-        task.trial.method, control="step", order=2, order_with={"friction": 1}, locates_events=False
+        task.subject.method,
+        control="step",
+        order=2,
+        order_with={"friction": 1},
+        locates_events=False,
     )
     levels = tuple(instance.problem.interval / 2.0**n for n in (7, 8, 9, 10))
-    trial = replace(task.trial, method=method, levels=levels, truth=truth)
+    subject = replace(task.subject, method=method, levels=levels, truth=truth)
     runs = {}
-    for variant in trial.plain:
+    for variant in subject.plain:
         run, cost = task.engine.run(plan.request(task, Variant(0.0)))
         position = np.array(run.position)
         velocity = np.array(run.velocity)
         position[:, 0, 0], velocity[:, 0, 0] = rubbed(instance, variant.level).T
-        runs[variant] = Outcome(replace(run, position=position, velocity=velocity), cost)
-    found = discovery.check("error").judge(trial, runs)
+        runs[variant] = CompletedRun(replace(run, position=position, velocity=velocity), cost)
+    found = discovery.check("error").judge(subject, runs)
     assert {finding.quantity: finding.outcome for finding in found} == {"x": "pass", "v": "pass"}

@@ -14,7 +14,7 @@ from refdem.campaign.in_process import truth_of
 from refdem.checks._crossings import Crossing, crossings
 from refdem.checks.event_times import CHECK, interpolated, shift
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Cost, Event
@@ -33,35 +33,37 @@ OBLIQUE = {
 
 
 def trial_of(case, method, **given):
-    """The trial of a case in a method of the reference."""
+    """The subject of a case in a method of the reference."""
     key = case + str(sorted(given.items()))
     if key not in TRUTHS:
         instance = discovery.case(case).at(**given)
         TRUTHS[key] = instance, truth_of(instance)
     instance, truth = TRUTHS[key]
     claims = REFERENCE.method(method)
-    return Trial(instance, claims, levels(instance, claims, 4, 1e5), truth)
+    return Subject(instance, claims, levels(instance, claims, 4, 1e5), truth)
 
 
-def run_of(trial):
+def run_of(subject):
     """The run of the finest level."""
-    if trial.method.control == "step":
-        step = trial.levels[-1]
+    if subject.method.control == "step":
+        step = subject.levels[-1]
     else:
         step = None
     return REFERENCE.run(
-        Request(problem=trial.instance.problem, method=trial.method.name, step=step)
+        Request(problem=subject.instance.problem, method=subject.method.name, step=step)
     )[0]
 
 
-def found(trial, change=lambda events: events):
+def found(subject, change=lambda events: events):
     """Findings by kind, with the events of the run changed."""
-    assert CHECK.applies(trial) is None
-    run = run_of(trial)
+    assert CHECK.applies(subject) is None
+    run = run_of(subject)
     spoiled = replace(run, events=tuple(change(run.events)))
     return {
         finding.quantity: finding
-        for finding in CHECK.judge(trial, {trial.finest: Outcome(spoiled, Cost(seconds=0.0))})
+        for finding in CHECK.judge(
+            subject, {subject.finest: CompletedRun(spoiled, Cost(seconds=0.0))}
+        )
     }
 
 
@@ -147,9 +149,9 @@ def test_events_that_are_wrong_are_seen(case, method, given, kind, change):
 
 
 def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
-    trial = trial_of("two-spheres", "exact-head-on")
+    subject = trial_of("two-spheres", "exact-head-on")
     seen = found(
-        trial,
+        subject,
         lambda events: [
             *events,
             *(Event(e.time, e.kind, 1) for e in events),
@@ -157,7 +159,7 @@ def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
         ],
     )
     assert {kind: finding.outcome for kind, finding in seen.items()} == {"release": "pass"}
-    assert found(trial, lambda events: ()) == {}
+    assert found(subject, lambda events: ()) == {}
 
 
 def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():
@@ -169,34 +171,34 @@ def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():
 
 @pytest.mark.parametrize(("located", "outcome"), [(False, "pass"), (True, "fail")])
 def test_a_method_that_sees_events_at_steps_may_be_a_step_late(located, outcome):
-    trial = trial_of("two-spheres", "rk4")
-    trial = replace(trial, method=replace(trial.method, locates_events=located))
-    assert found(trial, moved("release", trial.levels[-1]))["release"].outcome == outcome
+    subject = trial_of("two-spheres", "rk4")
+    subject = replace(subject, method=replace(subject.method, locates_events=located))
+    assert found(subject, moved("release", subject.levels[-1]))["release"].outcome == outcome
     if not located:
-        assert found(trial, moved("release", 2 * trial.levels[-1]))["release"].outcome == "fail"
+        assert found(subject, moved("release", 2 * subject.levels[-1]))["release"].outcome == "fail"
 
 
 def test_what_comes_too_slowly_is_not_decided():
-    trial = trial_of("two-spheres", "velocity-verlet", damping="15", cutoff="zero_force")
-    seen = found(trial)["release"]
+    subject = trial_of("two-spheres", "velocity-verlet", damping="15", cutoff="zero_force")
+    seen = found(subject)["release"]
     assert seen.outcome == "undecided"
     assert "comes so slowly" in seen.sentence
     assert (
-        found(trial, moved("release", 1.0))["release"].outcome == "undecided"
+        found(subject, moved("release", 1.0))["release"].outcome == "undecided"
     )  # no verdict, not a lenient one
 
 
 def test_a_crowd_is_left_alone_without_a_look_at_every_pair():
     instance = discovery.case("granular-gas").at(n="1000", boundary="walls")
-    trial = Trial(instance, REFERENCE.method("velocity-verlet"), (1.0,), None)
-    assert CHECK.applies(trial) == "no times of events are certified for such scenes"
+    subject = Subject(instance, REFERENCE.method("velocity-verlet"), (1.0,), None)
+    assert CHECK.applies(subject) == "no times of events are certified for such scenes"
 
 
 def test_without_truth_nothing_is_decided():
-    trial = replace(
+    subject = replace(
         trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows"
     )
-    assert [(f.quantity, f.outcome) for f in found(trial).values()] == [("release", "undecided")]
+    assert [(f.quantity, f.outcome) for f in found(subject).values()] == [("release", "undecided")]
 
 
 def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none():
@@ -209,11 +211,11 @@ def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none(
 
 
 def test_rates_on_the_belt_are_those_of_the_certified_motion():
-    trial = trial_of("stick-slip", "stick-slip", **BELT)
-    truth = trial.instance.truth()
-    p = trial.instance.p
-    scales = trial.instance.scales
-    known = crossings(trial, trial.truth)
+    subject = trial_of("stick-slip", "stick-slip", **BELT)
+    truth = subject.instance.truth()
+    p = subject.instance.p
+    scales = subject.instance.scales
+    known = crossings(subject, subject.truth)
     h = Fraction(1, 10**6)
     assert len(known["stick"]) > 1
     for one in known["stick"]:
@@ -230,18 +232,18 @@ def test_rates_on_the_belt_are_those_of_the_certified_motion():
 
 @pytest.mark.parametrize("given", [{"damping": "3"}, OBLIQUE])
 def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
-    trial = trial_of("two-spheres", "contact-events", **given)
-    (one,) = crossings(trial, trial.truth)["release"]
+    subject = trial_of("two-spheres", "contact-events", **given)
+    (one,) = crossings(subject, subject.truth)["release"]
     h = 1e-6
-    truth = trial.instance.truth()
-    p = trial.instance.p
+    truth = subject.instance.truth()
+    p = subject.instance.p
     at = truth.at(Fraction(one.time) - Fraction(h))
     apart = [float(at[f"r1.{axis}"].mid - at[f"r2.{axis}"].mid) for axis in "xyz"]
     if "angle" not in given:
         dimension = 1
     else:
         dimension = 2
-    reach = 2 * dimension**0.5 * trial.instance.scales.length
+    reach = 2 * dimension**0.5 * subject.instance.scales.length
     assert (p.radii.sum() - np.linalg.norm(apart)) / h / reach == pytest.approx(one.rate, rel=1e-3)
 
 
@@ -258,19 +260,19 @@ def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
     ],
 )
 def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, method, given, change):
-    trial = trial_of(case, method, **given)
-    duration = {"duration": str(float(trial.instance.scales.duration))}
-    run = run_of(trial)
+    subject = trial_of(case, method, **given)
+    duration = {"duration": str(float(subject.instance.scales.duration))}
+    run = run_of(subject)
     other = None
     near = discovery.case(case).at(**(given | duration | change))
     other = REFERENCE.run(
         Request(
-            problem=trial.instance.problem.__class__(near.scene, trial.instance.times),
+            problem=subject.instance.problem.__class__(near.scene, subject.instance.times),
             method=method,
         )
     )[0]
-    apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(trial.instance, run, other)}
-    known = crossings(trial, trial.truth)
+    apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(subject.instance, run, other)}
+    known = crossings(subject, subject.truth)
     compared = 0
     for event, moved in zip(run.events, other.events, strict=True):
         (one,) = [one for one in known[event.kind] if abs(one.time - event.time) < 1e-9]
@@ -296,14 +298,14 @@ def test_an_event_between_steps_is_off_by_a_chord_and_by_less_for_higher_orders(
     step = 0.25
     tau = 2.0
     one = Crossing(time=1.0, radius=0.0, rate=0.5, bend=3.0, growth=0.0)
-    trial = SimpleNamespace(
+    subject = SimpleNamespace(
         method=SimpleNamespace(control="step"),
         levels=(2 * step, step),
         order=order,
         instance=SimpleNamespace(scales=SimpleNamespace(tau=tau)),
     )
     chord = 3.0 * step**2 / (8 * 0.5)
-    assert interpolated(trial, one) == pytest.approx(chord * share)
-    assert interpolated(trial, replace(one, rate=0.0)) == inf
-    trial.method.control = "tolerance"
-    assert interpolated(trial, one) == 0.0
+    assert interpolated(subject, one) == pytest.approx(chord * share)
+    assert interpolated(subject, replace(one, rate=0.0)) == inf
+    subject.method.control = "tolerance"
+    assert interpolated(subject, one) == 0.0

@@ -10,7 +10,7 @@ import pytest
 
 from refdem.checks.roughness import _inertia
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.reference import ENGINE
@@ -165,15 +165,15 @@ def findings(name: str, made=right, **given: str):
     instance = discovery.case("granular-gas").at(**given)
     check = discovery.check(name)
     step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
-    trial = Trial(
+    subject = Subject(
         instance, ENGINE.method("gas"), (step,), sampled(instance.truth(), instance.times.tolist())
     )
-    assert check.applies(trial) is None
+    assert check.applies(subject) is None
     run = made(Request(problem=instance.motion, method="gas", step=step))
     return {
         f.quantity: f
         for f in check.judge(
-            trial, dict.fromkeys(check.needs(trial), Outcome(run, Cost(seconds=0.0)))
+            subject, dict.fromkeys(check.needs(subject), CompletedRun(run, Cost(seconds=0.0)))
         )
     }
 
@@ -205,10 +205,10 @@ def test_a_rough_elastic_gas_keeps_its_energy_and_spins_as_kinetic_theory_says(s
 )
 def test_only_perfectly_rough_elastic_gases_are_judged(given):
     instance = discovery.case("granular-gas").at(n="30", **given)
-    trial = Trial(
+    subject = Subject(
         instance, ENGINE.method("gas"), (1e-3,), sampled(instance.truth(), instance.times.tolist())
     )
-    assert discovery.check("roughness").applies(trial)
+    assert discovery.check("roughness").applies(subject)
 
 
 def test_the_moment_of_inertia_that_theory_wants_is_two_fifths_for_homogeneous_spheres():

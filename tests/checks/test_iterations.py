@@ -9,7 +9,7 @@ import pytest
 
 from refdem.campaign import judging, plan
 from refdem.campaign.in_process import record_of, run_of, task_of, truth_of
-from refdem.campaign.kills import Trial
+from refdem.campaign.kills import FaultTrial
 from refdem.campaign.specification import Entry, Specification
 from refdem.checks.bounces import wall
 from refdem.core import discovery
@@ -44,7 +44,7 @@ REGULAR = [
 def test_lyapunov_and_bounces_are_failed_by_their_faults(name):
     (fault,) = chosen([name])
     assert fault.sees[0] in ("lyapunov", "bounces")
-    kill = Trial(seeds=1, whole=False).kill(fault, 2)
+    kill = FaultTrial(seeds=1, whole=False).kill(fault, 2)
     assert kill.killed
     assert kill.beyond is None or kill.beyond > 0
 
@@ -132,7 +132,7 @@ def test_a_turned_start_fits_its_rods_and_is_another_motion():
         instance = discovery.case(name).at()
         moved = instance.problem.perturbed(2**26)
         method = ENGINE.best(instance.problem)
-        assert ENGINE.refuses(moved, method) is None
+        assert ENGINE.unsupported(moved, method) is None
         rods = [
             rod.distance(moved.scene.bodies.position[None], moved.scene.bodies.attitude[None])[0]
             - rod.length
@@ -179,12 +179,12 @@ def test_a_selection_leaves_out_methods_to_which_its_check_does_not_apply():
     selected = {
         task.method.name
         for task in plan.tasks(specification, instance, ("lyapunov",), engine, None)
-        if task.refusal is None
+        if task.unsupported is None
     }
     every = {
         task.method.name
         for task in plan.tasks(specification, instance, (), engine, None)
-        if task.refusal is None
+        if task.unsupported is None
     }
     assert "bs" in every
     assert "bs" not in selected

@@ -123,5 +123,5 @@ def test_differences_from_truth_are_in_units_of_the_scale_of_each_quantity():
     names = list(instance.quantities)
     scale = instance.quantities["x"].scale
     assert scale != 1.0
-    off = signed(task.trial, moved, task.trial.truth, len(run.t))[names.index("x")]
+    off = signed(task.subject, moved, task.subject.truth, len(run.t))[names.index("x")]
     assert off == pytest.approx(np.full(len(run.t), 0.25 / scale), abs=1e-12)

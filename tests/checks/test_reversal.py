@@ -36,7 +36,7 @@ def test_the_defect_falls_with_the_order_if_it_is_odd_and_one_more_if_it_is_even
     for h in (first, first / 2):
         there = run_of(engine, plan.request(task, Variant(h)))
         back = run_of(engine, plan.request(task, Variant(h, "reversed"), there.trajectory))
-        found.append(_defect(task.trial, back.trajectory, "reversed"))
+        found.append(_defect(task.subject, back.trajectory, "reversed"))
     assert np.log2(found[0] / found[1]) == pytest.approx(expected, abs=0.1)
 
 
@@ -54,7 +54,7 @@ def test_chaos_enlarges_round_off_and_is_no_irreversibility():
         task_of(engine, "rod-chain", instance, truth, 1, ("reversal",))
         for engine in (ENGINE, dragged)
     )
-    plain = 2 * np.sqrt(2) * sound.trial.round_off(sound.trial.levels[-1])
+    plain = 2 * np.sqrt(2) * sound.subject.round_off(sound.subject.levels[-1])
     for finding in record_of(sound).findings:
         assert finding.outcome == "pass"
         assert finding.value > 3 * plain  # a bound without S would call it irreversible

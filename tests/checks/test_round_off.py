@@ -9,7 +9,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.balance import linear, momentum_scale
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.problem import Request
 from refdem.core.refinement import sweeping
@@ -24,7 +24,7 @@ FAR = "1001,0,0,1000,1,0,1000,0,1,999,-1/2,0"
 
 
 def outcome(case, method, of, fault=lambda run: run, **given):
-    """The trial of a case and the run of the reference's `method`, spoiled."""
+    """The subject of a case and the run of the reference's `method`, spoiled."""
     instance = discovery.case(case).at(**given)
     engine = discovery.engine("reference")
     if of.control == "exact":
@@ -32,8 +32,8 @@ def outcome(case, method, of, fault=lambda run: run, **given):
     else:
         level = 1e-10
     run, _ = engine.run(Request(problem=instance.problem, method=method))
-    return Trial(instance, of, (level,), None), {
-        Variant(level): Outcome(fault(run), Cost(seconds=0.0))
+    return Subject(instance, of, (level,), None), {
+        Variant(level): CompletedRun(fault(run), Cost(seconds=0.0))
     }
 
 
@@ -47,15 +47,17 @@ def stretched(size):
     ("fault", "expected"), [(stretched(0.0), "pass"), (stretched(3e-11), "fail")]
 )
 def test_rods_far_from_the_origin_are_as_long_as_places_can_say(fault, expected):
-    trial, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, fault, positions=FAR)
-    found = discovery.check("constraint").judge(trial, runs)
+    subject, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, fault, positions=FAR)
+    found = discovery.check("constraint").judge(subject, runs)
     assert {finding.quantity: finding.outcome for finding in found}["length"] == expected
 
 
 def test_a_cluster_far_from_the_origin_keeps_its_momentum():
-    trial, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, positions=FAR)
-    total = linear(trial.instance.scene, runs[Variant(0.0)].trajectory)
-    assert np.abs(total - total[0]).max() < trial.round_off(0.0) * momentum_scale(trial.instance)
+    subject, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, positions=FAR)
+    total = linear(subject.instance.scene, runs[Variant(0.0)].trajectory)
+    assert np.abs(total - total[0]).max() < subject.round_off(0.0) * momentum_scale(
+        subject.instance
+    )
 
 
 def drawn_out(size):
@@ -67,20 +69,20 @@ def drawn_out(size):
 
 @pytest.mark.parametrize(("size", "expected"), [(1e-13, "pass"), (1e-11, "fail")])
 def test_the_energy_of_a_rod_that_only_its_force_holds(size, expected):
-    trial, runs = outcome("pendulum", "exact-pendulum", HELD, drawn_out(size), theta0="1/8")
-    balance, *_ = discovery.check("energy").judge(trial, runs)
+    subject, runs = outcome("pendulum", "exact-pendulum", HELD, drawn_out(size), theta0="1/8")
+    balance, *_ = discovery.check("energy").judge(subject, runs)
     assert balance.outcome == expected, balance.sentence
 
 
 def test_a_method_that_claims_its_rods_is_held_to_round_off():
-    trial, runs = outcome(
+    subject, runs = outcome(
         "pendulum",
         "exact-pendulum",
         replace(HELD, conserves=EXACT.conserves),
         drawn_out(1e-13),
         theta0="1/8",
     )
-    balance, *_ = discovery.check("energy").judge(trial, runs)
+    balance, *_ = discovery.check("energy").judge(subject, runs)
     assert balance.outcome == "fail"
 
 
@@ -101,8 +103,8 @@ def test_overlaps_of_single_precision_are_as_good_as_places_are(digits, expected
         conserves=frozenset({"energy"}),
     )
     given = {"stiffness": "1e8", "damping": "0"}
-    trial, runs = outcome("two-spheres", "contact-events", single, rounded(digits), **given)
-    balance, *_ = discovery.check("energy").judge(trial, runs)
+    subject, runs = outcome("two-spheres", "contact-events", single, rounded(digits), **given)
+    balance, *_ = discovery.check("energy").judge(subject, runs)
     assert balance.outcome == expected, balance.sentence
 
 
@@ -140,8 +142,8 @@ def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_
     run, _ = engine.run(Request(problem=instance.problem, method="exact-free-body"))
     stretched_by = 1 + roundings * 2.0**-24 * steps * run.t / run.t[-1]
     run = replace(run, omega=run.omega * stretched_by[:, None, None])
-    trial = Trial(instance, single, (level,), None)
+    subject = Subject(instance, single, (level,), None)
     found = discovery.check("angular-momentum").judge(
-        trial, {Variant(level): Outcome(run, Cost(seconds=0.0))}
+        subject, {Variant(level): CompletedRun(run, Cost(seconds=0.0))}
     )
     assert {finding.quantity: finding.outcome for finding in found}["spin"] == expected

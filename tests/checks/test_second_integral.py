@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
@@ -20,50 +20,50 @@ GIVEN = {"wheel_inertia": "0", "counter_mass": "3", "duration": "2", "samples": 
 
 
 @pytest.fixture(scope="module", params=["0", "1/50"])
-def trial(request):
-    """The trial of the reference at a radius of the wheel."""
+def subject(request):
+    """The subject of the reference at a radius of the wheel."""
     instance = discovery.case("pendulum-wheel-mass").at(wheel_radius=request.param, **GIVEN)
     truth = sampled(instance.truth(), instance.times.tolist())
-    return Trial(instance, ENGINE.method("string-wheel"), (0.0,), truth)
+    return Subject(instance, ENGINE.method("string-wheel"), (0.0,), truth)
 
 
-def finding(trial, spoil=lambda run: run):
+def finding(subject, spoil=lambda run: run):
     """What the check finds in the reference's run, spoiled."""
-    run, _ = ENGINE.run(Request(problem=trial.instance.problem, method="string-wheel"))
-    assert CHECK.applies(trial) is None
-    (found,) = CHECK.judge(trial, {Variant(0.0): Outcome(spoil(run), Cost(seconds=0.0))})
+    run, _ = ENGINE.run(Request(problem=subject.instance.problem, method="string-wheel"))
+    assert CHECK.applies(subject) is None
+    (found,) = CHECK.judge(subject, {Variant(0.0): CompletedRun(spoil(run), Cost(seconds=0.0))})
     return found
 
 
-def test_the_true_motion_passes_and_the_drift_of_the_radius_is_told(trial):
-    found = finding(trial)
+def test_the_true_motion_passes_and_the_drift_of_the_radius_is_told(subject):
+    found = finding(subject)
     assert found.outcome == "pass"
     drift = float(found.basis.split("drifts by ")[1].split(":")[0])
-    assert (drift > 1e-3) is (trial.instance.p.wheel_radius > 0)
-    assert drift < (0.2 if trial.instance.p.wheel_radius > 0 else 1e-14)
+    assert (drift > 1e-3) is (subject.instance.p.wheel_radius > 0)
+    assert drift < (0.2 if subject.instance.p.wheel_radius > 0 else 1e-14)
 
 
 @pytest.mark.parametrize(("column", "factor"), [("velocity", 1 + 1e-9), ("position", 1 - 1e-9)])
-def test_a_string_that_slips_or_stretches_by_a_hair_fails(trial, column, factor):
+def test_a_string_that_slips_or_stretches_by_a_hair_fails(subject, column, factor):
     def spoil(run):
         values = np.array(getattr(run, column))
         values[8:] *= factor
         return replace(run, **{column: values})
 
-    assert finding(trial, spoil).outcome == "fail"
+    assert finding(subject, spoil).outcome == "fail"
 
 
-def test_the_drift_of_another_radius_fails(trial):
+def test_the_drift_of_another_radius_fails(subject):
     """A wheel that is left out, or put in: the motion of a machine with another radius keeps, or
     loses, what it should not.
     """
-    if trial.instance.p.wheel_radius > 0:
+    if subject.instance.p.wheel_radius > 0:
         other = "0"
     else:
         other = "1/1000000"
     instance = discovery.case("pendulum-wheel-mass").at(wheel_radius=other, **GIVEN)
     run, _ = ENGINE.run(Request(problem=instance.problem, method="string-wheel"))
-    (found,) = CHECK.judge(trial, {Variant(0.0): Outcome(run, Cost(seconds=0.0))})
+    (found,) = CHECK.judge(subject, {Variant(0.0): CompletedRun(run, Cost(seconds=0.0))})
     assert found.outcome == "fail"
 
 
@@ -73,7 +73,7 @@ def test_the_drift_of_another_radius_fails(trial):
 def test_where_there_is_no_second_integral_the_check_does_not_apply(given):
     instance = discovery.case("pendulum-wheel-mass").at(**given)
     assert (
-        CHECK.applies(Trial(instance, ENGINE.method("string-wheel"), (0.0,), None))
+        CHECK.applies(Subject(instance, ENGINE.method("string-wheel"), (0.0,), None))
         == "the machine has no second integral"
     )
 
@@ -89,7 +89,7 @@ def test_the_drift_that_is_told_is_a_part_of_the_integral_whatever_the_units():
         )
         truth = sampled(instance.truth(), instance.times.tolist())
         return (
-            finding(Trial(instance, ENGINE.method("string-wheel"), (0.0,), truth))
+            finding(Subject(instance, ENGINE.method("string-wheel"), (0.0,), truth))
             .basis.split("drifts by ")[1]
             .split(":")[0]
         )

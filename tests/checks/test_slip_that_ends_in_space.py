@@ -46,7 +46,9 @@ def findings(engine, given, *checks):
     """What all of its methods that do not refuse are told."""
     instance = discovery.case("two-spheres").at(**given)
     methods = [
-        method.name for method in engine.methods if engine.refuses(instance.problem, method) is None
+        method.name
+        for method in engine.methods
+        if engine.unsupported(instance.problem, method) is None
     ]
     assert methods
     records = [
@@ -71,7 +73,7 @@ def test_no_method_of_the_reference_is_accused(first):
 
 def test_velocity_verlet_answers_where_steps_that_look_for_a_zero_of_the_slip_refuse():
     problem = discovery.case("two-spheres").at(**ASKED).problem
-    refused = {method.name: ENGINE.refuses(problem, method) for method in ENGINE.methods}
+    refused = {method.name: ENGINE.unsupported(problem, method) for method in ENGINE.methods}
     assert refused["velocity-verlet"] is None
     assert "leaves its plane" in refused["rk4"]
     assert "leaves its plane" in refused["contact-events"]
@@ -91,7 +93,7 @@ def test_velocity_verlet_answers_where_steps_that_look_for_a_zero_of_the_slip_re
 )
 def test_slip_that_keeps_to_a_plane_is_for_all(plane):
     problem = discovery.case("two-spheres").at(friction="1/2", **plane).problem
-    assert ENGINE.refuses(problem, ENGINE.method("rk4")) is None
+    assert ENGINE.unsupported(problem, ENGINE.method("rk4")) is None
 
 
 def test_slip_that_has_ended_stays_ended():

@@ -14,7 +14,7 @@ from refdem.campaign.in_process import record_of, truth_of
 from refdem.campaign.specification import Specification
 from refdem.checks.symmetry import Symmetry
 from refdem.core import discovery, symmetry
-from refdem.core.check import Outcome
+from refdem.core.check import CompletedRun
 from refdem.faults.change import of_bodies, of_elements, single
 from refdem.mechanics.quaternion import product
 from refdem.scene.elements.spring import Spring
@@ -50,8 +50,8 @@ def found(case, method, fault=lambda run, request: run):
     for variant in task.variants:
         request = plan.request(task, variant)
         run, cost = task.engine.run(request)
-        runs[variant] = Outcome(fault(run, request), cost)
-    return {finding.quantity: finding for finding in task.checks[0].judge(task.trial, runs)}
+        runs[variant] = CompletedRun(fault(run, request), cost)
+    return {finding.quantity: finding for finding in task.checks[0].judge(task.subject, runs)}
 
 
 @pytest.mark.parametrize(
@@ -151,7 +151,7 @@ def test_a_scene_comes_back_from_every_symmetry():
 def knows_the_axes(size, order):
     """An error of the attitude that is `size` (h/h0)^order and depends on how space is turned."""
 
-    coarsest = task_of("free-rigid-body", "rk4-free-body").trial.levels[0]
+    coarsest = task_of("free-rigid-body", "rk4-free-body").subject.levels[0]
 
     def fault(run, request):
         angle = size * (request.step / coarsest) ** order * np.array([0.0, 1.0, 0.0, 0.0])
@@ -179,15 +179,15 @@ def found_in_first_order(fault):
     task = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
     instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
     (task,) = plan.tasks(task, instance, ("symmetry",), discovery.engine("reference"), None)
-    method = replace(task.trial.method, order_with={"contact": 1})
-    levels = tuple(h / 16 for h in task.trial.levels)
-    trial = replace(task.trial, method=method, levels=levels, truth=truth_of(instance))
+    method = replace(task.subject.method, order_with={"contact": 1})
+    levels = tuple(h / 16 for h in task.subject.levels)
+    subject = replace(task.subject, method=method, levels=levels, truth=truth_of(instance))
     runs = {}
-    for variant in Symmetry().needs(trial):
+    for variant in Symmetry().needs(subject):
         request = plan.request(task, variant)
         run, cost = task.engine.run(request)
-        runs[variant] = Outcome(fault(run, request), cost)
-    return {finding.quantity: finding for finding in Symmetry().judge(trial, runs)}
+        runs[variant] = CompletedRun(fault(run, request), cost)
+    return {finding.quantity: finding for finding in Symmetry().judge(subject, runs)}
 
 
 def moves_the_second_body(size, order):
@@ -252,9 +252,9 @@ def test_parameters_kept_in_single_precision_are_seen_in_other_units(column):
     runs = {}
     for variant in task.variants:
         run, cost = task.engine.run(rounded(column)(plan.request(task, variant)))
-        runs[variant] = Outcome(run, cost)
+        runs[variant] = CompletedRun(run, cost)
     outcomes = {
-        finding.quantity: finding.outcome for finding in task.checks[0].judge(task.trial, runs)
+        finding.quantity: finding.outcome for finding in task.checks[0].judge(task.subject, runs)
     }
     assert outcomes["rescaled"] == "fail"
 
@@ -329,8 +329,8 @@ def found_in(engine, method, case, given, fault):
     for variant in task.variants:
         run, cost = task.engine.run(plan.request(task, variant))
         shown = variant.change in symmetry.NAMES
-        runs[variant] = Outcome(fault(run) if shown else run, cost)
-    return {finding.quantity: finding for finding in Symmetry().judge(task.trial, runs)}
+        runs[variant] = CompletedRun(fault(run) if shown else run, cost)
+    return {finding.quantity: finding for finding in Symmetry().judge(task.subject, runs)}
 
 
 def off_by(part):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
@@ -16,7 +16,7 @@ from refdem.engines.reference import ENGINE
 
 CHECK = discovery.check("top")
 METHOD = ENGINE.method("spinning-top")
-TRIAL = Trial(
+TRIAL = Subject(
     discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"),
     replace(METHOD, derived={}),
     (0.0,),
@@ -31,7 +31,7 @@ def outcomes(spoil=lambda run: run):
     assert CHECK.applies(TRIAL) is None
     return {
         f.quantity: f.outcome
-        for f in CHECK.judge(TRIAL, {Variant(0.0): Outcome(spoil(run), Cost(seconds=0.0))})
+        for f in CHECK.judge(TRIAL, {Variant(0.0): CompletedRun(spoil(run), Cost(seconds=0.0))})
     }
 
 
@@ -73,7 +73,7 @@ def test_it_is_failed_in_the_quantity_that_is_wrong(spoil, quantity):
 def test_a_joint_that_is_closed_by_construction_is_not_judged():
     run, _ = ENGINE.run(Request(problem=TRIAL.instance.problem, method="spinning-top"))
     found = CHECK.judge(
-        replace(TRIAL, method=METHOD), {Variant(0.0): Outcome(run, Cost(seconds=0.0))}
+        replace(TRIAL, method=METHOD), {Variant(0.0): CompletedRun(run, Cost(seconds=0.0))}
     )
     assert {f.quantity for f in found} == {"L_z", "L_3"}
 
@@ -81,5 +81,5 @@ def test_a_joint_that_is_closed_by_construction_is_not_judged():
 def test_without_a_ball_joint_it_does_not_apply():
     instance = discovery.case("pendulum").at()
     assert (
-        CHECK.applies(Trial(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"
+        CHECK.applies(Subject(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"
     )

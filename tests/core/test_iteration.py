@@ -98,7 +98,7 @@ def test_an_iteration_has_no_scene():
 @pytest.mark.parametrize("name", [n for n in discovery.names("engines") if n != "reference"])
 def test_engines_cannot_run_an_iteration_and_say_so(name):
     engine = discovery.engine(name)
-    assert {engine.refuses(ITERATIONS[0], method) for method in engine.methods} == {
+    assert {engine.unsupported(ITERATIONS[0], method) for method in engine.methods} == {
         "cannot run an iteration"
     }
 
@@ -106,11 +106,11 @@ def test_engines_cannot_run_an_iteration_and_say_so(name):
 def test_methods_of_the_reference_for_motions_cannot_run_an_iteration():
     engine = discovery.engine("reference")
     stepped = [method for method in engine.methods if method.control == "step"]
-    assert {engine.refuses(ITERATIONS[0], method) for method in stepped} == {
+    assert {engine.unsupported(ITERATIONS[0], method) for method in stepped} == {
         "cannot run an iteration"
     }
     still = Motion(Scene.of([Body(mass=1.0)]), np.arange(3.0))
-    assert engine.refuses(still, engine.best(still)) is None
+    assert engine.unsupported(still, engine.best(still)) is None
 
 
 def test_an_answer_has_values_by_name_and_survives_bytes():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.check import Trial
+from refdem.core.check import Subject
 from refdem.core.engine import Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import Sight, judged, left_at_finest, movements, sharpest, worst
@@ -102,5 +102,5 @@ def test_the_truth_of_an_angle_moves_modulo_a_turn_and_an_attitude_as_one_rotati
 def test_an_error_of_the_order_may_be_a_few_times_what_the_coarsest_step_leaves():
     instance = discovery.case("harmonic-oscillator").at()
     method = Method(name="m", summary="", control="step", order=2)
-    trial = Trial(instance=instance, method=method, levels=(0.4, 0.2, 0.1), truth=None)
-    assert left_at_finest(trial, np.array([0.0, 0.16])) == pytest.approx(4 * 0.01)
+    subject = Subject(instance=instance, method=method, levels=(0.4, 0.2, 0.1), truth=None)
+    assert left_at_finest(subject, np.array([0.0, 0.16])) == pytest.approx(4 * 0.01)

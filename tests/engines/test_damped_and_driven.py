@@ -37,7 +37,7 @@ def played(engine, method, scene, step=None, tolerance=None, start=0.0, duration
     times = start + duration * np.arange(17) / 16
     problem = Motion(scene, times)
     adapter = discovery.engine(engine)
-    assert adapter.refusal(problem, adapter.method(method)) is None
+    assert adapter.unsupported(problem, adapter.method(method)) is None
     trajectory, _ = adapter.run(
         Request(problem=problem, method=method, step=step, tolerance=tolerance)
     )
@@ -220,5 +220,5 @@ REFUSED = [
 def test_what_an_engine_cannot_say_is_refused(engine, method, scene, reason):
     adapter = discovery.engine(engine)
     assert reason in str(
-        adapter.refusal(Motion(scene, np.array([0.0, 1.0])), adapter.method(method))
+        adapter.unsupported(Motion(scene, np.array([0.0, 1.0])), adapter.method(method))
     )

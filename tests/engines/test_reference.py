@@ -92,7 +92,11 @@ def test_an_unknown_method_is_bad_usage():
 
 @pytest.mark.parametrize(
     "method",
-    [method for method in ENGINE.methods if ENGINE.refusal(oscillator(), method) is None],
+    [
+        method
+        for method in ENGINE.methods
+        if ENGINE.unsupported_motion(oscillator(), method) is None
+    ],
     ids=lambda m: m.name,
 )
 def test_every_method_that_takes_the_oscillator_solves_it(method):

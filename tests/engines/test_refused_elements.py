@@ -10,5 +10,5 @@ from refdem.core import discovery
 def test_an_adapter_refuses_what_it_does_not_carry(engine: str, case: str) -> None:
     adapter = discovery.engine(engine)
     problem = discovery.case(case).at().problem
-    reasons = [adapter.refusal(problem, method) for method in adapter.methods]
+    reasons = [adapter.unsupported(problem, method) for method in adapter.methods]
     assert all(reasons)

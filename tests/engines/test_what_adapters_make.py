@@ -9,7 +9,7 @@ import pytest
 
 import refdem
 from refdem.core import discovery
-from refdem.core.check import Trial
+from refdem.core.check import Subject
 from refdem.core.refinement import levels
 
 ROOT = Path(refdem.__file__).parent
@@ -17,11 +17,11 @@ NORMALISED = re.compile(r"/ np\.linalg\.norm\((turned|states|out)\[|np\.cos\(row
 """How a source makes unit quaternions of what a kernel or an engine has written."""
 
 
-def trial(engine, method, case, **given):
+def subject(engine, method, case, **given):
     instance = discovery.case(case).at(**given)
     found = discovery.engine(engine).method(method)
     steps = levels(instance, found, 3, 3e5)
-    return Trial(instance=instance, method=found, levels=steps, truth=None)
+    return Subject(instance=instance, method=found, levels=steps, truth=None)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def trial(engine, method, case, **given):
     ],
 )
 def test_a_check_that_could_not_fail_does_not_apply(check, engine, method, case):
-    assert discovery.check(check).left_out(trial(engine, method, case)) is not None
+    assert discovery.check(check).left_out(subject(engine, method, case)) is not None
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_a_check_that_could_not_fail_does_not_apply(check, engine, method, case)
     ],
 )
 def test_a_check_that_can_fail_applies(check, engine, method, case):
-    assert discovery.check(check).left_out(trial(engine, method, case)) is None
+    assert discovery.check(check).left_out(subject(engine, method, case)) is None
 
 
 def test_attitudes_of_pymunk_are_made_of_angles():

@@ -98,7 +98,9 @@ def test_a_motion_that_is_not_the_true_one_is_seen(reference, truths, instance, 
     if instance.label not in truths:
         truths[instance.label] = truth_of(instance)
     truth = truths[instance.label]
-    method = next(m for m in reference.methods if reference.refuses(instance.problem, m) is None)
+    method = next(
+        m for m in reference.methods if reference.unsupported(instance.problem, m) is None
+    )
     (spoiled,) = chosen([fault])
     record = record_of(task_of(spoiled.carrier(reference), method.name, instance, truth, 3))
     failed = {finding.check for finding in record.findings if finding.outcome in ("fail", "error")}

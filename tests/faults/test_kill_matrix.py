@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.kills import Trial
+from refdem.campaign.kills import FaultTrial
 from refdem.core import discovery
 from refdem.core.finding import Finding, Record
 from refdem.errors import UsageError
@@ -24,7 +24,7 @@ SEED = 1
 
 @pytest.fixture(scope="module")
 def trial():
-    return Trial(seeds=1, whole=False)
+    return FaultTrial(seeds=1, whole=False)
 
 
 @pytest.mark.parametrize("fault", faults(), ids=lambda fault: fault.name)
@@ -68,7 +68,7 @@ def test_a_fault_that_changes_nothing_survives():
         sees=("error", "x"),
         before=lambda request: request,
     )
-    matrix = Trial(seeds=1, chosen=(idle,)).matrix()
+    matrix = FaultTrial(seeds=1, chosen=(idle,)).matrix()
     assert [kill.fault for kill in matrix.survivors()] == ["idle"]
     assert "error" in matrix.idle()
     assert matrix.alarms == ()
@@ -84,7 +84,7 @@ def test_a_fault_seen_by_another_quantity_alone_survives():
         sees=("constraint", "length"),
         inside=late.inside,
     )
-    kill = Trial(seeds=1, chosen=(moved,)).kill(moved, 0)
+    kill = FaultTrial(seeds=1, chosen=(moved,)).kill(moved, 0)
     assert not kill.killed
     assert "error/rod_force" in kill.also
 
@@ -99,7 +99,7 @@ def test_an_engine_that_is_wrong_by_itself_alarms(monkeypatch):
         after=chosen(["sample-late"])[0].after,
     )
     engine = broken.carrier()
-    matrix = Trial(seeds=1, engine=engine, chosen=(broken,)).matrix()
+    matrix = FaultTrial(seeds=1, engine=engine, chosen=(broken,)).matrix()
     assert any("error/x" in alarm.id for alarm in matrix.alarms)
 
 
@@ -129,7 +129,7 @@ def test_the_double_cover_of_rotations_is_no_fault(trial, setting, method):
 
 
 def test_faults_before_and_after_are_seen_in_the_reference_too():
-    matrix = Trial(
+    matrix = FaultTrial(
         seeds=1,
         engine=discovery.engine("reference"),
         chosen=chosen(["grams", "sample-late", "velocity-not-held"]),
@@ -181,7 +181,7 @@ def test_a_fault_is_refined_no_further_than_it_takes_to_kill_it(size, levels):
         before=before,
         levels=5,
     )
-    assert Trial(seeds=1, whole=False).kill(fault, 1).killed == (size > 1)
+    assert FaultTrial(seeds=1, whole=False).kill(fault, 1).killed == (size > 1)
     assert len(asked) == len(set(asked)) == levels
 
 

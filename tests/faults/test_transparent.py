@@ -182,15 +182,17 @@ def test_it_says_what_it_cannot_do():
         ([StringOverWheel(a=0, b=1, radius=0.5)], "a string over a wheel that has a size"),
         ([BallJoint(a=0, anchor_a=(0.0, 1.0, 1.0))], "a joint off the principal axes"),
     ):
-        assert word in engine.refusal(Motion(Scene.of(two, elements), times), method)
+        assert word in engine.unsupported_motion(Motion(Scene.of(two, elements), times), method)
     assert (
-        engine.refusal(discovery.case("double-pendulum").at().problem, engine.method("rk4"))
+        engine.unsupported_motion(
+            discovery.case("double-pendulum").at().problem, engine.method("rk4")
+        )
         == "no constraints"
     )
     blocks = discovery.case("newtons-first-law").at(member="block").problem
-    assert "rigid" in engine.refusal(blocks, method)
+    assert "rigid" in engine.unsupported_motion(blocks, method)
     sliding = discovery.case("coulomb-oscillator").at().problem
-    assert engine.refusal(sliding, engine.method("rk4")) == "no events"
+    assert engine.unsupported_motion(sliding, engine.method("rk4")) == "no events"
 
 
 def test_a_contact_without_a_spring_that_comes_to_stick_is_refused_in_the_run():

@@ -10,7 +10,7 @@ import os
 
 import pytest
 
-from refdem.campaign.kills import Matrix, Trial
+from refdem.campaign.kills import FaultTrial, Matrix
 from refdem.faults.catalogue import chosen
 
 SEEDS = 10
@@ -29,7 +29,7 @@ def held():
             seeds = 1
         else:
             seeds = SEEDS
-        found = Trial(seeds=seeds, first=first, whole=False, chosen=faults).matrix()
+        found = FaultTrial(seeds=seeds, first=first, whole=False, chosen=faults).matrix()
         assert [
             f"{kill.fault} (seed {kill.seed}): {kill.sentence}" for kill in found.survivors()
         ] == []

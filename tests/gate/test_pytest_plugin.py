@@ -32,7 +32,7 @@ class Mine(Engine):
     def fingerprint(self, method):
         return "1"
 
-    def refusal(self, problem, method):
+    def unsupported_motion(self, problem, method):
         if problem.scene.features <= {"spring", "dimension:1"}:
             return None
         return "springs on a line only"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from refdem.core.check import Outcome, Trial
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.judgement import errors
 from refdem.core.problem import Request
 from refdem.core.refinement import bound
@@ -36,7 +36,7 @@ def test_the_engine_shown_has_the_order_that_it_claims_on_the_case_shown(
     instance = shown["CASE"].at()
     engine = shown["ENGINE"]
     (method,) = engine.methods
-    assert engine.refusal(instance.problem, method) is None
+    assert engine.unsupported_motion(instance.problem, method) is None
     truth = sampled(instance.truth(), instance.times.tolist())
     seen = []
     for level in (float(instance.times[1]) / 2, float(instance.times[1]) / 4):
@@ -52,10 +52,10 @@ def test_the_check_shown_kills_the_fault_that_it_names(shown: dict[str, Any]) ->
     check = shown["CHECK"]
     (method,) = shown["ENGINE"].methods
     instance = case.at()
-    trial = Trial(instance, method, (float(instance.times[1]),), None)
-    assert check.applies(trial) is not None
+    subject = Subject(instance, method, (float(instance.times[1]),), None)
+    assert check.applies(subject) is not None
     object.__setattr__(instance, "scene", Scene.of([Body(mass=1.0, velocity=(0.0, 4.0, 0.0))]))
-    assert check.applies(trial) is None
+    assert check.applies(subject) is None
     t = instance.times
     place = np.zeros((len(t), 1, 3))
     place[:, 0, 1] = 4.0 * t
@@ -63,11 +63,11 @@ def test_the_check_shown_kills_the_fault_that_it_names(shown: dict[str, Any]) ->
     for shift, outcome in ((0.0, "pass"), (1e-9, "fail")):
         moved = place + shift * (t > 0.5)[:, None, None]
         runs = {
-            Variant(trial.levels[0]): Outcome(
+            Variant(subject.levels[0]): CompletedRun(
                 Trajectory.of_points(t, moved, velocity), Cost(seconds=0.0)
             )
         }
-        (finding,) = check.judge(trial, runs)
+        (finding,) = check.judge(subject, runs)
         assert finding.outcome == outcome, finding.sentence
 
 
@@ -75,4 +75,6 @@ def test_the_engine_shown_refuses_by_naming_what_it_lacks(shown: dict[str, Any])
     from refdem.core.discovery import case
 
     engine = shown["ENGINE"]
-    assert "spring" in engine.refusal(case("harmonic-oscillator").at().problem, engine.methods[0])
+    assert "spring" in engine.unsupported_motion(
+        case("harmonic-oscillator").at().problem, engine.methods[0]
+    )

@@ -115,7 +115,7 @@ def test_what_a_page_says_to_run_is_run_by_every_engine_that_it_names(words: lis
     for instance, only in plan.instances(wanted):
         for engine in engines:
             tasks = plan.tasks(wanted, instance, only, engine, None)
-            assert any(task.refusal is None for task in tasks), (
+            assert any(task.unsupported is None for task in tasks), (
                 f"{engine.name} runs no {instance.label}"
             )
 

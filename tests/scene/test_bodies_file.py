@@ -162,8 +162,8 @@ def test_a_program_gets_the_file_if_it_says_that_it_reads_it(tmp_path, more, ref
     (tmp_path / "refdem.toml").write_text(TOML.format(more=more))
     engine = discovery.engine(str(tmp_path / "refdem.toml"))
     asked = request()
-    assert engine.refusal(asked.problem, engine.methods[0]) == refused
-    assert engine.refusal(request(scene(10)).problem, engine.methods[0]) is None
+    assert engine.unsupported_motion(asked.problem, engine.methods[0]) == refused
+    assert engine.unsupported_motion(request(scene(10)).problem, engine.methods[0]) is None
     written(asked, tmp_path)
     same(SCENE.bodies, Scene.from_json(SCENE.to_json(), tmp_path / "bodies.npz").bodies)
     assert f"scene.bodies.count {N}\nscene.bodies" in (tmp_path / "request.txt").read_text()

@@ -49,8 +49,8 @@ def test_starts_off_the_line_or_the_rod_are_refused():
     off[3, 0, 1] = 1e-3
     for problem in (line, rod):
         astray = Ensemble(problem.scene, problem.times, problem.position + off, problem.velocity)
-        assert ENGINE.refuses(problem, ENGINE.method("carried-ensemble")) is None
-        assert ENGINE.refuses(astray, ENGINE.method("carried-ensemble")) is not None
+        assert ENGINE.unsupported(problem, ENGINE.method("carried-ensemble")) is None
+        assert ENGINE.unsupported(astray, ENGINE.method("carried-ensemble")) is not None
 
 
 def test_starts_of_a_wrong_shape_and_starts_that_are_not_finite_are_refused():
@@ -64,7 +64,7 @@ def test_other_engines_refuse_ensembles():
     problem = asked()
     for name in ("mujoco", "pymunk", "rebound"):
         engine = discovery.engine(name)
-        assert all(engine.refuses(problem, method) for method in engine.methods)
+        assert all(engine.unsupported(problem, method) for method in engine.methods)
 
 
 def test_a_head_on_both_sides_of_the_axis_is_refused_under_dry_friction():

@@ -118,7 +118,7 @@ def test_a_collision_turned_in_space_is_the_same_collision_turned():
 def test_it_is_the_cheapest_method_for_an_oblique_collision_and_refuses_what_cannot_touch():
     oblique = discovery.case("two-spheres").at(angle="1", friction="0.3").problem
     assert ENGINE.best(oblique).name == "contact-events"
-    assert ENGINE.refusal(
+    assert ENGINE.unsupported_motion(
         discovery.case("harmonic-oscillator").at().problem, ENGINE.method("contact-events")
     )
 

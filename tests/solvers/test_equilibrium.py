@@ -16,9 +16,9 @@ METHOD = ENGINE.method("equilibrium")
 TIMES = np.arange(5) * 0.5
 
 
-def refusal(bodies: list[Body], *elements) -> str | None:
+def unsupported(bodies: list[Body], *elements) -> str | None:
     """What the method says to a scene."""
-    return ENGINE.refusal(Motion(Scene.of(bodies, elements), TIMES), METHOD)
+    return ENGINE.unsupported_motion(Motion(Scene.of(bodies, elements), TIMES), METHOD)
 
 
 def block(x: float, z: float, **more) -> Body:
@@ -30,7 +30,7 @@ def block(x: float, z: float, **more) -> Body:
 
 def stacked(*bodies: Body, friction: float = 0.5) -> str | None:
     """What it says to bodies on level ground under the rigid law."""
-    return refusal(
+    return unsupported(
         list(bodies),
         Plane(),
         UniformGravity(g=(0.0, 0.0, -9.8)),
@@ -40,7 +40,7 @@ def stacked(*bodies: Body, friction: float = 0.5) -> str | None:
 
 def on_slope(friction: float) -> str | None:
     """What it says to a cube on a 3-4-5 slope: the plane is level, gravity is turned."""
-    return refusal(
+    return unsupported(
         [block(0.0, 0.5)],
         Plane(),
         UniformGravity(g=(4.8, 0.0, -6.4)),
@@ -81,7 +81,7 @@ def test_a_tall_block_topples_on_a_slope_that_friction_would_hold():
     tall = Body(
         mass=1.0, inertia=(1.0, 1.0, 0.1), position=(0.0, 0.0, 2.0), shape=box(1.0, 1.0, 4.0)
     )
-    said = refusal(
+    said = unsupported(
         [tall], Plane(), UniformGravity(g=(4.8, 0.0, -6.4)), Contact(law="rigid", friction=1.0)
     )
     assert "centre of mass" in said
@@ -90,7 +90,7 @@ def test_a_tall_block_topples_on_a_slope_that_friction_would_hold():
 def test_a_sphere_stands_on_level_ground_and_rolls_on_a_slope():
     ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5), shape=Sphere(radius=0.5))
     assert stacked(ball) is None
-    assert "centre of mass" in refusal(
+    assert "centre of mass" in unsupported(
         [ball], Plane(), UniformGravity(g=(0.6, 0.0, -8.0)), Contact(law="rigid", friction=1.0)
     )
 
@@ -100,7 +100,7 @@ def test_a_sphere_pressed_by_less_than_its_weight_is_not_in_balance():
     laws = Plane(), UniformGravity(g=(0.0, 0.0, -weight)), Contact(law="linear", stiffness=1024.0)
 
     def said(overlap: float) -> str | None:
-        return refusal(
+        return unsupported(
             [
                 Body(
                     mass=1.0,
@@ -120,7 +120,7 @@ def test_a_sphere_pressed_by_less_than_its_weight_is_not_in_balance():
 def test_a_hanging_spring_rests_at_its_stretched_length_only():
     def said(depth: float) -> str | None:
         hanging = Body(mass=1.0, position=(0.0, -depth, 0.0))
-        return refusal(
+        return unsupported(
             [hanging], Spring(a=0, stiffness=4.0, length=1.0), UniformGravity(g=(0.0, -8.0, 0.0))
         )
 
@@ -129,5 +129,5 @@ def test_a_hanging_spring_rests_at_its_stretched_length_only():
 
 
 def test_what_moves_is_refused():
-    assert "moves" in refusal([Body(mass=1.0, velocity=(0.0, 1.0, 0.0))])
-    assert refusal([Body(mass=1.0)]) is None
+    assert "moves" in unsupported([Body(mass=1.0, velocity=(0.0, 1.0, 0.0))])
+    assert unsupported([Body(mass=1.0)]) is None

@@ -74,5 +74,5 @@ def test_what_is_on_the_circle_goes_on(solved):
     ],
 )
 def test_what_is_no_free_flight_past_a_hook_is_refused(scene, times, reason):
-    refusal = ENGINE.refusal(Motion(scene, times), ENGINE.method("exact-capture"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(Motion(scene, times), ENGINE.method("exact-capture"))
+    assert unsupported is None if reason is None else reason in str(unsupported)

@@ -126,9 +126,9 @@ def test_it_runs_along_any_axis():
     ],
 )
 def test_what_it_cannot_do_is_refused_with_its_reason(scene, reason):
-    assert reason in ENGINE.refusal(Motion(scene, np.arange(3) * 0.5), METHOD)
+    assert reason in ENGINE.unsupported_motion(Motion(scene, np.arange(3) * 0.5), METHOD)
 
 
 def test_time_backwards_is_refused_because_rest_has_no_past():
     problem = Motion(rubbed(0.25, position=(1.0, 0.0, 0.0)), -np.arange(3) * 0.5)
-    assert "backwards" in ENGINE.refusal(problem, METHOD)
+    assert "backwards" in ENGINE.unsupported_motion(problem, METHOD)

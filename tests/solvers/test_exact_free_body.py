@@ -194,4 +194,4 @@ def test_scene_with_a_force_or_a_fixed_body_is_refused():
         (Scene.of([Body(mass=1.0, fixed=True)]), "fixed"),
     ):
         problem = Motion(scene, np.array([0.0, 1.0]))
-        assert reason in str(ENGINE.refusal(problem, ENGINE.method("exact-free-body")))
+        assert reason in str(ENGINE.unsupported_motion(problem, ENGINE.method("exact-free-body")))

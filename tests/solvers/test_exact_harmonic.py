@@ -67,4 +67,4 @@ def test_point_at_rest_at_the_equilibrium_stays_to_the_last_bit(solved):
 )
 def test_springs_that_are_not_harmonic_are_refused(more, reason):
     problem = Motion(on_spring((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), **more), np.array([0.0, 1.0]))
-    assert reason in str(ENGINE.refusal(problem, ENGINE.method("exact-harmonic")))
+    assert reason in str(ENGINE.unsupported_motion(problem, ENGINE.method("exact-harmonic")))

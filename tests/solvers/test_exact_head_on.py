@@ -111,15 +111,15 @@ def test_an_elastic_collision_runs_back_to_its_start(backward):
 )
 def test_what_it_cannot_do_is_refused_with_its_reason(given, reason):
     problem = Motion(scene_of(**given), np.arange(3) * 0.5)
-    assert reason in ENGINE.refusal(problem, ENGINE.method("exact-head-on"))
+    assert reason in ENGINE.unsupported_motion(problem, ENGINE.method("exact-head-on"))
 
 
 def test_a_dashpot_has_no_way_back_and_an_overlap_no_known_past():
     scene = scene_of(damping="6")
     method = ENGINE.method("exact-head-on")
-    assert "backwards" in ENGINE.refusal(Motion(scene, -np.arange(3) * 0.5), method)
+    assert "backwards" in ENGINE.unsupported_motion(Motion(scene, -np.arange(3) * 0.5), method)
     pressed = scene.with_state(position=scene.bodies.position * 0.9)
-    assert "overlap" in ENGINE.refusal(Motion(pressed, np.arange(3) * 0.5), method)
+    assert "overlap" in ENGINE.unsupported_motion(Motion(pressed, np.arange(3) * 0.5), method)
 
 
 def test_spheres_of_any_size_meet():

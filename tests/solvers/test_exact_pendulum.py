@@ -155,5 +155,7 @@ def test_motion_with_its_velocity_turned_round_is_the_motion_backwards(solved):
     ],
 )
 def test_motion_that_is_no_plane_pendulum_is_refused(scene, reason):
-    refusal = ENGINE.refusal(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("exact-pendulum"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(
+        Motion(scene, np.array([0.0, 1.0])), ENGINE.method("exact-pendulum")
+    )
+    assert unsupported is None if reason is None else reason in str(unsupported)

@@ -53,6 +53,6 @@ def test_at_rest_at_the_far_edge_it_stays():
 def test_motion_across_the_axis_is_refused():
     instance = discovery.case("asymmetric-field").at()
     scene = instance.scene.with_state(velocity=np.array([[1.0, 1.0, 0.0]]))
-    assert "across" in ENGINE.refusal(
+    assert "across" in ENGINE.unsupported_motion(
         Motion(scene, instance.times), ENGINE.method("exact-piecewise")
     )

@@ -96,13 +96,13 @@ def test_a_wedge_run_back_comes_in_flat_side_first_and_gets_its_energy_back():
 def test_other_laws_and_other_ways_are_refused():
     hertz, linear = (discovery.case(name).at().problem for name in ("hertz-spheres", "two-spheres"))
     assert ENGINE.best(hertz).name == "exact-hertz"
-    assert ENGINE.refusal(linear, ENGINE.method("exact-hertz"))
-    assert ENGINE.refusal(hertz, ENGINE.method("exact-head-on"))
-    assert "not smooth" in ENGINE.refusal(hertz, ENGINE.method("contact-events"))
+    assert ENGINE.unsupported_motion(linear, ENGINE.method("exact-hertz"))
+    assert ENGINE.unsupported_motion(hertz, ENGINE.method("exact-head-on"))
+    assert "not smooth" in ENGINE.unsupported_motion(hertz, ENGINE.method("contact-events"))
     sideways = hertz.scene.with_state(
         velocity=hertz.scene.bodies.velocity + np.array([[0.0, 0.1, 0.0], [0.0, 0.0, 0.0]])
     )
-    assert ENGINE.refusal(Motion(sideways, hertz.times), ENGINE.method("exact-hertz"))
+    assert ENGINE.unsupported_motion(Motion(sideways, hertz.times), ENGINE.method("exact-hertz"))
 
 
 @pytest.mark.parametrize(("method", "order"), [("velocity-verlet", 2.0), ("rk4", 2.5)])

@@ -106,5 +106,5 @@ SCENE = cluster()
     ],
 )
 def test_what_is_no_rigid_body_is_refused(scene, reason):
-    refusal = ENGINE.refusal(Motion(scene, T), ENGINE.method("exact-rigid-cluster"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("exact-rigid-cluster"))
+    assert unsupported is None if reason is None else reason in str(unsupported)

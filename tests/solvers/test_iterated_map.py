@@ -135,7 +135,7 @@ def test_a_map_that_it_does_not_have_is_refused():
     class Tent(Logistic, frozen=True, kw_only=True, tag="tent"):
         """Another map."""
 
-    assert "no map tent" in ENGINE.refuses(
+    assert "no map tent" in ENGINE.unsupported(
         Iteration(Tent(eta=2.0), np.array([0.5]), 3), ENGINE.method("iterated-map")
     )
 

@@ -81,11 +81,11 @@ def test_energy_wanders_no_farther_than_roundings_of_the_lattice_add_up_to(solve
     ],
 )
 def test_what_has_no_lattice_is_refused(scene, reason):
-    assert reason in ENGINE.refusal(
+    assert reason in ENGINE.unsupported_motion(
         Motion(scene, np.array([0.0, 1.0])), ENGINE.method("lattice-verlet")
     )
 
 
 def test_a_case_runs_on_it():
     instance = discovery.case("harmonic-oscillator").at()
-    assert ENGINE.refuses(instance.problem, ENGINE.method("lattice-verlet")) is None
+    assert ENGINE.unsupported(instance.problem, ENGINE.method("lattice-verlet")) is None

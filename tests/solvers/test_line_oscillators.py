@@ -258,7 +258,7 @@ REFUSED = [
 @pytest.mark.parametrize(("method", "elements", "more", "reason"), REFUSED)
 def test_what_is_not_an_oscillator_of_the_kind_is_refused(method, elements, more, reason):
     problem = Motion(Scene.of([Body(**(POINT | more))], elements), np.array([0.0, 1.0]))
-    assert reason in str(ENGINE.refusal(problem, ENGINE.method(method)))
+    assert reason in str(ENGINE.unsupported_motion(problem, ENGINE.method(method)))
 
 
 @pytest.mark.parametrize(("method", "order"), [("velocity-verlet", 2), ("rk4", 4)])
@@ -293,7 +293,7 @@ def test_the_square_of_a_stretch_turns_round_at_the_anchor_in_every_method_that_
         v = trajectory.velocity[:, 0, 0]
         return v**2 + 3.0 * x**2 / 2 + np.abs(x) ** 3 / 3
 
-    able = [method for method in ENGINE.methods if ENGINE.refuses(motion, method) is None]
+    able = [method for method in ENGINE.methods if ENGINE.unsupported(motion, method) is None]
     assert {method.name for method in able} >= {"velocity-verlet", "rk4"}
     for method in able:
         if method.control == "step":

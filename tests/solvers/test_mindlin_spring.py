@@ -59,9 +59,9 @@ def test_the_engine_that_carries_faults_does_not_pretend_to_have_it():
         Scene(problem.scene.bodies, tuple(_without(e) for e in problem.scene.elements)),
         problem.times,
     )
-    told = {transparent.refusal(problem, method) for method in transparent.methods}
+    told = {transparent.unsupported(problem, method) for method in transparent.methods}
     assert told == {"no tangential spring under Hertz's law", "cannot run a motion"}
-    assert any(transparent.refusal(without, method) is None for method in transparent.methods)
+    assert any(transparent.unsupported(without, method) is None for method in transparent.methods)
 
 
 def _without(element):

@@ -41,7 +41,7 @@ def solved(scene: Scene, times: np.ndarray, method: str = "oblique-contact") -> 
 
 
 def refused(**given: str) -> str | None:
-    return METHOD.refusal(discovery.case("two-spheres").at(**given).motion)
+    return METHOD.unsupported(discovery.case("two-spheres").at(**given).motion)
 
 
 @pytest.mark.parametrize("given", SETS.values(), ids=SETS)
@@ -130,9 +130,9 @@ def test_what_it_cannot_say_is_refused_by_name():
     assert "without a tangential spring" in (refused(angle="0.6", friction="1/4") or "")
     assert "out of its plane" in (refused(**RUBS, spins="0,1,0,0,0,0") or "")
     problem = discovery.case("two-spheres").at(**RUBS).motion
-    assert "backwards" in (METHOD.refusal(Motion(problem.scene, -problem.times)) or "")
+    assert "backwards" in (METHOD.unsupported(Motion(problem.scene, -problem.times)) or "")
     parting = [body_at(problem.scene.bodies, 1 - number, np.eye(3)) for number in range(2)]
     scene = Scene.of(parting, problem.scene.elements)
     assert (
-        METHOD.refusal(Motion(scene, problem.times)) is None
+        METHOD.unsupported(Motion(scene, problem.times)) is None
     )  # the same pair, named the other way round

@@ -240,8 +240,8 @@ def test_runge_kutta_refuses_springs_that_are_not_smooth():
         [Body(mass=1.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=1.0, exponent=1.5)]
     )
     problem = Motion(scene, np.arange(3) * 0.5)
-    assert ENGINE.refusal(problem, ENGINE.method("rk4"))
-    assert ENGINE.refusal(problem, ENGINE.method("velocity-verlet")) is None
+    assert ENGINE.unsupported_motion(problem, ENGINE.method("rk4"))
+    assert ENGINE.unsupported_motion(problem, ENGINE.method("velocity-verlet")) is None
 
 
 @pytest.mark.parametrize("method", ["velocity-verlet", "rk4"])
@@ -253,7 +253,7 @@ def test_a_steady_turn_keeps_the_quaternion_at_unit_length_over_many_steps(metho
     request = Request(
         problem=Motion(Scene.of([body]), np.arange(65) / 4), method=method, step=2.0**-8
     )
-    assert ENGINE.refusal(request.problem, ENGINE.method(method)) is None
+    assert ENGINE.unsupported_motion(request.problem, ENGINE.method(method)) is None
     attitude = ENGINE.run(request)[0].attitude
     assert np.abs(np.linalg.norm(attitude, axis=-1) - 1).max() < 12 * ULP
 

@@ -233,5 +233,5 @@ HUNG = Body(mass=1.0, position=(1.0, 0.0, 0.0))
 )
 def test_scene_that_is_more_than_points_on_rods_is_refused(scene, reason):
     assert reason in str(
-        ENGINE.refusal(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("rattle"))
+        ENGINE.unsupported_motion(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("rattle"))
     )

@@ -213,5 +213,5 @@ def changed(scene, *, elements=None, **columns):
     ],
 )
 def test_what_is_no_planar_chain_is_refused(scene, reason):
-    refusal = ENGINE.refusal(Motion(scene, T), ENGINE.method("rod-chain"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("rod-chain"))
+    assert unsupported is None if reason is None else reason in str(unsupported)

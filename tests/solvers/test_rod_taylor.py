@@ -124,6 +124,6 @@ def test_length_anchor_and_direction_of_gravity_are_free(solved):
     ],
 )
 def test_what_no_rigid_rod_does_is_refused(scene, reason):
-    assert reason in ENGINE.refusal(
+    assert reason in ENGINE.unsupported_motion(
         Motion(scene, np.array([0.0, 1.0])), ENGINE.method("rod-taylor")
     )

@@ -104,5 +104,5 @@ TOP = hung(omega=(0.0, 0.0, 3.0))
     ],
 )
 def test_what_is_no_top_is_refused(scene, reason):
-    refusal = ENGINE.refusal(Motion(scene, T), ENGINE.method("spinning-top"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("spinning-top"))
+    assert unsupported is None if reason is None else reason in str(unsupported)

@@ -135,7 +135,7 @@ def test_splitting_with_omega_turned_round_retraces_its_steps(solved, scene):
 @pytest.mark.parametrize("method", ["splitting-free-body", "rk4-free-body"])
 def test_nothing_that_turns_is_refused(method):
     problem = Motion(Scene.of([Body(mass=1.0, velocity=(1.0, 0.0, 0.0))]), np.array([0.0, 1.0]))
-    assert "nothing turns" in str(ENGINE.refusal(problem, ENGINE.method(method)))
+    assert "nothing turns" in str(ENGINE.unsupported_motion(problem, ENGINE.method(method)))
 
 
 def test_thin_rod_without_moment_about_its_axis_turns_over_its_end(solved):

@@ -147,8 +147,10 @@ def test_a_section_of_another_scene_is_refused():
     ids=str,
 )
 def test_what_it_cannot_do_is_refused_in_words(scene, word):
-    assert word in (ENGINE.refusal(Motion(scene, np.linspace(0, 1, 3)), METHOD) or "")
+    assert word in (ENGINE.unsupported_motion(Motion(scene, np.linspace(0, 1, 3)), METHOD) or "")
 
 
 def test_time_does_not_run_backwards():
-    assert "backwards" in (ENGINE.refusal(Motion(belted(), np.linspace(1, 0, 3)), METHOD) or "")
+    assert "backwards" in (
+        ENGINE.unsupported_motion(Motion(belted(), np.linspace(1, 0, 3)), METHOD) or ""
+    )

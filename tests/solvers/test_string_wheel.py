@@ -167,5 +167,5 @@ STILL = hanging()
     ],
 )
 def test_what_does_not_fit_the_string_is_refused(scene, reason):
-    refusal = ENGINE.refusal(Motion(scene, T), ENGINE.method("string-wheel"))
-    assert refusal is None if reason is None else reason in str(refusal)
+    unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("string-wheel"))
+    assert unsupported is None if reason is None else reason in str(unsupported)

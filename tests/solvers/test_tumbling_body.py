@@ -125,4 +125,4 @@ def test_other_scenes_are_refused():
 
 
 def refused(scene):
-    return ENGINE.refusal(Motion(scene, LONG), ENGINE.method("tumbling-body"))
+    return ENGINE.unsupported_motion(Motion(scene, LONG), ENGINE.method("tumbling-body"))

@@ -23,7 +23,7 @@ def answers() -> dict[str, str]:
         answering = [
             method.name
             for method in ENGINE.methods
-            if ENGINE.refuses(instance.problem, method) is None
+            if ENGINE.unsupported(instance.problem, method) is None
         ]
         found[instance.label] = " ".join(answering)
     return found

@@ -13,7 +13,7 @@ from refdem.core.problem import Motion, Request
 from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
 from refdem.faults.fault import Carrier, Fault
-from refdem.stress.record import Record
+from refdem.stress.record import StressRecord
 from refdem.stress.selection import battery
 from refdem.stress.session import Stress
 
@@ -28,7 +28,7 @@ def climbs(
     engine: Engine = REFERENCE,
     method: str = "",
     **options: Any,
-) -> Record:
+) -> StressRecord:
     """The record of one ladder with these rungs alone; the last of them that is promised stays
     promised.
     """
@@ -58,7 +58,7 @@ def climbs(
         ).record()
 
 
-def verdicts(record: Record) -> dict[str, list[str]]:
+def verdicts(record: StressRecord) -> dict[str, list[str]]:
     """Verdicts rung by rung, by method."""
     return {climb.method: [rung.verdict for rung in climb.rungs] for climb in record.climbs}
 

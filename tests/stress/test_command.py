@@ -15,7 +15,7 @@ import typer
 from refdem.cli.schema import command as schema
 from refdem.cli.stress import command, status
 from refdem.errors import UsageError
-from refdem.stress.record import Climb, Record, Rung, read
+from refdem.stress.record import Climb, Rung, StressRecord, read
 
 DEFAULT: dict[str, Any] = {
     "require": False,
@@ -101,7 +101,7 @@ def test_the_record_is_what_the_schema_says(
 ) -> None:
     schema("stress")
     shown = json.loads(capsys.readouterr().out)
-    assert {"climbs", "batteries"} <= set(shown["$defs"]["Record"]["properties"])
+    assert {"climbs", "batteries"} <= set(shown["$defs"]["StressRecord"]["properties"])
     ended(
         engine=["reference"],
         battery=["step-limit"],
@@ -109,7 +109,7 @@ def test_the_record_is_what_the_schema_says(
         case=["harmonic-oscillator"],
         json=True,
     )
-    msgspec.json.decode(capsys.readouterr().out, type=Record)
+    msgspec.json.decode(capsys.readouterr().out, type=StressRecord)
 
 
 def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_one_rung(
@@ -163,7 +163,7 @@ def test_exit_status(verdict: Any, expected: int) -> None:
         rungs=rungs,
         kept=False,
     )
-    record = Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])
+    record = StressRecord(refdem="0", longest=1.0, batteries=[], climbs=[climb])
     assert status(record) == expected
 
 
@@ -182,7 +182,7 @@ def test_a_breaking_point_that_nobody_promised_is_no_failure(verdict: Any) -> No
         rungs=rungs,
         kept=None,
     )
-    assert status(Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])) == 0
+    assert status(StressRecord(refdem="0", longest=1.0, batteries=[], climbs=[climb])) == 0
 
 
 def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ State = np.ndarray
 
 
 @dataclass(frozen=True)
-class Motion:
+class GrowthCase:
     """A case, the rates of its state (n, copies) at a time, and what is read of a state besides
     itself.
     """
@@ -146,48 +146,48 @@ ORBIT = ("x", "y", "vx", "vy")
 ANGLE = ("theta", "thetadot")
 TOUCH = ("overlap", "v")
 MOTIONS = [
-    Motion("pendulum", ANGLE, pendulum, {}, seen_pendulum),
-    Motion("pendulum", ANGLE, pendulum, {"theta0": "0", "thetadot0": "7"}, seen_pendulum),
-    Motion(
+    GrowthCase("pendulum", ANGLE, pendulum, {}, seen_pendulum),
+    GrowthCase("pendulum", ANGLE, pendulum, {"theta0": "0", "thetadot0": "7"}, seen_pendulum),
+    GrowthCase(
         "pendulum",
         ANGLE,
         pendulum,
         {"theta0": "3.14", "gravity": "1", "duration": "34.087186", "samples": "2"},
         seen_pendulum,
     ),
-    Motion("pendulum", ANGLE, pendulum, {"theta0": "2", "duration": "12"}, seen_pendulum),
-    Motion("harmonic-oscillator", LINE, oscillator),
-    Motion("harmonic-oscillator", LINE, oscillator, {"stiffness": "7", "v0": "2"}),
-    Motion("viscous-oscillator", LINE, oscillator, {"duration": "10"}),
-    Motion("viscous-oscillator", LINE, oscillator, {"delta": "3", "duration": "10"}),
-    Motion("driven-oscillator", LINE, oscillator),
-    Motion("power-oscillator", LINE, power),
-    Motion("power-oscillator", LINE, power, {"exponent": "3", "duration": "40"}),
-    Motion("duffing", LINE, duffing),
-    Motion(
+    GrowthCase("pendulum", ANGLE, pendulum, {"theta0": "2", "duration": "12"}, seen_pendulum),
+    GrowthCase("harmonic-oscillator", LINE, oscillator),
+    GrowthCase("harmonic-oscillator", LINE, oscillator, {"stiffness": "7", "v0": "2"}),
+    GrowthCase("viscous-oscillator", LINE, oscillator, {"duration": "10"}),
+    GrowthCase("viscous-oscillator", LINE, oscillator, {"delta": "3", "duration": "10"}),
+    GrowthCase("driven-oscillator", LINE, oscillator),
+    GrowthCase("power-oscillator", LINE, power),
+    GrowthCase("power-oscillator", LINE, power, {"exponent": "3", "duration": "40"}),
+    GrowthCase("duffing", LINE, duffing),
+    GrowthCase(
         "duffing", LINE, duffing, {"alpha": "-1", "beta": "1", "amplitude": "1.4", "duration": "20"}
     ),
-    Motion(
+    GrowthCase(
         "duffing",
         LINE,
         duffing,
         {"alpha": "1", "beta": "-1", "amplitude": "0.95", "duration": "30"},
     ),
-    Motion("driven-duffing", LINE, driven_duffing),
-    Motion("two-body-orbit", ORBIT, kepler),
-    Motion("two-body-orbit", ORBIT, kepler, {"eccentricity": "0"}),
-    Motion("two-body-orbit", ORBIT, spring, {"stiffness": "1"}),
-    Motion("kapitza-pendulum", ANGLE, shaken, {"duration": "3"}),
-    Motion("hertz-spheres", TOUCH, hertz),
+    GrowthCase("driven-duffing", LINE, driven_duffing),
+    GrowthCase("two-body-orbit", ORBIT, kepler),
+    GrowthCase("two-body-orbit", ORBIT, kepler, {"eccentricity": "0"}),
+    GrowthCase("two-body-orbit", ORBIT, spring, {"stiffness": "1"}),
+    GrowthCase("kapitza-pendulum", ANGLE, shaken, {"duration": "3"}),
+    GrowthCase("hertz-spheres", TOUCH, hertz),
     # Steps across the jump of its force need impulses that are larger than what they are off.
-    Motion("wedge-collision", TOUCH, wedge, size=2e-3),
-    Motion("asymmetric-field", LINE, hill),
-    Motion("pendulum-wheel-mass", ("r", "theta", "rdot", "thetadot"), wheel, {"duration": "2"}),
-    Motion("block-on-slope", ("s", "v"), sliding, {"friction": "1/2", "duration": "1/2"}),
+    GrowthCase("wedge-collision", TOUCH, wedge, size=2e-3),
+    GrowthCase("asymmetric-field", LINE, hill),
+    GrowthCase("pendulum-wheel-mass", ("r", "theta", "rdot", "thetadot"), wheel, {"duration": "2"}),
+    GrowthCase("block-on-slope", ("s", "v"), sliding, {"friction": "1/2", "duration": "1/2"}),
 ]
 
 
-def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
+def growths(motion: GrowthCase, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
     """Times, the largest growth of impulses by then, and S."""
     instance = discovery.case(motion.case).at(**motion.given)
     truth = instance.truth()
@@ -229,7 +229,7 @@ def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float],
 
 
 def left_of(
-    motion: Motion, p: object, scale: Mapping[str, Fraction], pairs: State, sizes: State
+    motion: GrowthCase, p: object, scale: Mapping[str, Fraction], pairs: State, sizes: State
 ) -> float:
     """The largest sum, over the coordinates struck, of what a quantity answers."""
     count = len(sizes)

@@ -74,7 +74,7 @@ class Crowd(ABC):
         """None if it can be run here, else what to install."""
 
     @abstractmethod
-    def refusal(self, gas: Gas) -> str | None:
+    def unsupported(self, gas: Gas) -> str | None:
         """None if it can move this gas, else why not."""
 
     @abstractmethod

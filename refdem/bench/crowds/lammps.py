@@ -43,7 +43,7 @@ class Lammps(Crowd):
             return None
         return "install LAMMPS (Debian: lammps)"
 
-    def refusal(self, gas: Gas) -> str | None:
+    def unsupported(self, gas: Gas) -> str | None:
         """None for a gas in a periodic box, else why it is not asked."""
         if gas.periodic:
             return None

@@ -32,7 +32,7 @@ class Mujoco(Crowd):
             return None
         return "install refdem[mujoco]"
 
-    def refusal(self, gas: Gas) -> str | None:
+    def unsupported(self, gas: Gas) -> str | None:
         """None for a gas between walls, else why it cannot be moved."""
         if gas.periodic:
             return "no periodic box"

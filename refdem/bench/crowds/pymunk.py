@@ -24,7 +24,7 @@ class Pymunk(Crowd):
             return None
         return "install refdem[pymunk]"
 
-    def refusal(self, gas: Gas) -> str | None:
+    def unsupported(self, gas: Gas) -> str | None:
         """None for a gas between walls, else why it cannot be moved."""
         if gas.periodic:
             return "no periodic box"

@@ -17,10 +17,10 @@ class Reference(Crowd):
         """None: the reference comes with refdem and is always here."""
         return None
 
-    def refusal(self, gas: Gas) -> str | None:
+    def unsupported(self, gas: Gas) -> str | None:
         """None for every gas that the method `gas` of the reference can move."""
         engine = discovery.engine("reference")
-        return engine.refusal(gas.instance.motion, engine.method("gas"))
+        return engine.unsupported_motion(gas.instance.motion, engine.method("gas"))
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time [s] that the kernel itself takes for so many steps."""

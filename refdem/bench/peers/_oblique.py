@@ -262,7 +262,9 @@ def oblique(scene: Scene) -> Oblique | None:
     reference = discovery.engine("reference")
     if not laws or laws[0].cutoff != "zero_overlap" or len(scene.bodies) != 2:
         return None
-    if reference.refusal(Motion(scene, np.array([0.0, 1.0])), reference.method("oblique-contact")):
+    if reference.unsupported_motion(
+        Motion(scene, np.array([0.0, 1.0])), reference.method("oblique-contact")
+    ):
         return None
     line = np.diff(scene.bodies.position, axis=0)[0]
     velocity = scene.bodies.velocity

@@ -31,7 +31,7 @@ class Peer(Engine):
         """The version: runs of a bench are never stored."""
         return self.version()
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None for the scenes whose equations are written down."""
         if problem.interval < 0:
             return "only forward in time"

@@ -47,13 +47,13 @@ class Heyoka(Peer):
     def __init__(self) -> None:
         self._compiled: dict[tuple[Any, ...], Any] = {}
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
             if coulomb(problem.scene) or oblique(problem.scene):
                 return None
             return "dry friction on a line and contact of two spheres are all it has events for"
-        return super().refusal(problem, method)
+        return super().unsupported_motion(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States on the grid of the samples, by the dense output of the Taylor series."""

@@ -79,7 +79,7 @@ class External(ProgramEngine):
         digest.update(f"{source}\0{fingerprint.of_machine()}".encode())
         return digest.hexdigest()
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None, or the feature of the scene that `supports` does not name."""
         if problem.interval < 0 and not method.backward:
             return "negative steps"

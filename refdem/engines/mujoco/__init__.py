@@ -14,7 +14,7 @@ from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.mujoco.audit import AUDIT
 from refdem.engines.mujoco.claims import METHODS
-from refdem.engines.mujoco.refusal import refusal
+from refdem.engines.mujoco.unsupported import unsupported
 
 __all__ = ["ENGINE"]
 
@@ -51,9 +51,9 @@ class Mujoco(Engine):
         )
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None if MuJoCo can say the scene, else what is missing."""
-        return refusal(problem)
+        return unsupported(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its

@@ -17,7 +17,7 @@ FITS = 1e-9
 
 
 @dataclass(frozen=True)
-class Ball(Freedom):
+class BallFreedom(Freedom):
     """Quaternion w first, body to space; omega in body axes."""
 
     body: Body

@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.engines.mujoco import belts, contacts, options, solver
-from refdem.engines.mujoco.ball import Ball
+from refdem.engines.mujoco.ball import BallFreedom
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
 from refdem.engines.mujoco.turning import Free, Hinge
 from refdem.mechanics.quaternion import rotated
@@ -79,7 +79,7 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
             return _hinge(scene, rod)
     for joint in scene.all(BallJoint):
         if joint.a == number:
-            return Ball(body, joint)
+            return BallFreedom(body, joint)
     if _turns(scene, number):
         return Free(body)
     rubbed = any(belt.a == number for belt in belts.belts(scene))

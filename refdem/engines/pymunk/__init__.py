@@ -11,7 +11,7 @@ from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.pymunk.audit import AUDIT
-from refdem.engines.pymunk.refusal import reason
+from refdem.engines.pymunk.unsupported import reason
 
 POSITION_CORRECTION = {"angular-momentum": frozenset({"contact"})}
 """Chipmunk moves bodies that overlap apart along their normal and leaves their velocities: p n x
@@ -81,7 +81,7 @@ class Pymunk(Engine):
             )
         )
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None, or what the scene has that Chipmunk cannot say."""
         return reason(problem)
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from refdem.engines.pymunk.refusal import outline
+from refdem.engines.pymunk.unsupported import outline
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane

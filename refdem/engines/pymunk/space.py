@@ -7,8 +7,8 @@ import numpy as np
 import pymunk
 
 from refdem.engines.pymunk.callbacks import rubbing
-from refdem.engines.pymunk.refusal import fading
 from refdem.engines.pymunk.shapes import add_shapes
+from refdem.engines.pymunk.unsupported import fading
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider

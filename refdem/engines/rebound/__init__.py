@@ -13,7 +13,7 @@ from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.rebound.audit import AUDIT
 from refdem.engines.rebound.methods import METHODS
-from refdem.engines.rebound.refusal import reason
+from refdem.engines.rebound.unsupported import reason
 
 KNOWN = frozenset(
     f"identity:{name}" for name in ("quaternion-about", "product", "inverse", "unit", "rotated")
@@ -60,7 +60,7 @@ class Rebound(Engine):
             )
         )
 
-    def refusal(self, problem: Motion, method: Method) -> str | None:
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None, or what the scene has that the method cannot say."""
         return reason(problem, method.name)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from refdem import kernels
-from refdem.engines.rebound.refusal import turning
+from refdem.engines.rebound.unsupported import turning
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force

@@ -14,7 +14,7 @@ from refdem.campaign.plan import Task
 from refdem.checks.symmetry import allowed, growth_of, level_for
 from refdem.core import refinement, symmetry
 from refdem.core.case import Canonical, Instance
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import distances, perturbation, undecided, worst
@@ -49,7 +49,7 @@ class Frame(Measure):
         """All of a short refinement: the check takes the one that tells."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)
 
-    def refusal(
+    def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
         """What breaks the symmetry, or why the method refuses the scene as it is or as the frame
@@ -61,8 +61,8 @@ class Frame(Measure):
         shown = self.show(instance, float(x))
         return (
             broken
-            or engine.refuses(instance.problem, method)
-            or engine.refuses(shown.applied(instance.motion), method)
+            or engine.unsupported(instance.problem, method)
+            or engine.unsupported(shown.applied(instance.motion), method)
         )
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
@@ -70,21 +70,21 @@ class Frame(Measure):
         if variant.change != self.change:
             return plan.request(task, variant)
         plain = plan.request(task, variant.base)
-        shown = self.show(task.trial.instance, float(x))
+        shown = self.show(task.subject.instance, float(x))
         if plain.step is None:
             step = None
         else:
             step = plain.step * shown.units[2]
-        problem = shown.applied(task.trial.instance.motion)
+        problem = shown.applied(task.subject.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
-    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+    def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """Seen from the frame, the motion is the same."""
         if self.told_apart:
             part = float(x)
         else:
             part = None
-        return (Seen(self.change, self.show(trial.instance, float(x)), part),)
+        return (Seen(self.change, self.show(subject.instance, float(x)), part),)
 
 
 class Seen(Check):
@@ -104,28 +104,28 @@ class Seen(Check):
         self.view = view
         self.part = part
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Everywhere: the measure has refused what has no such frame."""
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """One level as it is, with its start moved a little, and seen from the frame."""
-        level = level_for(trial)
+        level = level_for(subject)
         return (
             Variant(level),
-            Variant(level, "perturbed", perturbation(trial.method)),
+            Variant(level, "perturbed", perturbation(subject.method)),
             Variant(level, self.change),
         )
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest scaled difference of any state."""
         plain, moved, seen = (
-            runs[variant].trajectory if variant in runs else None for variant in self.needs(trial)
+            runs[variant].trajectory if variant in runs else None for variant in self.needs(subject)
         )
         if plain is None or seen is None:
             return [undecided(self.name, self.change, "the code refused the scene when it ran")]
-        grown = growth_of(trial, moved or plain, plain)
-        bounds = allowed(trial, self.view, grown) * self._denormal(trial)
+        grown = growth_of(subject, moved or plain, plain)
+        bounds = allowed(subject, self.view, grown) * self._denormal(subject)
         count = scored(bounds)
         if self.part is not None:
             if bounds[-1] <= self.part / 10:
@@ -137,12 +137,12 @@ class Seen(Check):
             why = "round-off alone may be as large as what would have to be seen"
             return [undecided(self.name, self.change, why)]
         with np.errstate(all="ignore"):
-            apart = distances(trial.instance, self.view.undone(seen), plain)
+            apart = distances(subject.instance, self.view.undone(seen), plain)
         return [
             worst(
                 check=self.name,
                 quantity=self.change,
-                t=trial.instance.times[:count],
+                t=subject.instance.times[:count],
                 values=apart[:count],
                 allowed=bounds[:count],
                 unit="1",
@@ -163,11 +163,11 @@ class Seen(Check):
             " this motion, may differ"
         )
 
-    def _denormal(self, trial: Trial) -> float:
+    def _denormal(self, subject: Subject) -> float:
         """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly
         denormal.
         """
-        scales = trial.instance.scales
+        scales = subject.instance.scales
         _, length, time = self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
         if smallest <= TINY:

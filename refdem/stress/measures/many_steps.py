@@ -9,7 +9,7 @@ import numpy as np
 
 from refdem.core import refinement
 from refdem.core.case import Canonical, Instance
-from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import undecided, worst
@@ -46,7 +46,7 @@ class ManySteps(Measure):
             return (float(instance.times[1]) / float(x / SAMPLES),)
         return super().levels(instance, method, x)
 
-    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+    def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check of secular drift alone."""
         return (Drift(),)
 
@@ -64,19 +64,19 @@ class Drift(Check):
     kills = "energy that creeps, round-off that is biased, time that is summed"
     synchronous = True
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """Everywhere: the ladders are on oscillators without loss."""
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The run at the only level."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest change of the form."""
-        run = runs[trial.finest].trajectory
-        level = trial.levels[-1]
-        scales = trial.instance.scales
+        run = runs[subject.finest].trajectory
+        level = subject.levels[-1]
+        scales = subject.instance.scales
         x = run.position[:, 0, 0] / scales.length
         v = run.velocity[:, 0, 0] / scales.speed
         terms = np.stack([x * x, x * v, v * v], axis=1)
@@ -86,7 +86,7 @@ class Drift(Check):
         # a, b, c of a x^2 + b x v + c v^2 = 1, fitted to the first quarter.
         coefficients, *_ = np.linalg.lstsq(first, np.ones(len(first)), rcond=None)
         form = terms @ coefficients
-        allowed, basis = bound(trial, level)
+        allowed, basis = bound(subject, level)
         if allowed[-1] > HORIZON:
             return [undecided(self.name, "form", "truncation may change it by more than a tenth")]
         return [
@@ -104,20 +104,20 @@ class Drift(Check):
         ]
 
 
-def bound(trial: Trial, level: float) -> tuple[Array, str]:
+def bound(subject: Subject, level: float) -> tuple[Array, str]:
     """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or
     exact, else by truncation.
 
     A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the
     ordinary round-off is left out.
     """
-    scales = trial.instance.scales
-    own_steps = refinement.steps_at(trial.instance, trial.method, level)
+    scales = subject.instance.scales
+    own_steps = refinement.steps_at(subject.instance, subject.method, level)
     steps = own_steps + refinement.CLOCK_STEPS * (scales.duration / scales.tau)
     # Twice c u sqrt(n): of x and of v.
-    largest = 2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps)
-    rounding = np.full(len(trial.instance.times), largest)
-    if trial.method.symplectic or trial.method.control == "exact":
+    largest = 2 * refinement.ROUND_OFF_FACTOR * subject.method.round_off * math.sqrt(steps)
+    rounding = np.full(len(subject.instance.times), largest)
+    if subject.method.symplectic or subject.method.control == "exact":
         return (
             rounding,
             (
@@ -126,6 +126,6 @@ def bound(trial: Trial, level: float) -> tuple[Array, str]:
             ),
         )
     return (
-        rounding + 2 * trial.truncation(level),
+        rounding + 2 * subject.truncation(level),
         "the truncation error that the method may make, in x and in v",
     )

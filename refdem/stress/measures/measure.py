@@ -10,7 +10,7 @@ from refdem.campaign import plan
 from refdem.campaign.plan import Task
 from refdem.core import discovery, refinement
 from refdem.core.case import Canonical, Instance
-from refdem.core.check import Check, Trial
+from refdem.core.check import Check, Subject
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Request
 from refdem.core.truth import SampledTruth
@@ -36,35 +36,35 @@ class Measure(ABC):
         """Levels of a rung, coarse to fine; none if the method would need too many steps."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)[-1:]
 
-    def refusal(
+    def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
         """None if the method can climb to the rung, else why not."""
-        return engine.refuses(instance.problem, method)
+        return engine.unsupported(instance.problem, method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
         """The request of a variant of the rung."""
         return plan.request(task, variant)
 
     @abstractmethod
-    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+    def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The checks that judge the rung."""
 
     def task(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
     ) -> Task:
         """The task of a method on the rung, for its requests and its judging."""
-        refusal = self.refusal(engine, method, instance, x)
+        unsupported = self.unsupported(engine, method, instance, x)
         levels: tuple[float, ...] = ()
-        if not refusal:
+        if not unsupported:
             levels = self.levels(instance, method, x)
-        if not refusal and not levels:
-            refusal = f"more than {MOST_STEPS:g} steps"
-        trial = Trial(instance, method, levels, truth, truth.reason)
+        if not unsupported and not levels:
+            unsupported = f"more than {MOST_STEPS:g} steps"
+        subject = Subject(instance, method, levels, truth, truth.reason)
         checks: tuple[Check, ...] = ()
-        if not refusal:
-            checks = self.checks(trial, x)
-        return Task(engine, trial, refusal, checks)
+        if not unsupported:
+            checks = self.checks(subject, x)
+        return Task(engine, subject, unsupported, checks)
 
 
 def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:
@@ -72,13 +72,13 @@ def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:
     return {"samples": str(count), **given}
 
 
-def plain_checks(trial: Trial) -> tuple[Check, ...]:
+def plain_checks(subject: Subject) -> tuple[Check, ...]:
     """Every check of a run that applies and needs no more than the plain run of the only level."""
-    (level,) = trial.levels
-    excluded = trial.instance.case.exclude_for(trial.instance.p)
+    (level,) = subject.levels
+    excluded = subject.instance.case.exclude_for(subject.instance.p)
     known = [discovery.check(name) for name in discovery.names("checks") if name not in excluded]
     return tuple(
         check
         for check in known
-        if check.left_out(trial) is None and set(check.needs(trial)) == {Variant(level)}
+        if check.left_out(subject) is None and set(check.needs(subject)) == {Variant(level)}
     )

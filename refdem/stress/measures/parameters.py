@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from refdem.core.case import Canonical, Instance
-from refdem.core.check import Check, Trial
+from refdem.core.check import Check, Subject
 from refdem.stress.measures.measure import Measure, plain_checks, with_samples
 
 SAMPLES = 16
@@ -28,6 +28,6 @@ class Parameters(Measure):
         """The case at the parameters of the rung, and at those that came."""
         return case.at(**with_samples({**self.given(x), **given}, self.samples))
 
-    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+    def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """All of a run's that need one run."""
-        return plain_checks(trial)
+        return plain_checks(subject)

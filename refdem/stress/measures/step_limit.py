@@ -7,7 +7,7 @@ from fractions import Fraction
 from refdem.campaign.plan import Task
 from refdem.core import stability
 from refdem.core.case import Canonical, Instance
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged
@@ -30,7 +30,7 @@ class StepLimit(Measure):
         """The one level: the step [s] of the rung."""
         return (stability.probe(instance, float(x)).interval,)
 
-    def refusal(
+    def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
         """What has no step has no limit."""
@@ -38,17 +38,17 @@ class StepLimit(Measure):
             return "the method has no fixed step"
         if not isinstance(instance.problem, Motion):
             return f"{instance.problem.words} has no step"
-        return engine.refuses(stability.probe(instance, float(x)), method)
+        return engine.unsupported(stability.probe(instance, float(x)), method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
         """The request of many steps, each of which is a sample."""
         return Request(
-            problem=stability.probe(task.trial.instance, float(x)),
+            problem=stability.probe(task.subject.instance, float(x)),
             method=task.method.name,
             step=variant.level,
         )
 
-    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+    def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check of the motion's size alone."""
         return (Bounded(),)
 
@@ -60,22 +60,22 @@ class Bounded(Check):
     title = "Bounded"
     kills = "a method whose stability limit is below that of the scheme that it claims to be"
 
-    def applies(self, trial: Trial) -> str | None:
+    def applies(self, subject: Subject) -> str | None:
         """None: the check applies to everything that has a step."""
         return None
 
-    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The run with the step of the rung."""
-        return (trial.finest,)
+        return (subject.finest,)
 
-    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest number of the run in units of its scale."""
-        trajectory = runs[trial.finest].trajectory
+        trajectory = runs[subject.finest].trajectory
         return [
             judged(
                 check=self.name,
                 quantity="size",
-                value=stability.excess(trial.instance, trajectory),
+                value=stability.excess(subject.instance, trajectory),
                 bound=stability.BEYOND,
                 unit="1",
                 basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, "

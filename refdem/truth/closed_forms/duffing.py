@@ -50,7 +50,7 @@ class Family:
 
 
 @dataclass(frozen=True)
-class Motion:
+class DuffingMotion:
     """x = A shape(rate t); a period [s], if there is one; those beside it, where they are
     elliptic.
     """
@@ -81,7 +81,7 @@ class Duffing(FromRest, OfAnEquation):
         return -(arb_of(self.alpha) + arb_of(self.beta) * x * x) * x
 
     @per_precision
-    def motion(self) -> Motion:
+    def motion(self) -> DuffingMotion:
         """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to
         infinity.
         """
@@ -91,15 +91,15 @@ class Duffing(FromRest, OfAnEquation):
         # Half the derivative of beta A^2 by A.
         pull = self.beta * self.amplitude
         if c == 0:
-            return Motion(lambda u: (arb(1), arb(0)), arb(0), None)
+            return DuffingMotion(lambda u: (arb(1), arb(0)), arb(0), None)
         if self.beta == 0 and self.alpha > 0:
             rate = arb_of(self.alpha).sqrt()
-            return Motion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
+            return DuffingMotion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
         if self.beta > 0 and h > 0:
             m_slope = self.alpha * pull / c**2
             return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4, m_slope, pull / c)
         if self.beta > 0 and h == 0:
-            return Motion(
+            return DuffingMotion(
                 lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None
             )
         if self.beta > 0 and c > 0:
@@ -132,7 +132,7 @@ class Duffing(FromRest, OfAnEquation):
             )
         if self.beta == 0:
             # x'' = -alpha x with alpha < 0 grows for ever and is never infinite.
-            return Motion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
+            return DuffingMotion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
         raise NotCertifiedError(
             "singular: the motion goes to infinity: the start is above the escape energy",
             code="singular",
@@ -186,7 +186,7 @@ class Duffing(FromRest, OfAnEquation):
             state, self.acceleration, lambda t: self.neighbour(motion, family, t), motion.period
         )
 
-    def neighbour(self, motion: Motion, family: Family, t: arb) -> Neighbour:
+    def neighbour(self, motion: DuffingMotion, family: Family, t: arb) -> Neighbour:
         """How x = A S(rate t | m) and v = A rate S' change by A; H' = c A."""
         u = motion.rate * t
         (shape, slope), (change, change_rate) = family.shape(family.jacobi, u)
@@ -225,13 +225,13 @@ def _elliptic(
     quarters: int,
     m_slope: Fraction,
     log_rate_slope: Fraction,
-) -> Motion:
+) -> DuffingMotion:
     """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K; m and ln rate change by A as
     told.
     """
     jacobi = Jacobi(arb_of(m), arb_of(m1))
     family = Family(jacobi, shape, arb_of(m_slope), arb_of(log_rate_slope))
-    return Motion(lambda u: shape(jacobi, u)[0], rate, quarters * jacobi.k / rate, family)
+    return DuffingMotion(lambda u: shape(jacobi, u)[0], rate, quarters * jacobi.k / rate, family)
 
 
 def _cn(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:

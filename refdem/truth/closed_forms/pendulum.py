@@ -29,7 +29,7 @@ WITNESS = (
 )
 
 
-class Motion(ABC):
+class PendulumMotion(ABC):
     """One kind of motion at the current precision."""
 
     @abstractmethod
@@ -43,7 +43,7 @@ class Motion(ABC):
         return None
 
 
-class Equilibrium(Motion):
+class Equilibrium(PendulumMotion):
     """Hanging, or standing exactly at the top."""
 
     def __init__(self, half_angle: arb) -> None:
@@ -53,7 +53,7 @@ class Equilibrium(Motion):
         return self.half_angle, arb(0)
 
 
-class Swing(Motion):
+class Swing(PendulumMotion):
     """k < 1: tan(theta/2) = k sn u / dn u, thetadot = 2 k w0 cn u."""
 
     def __init__(self, sine: arb, rate: arb, w0: arb, m: arb, m1: arb) -> None:
@@ -81,7 +81,7 @@ class Swing(Motion):
         return 4 * self.jacobi.k / self.w0
 
 
-class Revolution(Motion):
+class Revolution(PendulumMotion):
     """k > 1: theta/2 = +-am u, thetadot = +-2 k w0 dn u, of the sign that it has at the start."""
 
     def __init__(self, sine: arb, cosine: arb, w0: arb, m: arb, m1: arb, *, sense: int) -> None:
@@ -113,7 +113,7 @@ class Revolution(Motion):
         return 2 * self.jacobi.k / (self.k * self.w0)
 
 
-class Separatrix(Motion):
+class Separatrix(PendulumMotion):
     """k = 1 through the bottom at t = 0: theta/2 = atan sinh(w0 t), thetadot = 2 w0 sech(w0 t),
     with the sign of the start.
     """
@@ -166,7 +166,7 @@ class Pendulum(OfAnEquation):
         raise UndecidedError("side of the top")
 
     @per_precision
-    def motion(self) -> Motion:
+    def motion(self) -> PendulumMotion:
         """The kind of motion, decided exactly where the start is rational and by balls
         elsewhere.
         """

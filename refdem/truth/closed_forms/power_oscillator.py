@@ -147,16 +147,16 @@ def inverse(
     misses over `least`.
     """
     if abs(value.mid()) > 0.25:
-        trial = arb(float(value.mid())) / 2
+        subject = arb(float(value.mid())) / 2
     else:
-        trial = arb(value.mid())
+        subject = arb(value.mid())
     for _ in range(8 + ctx.prec.bit_length()):
-        step = ((function(trial) - value) / slope(trial)).mid()
-        trial = (trial - step).mid()
+        step = ((function(subject) - value) / slope(subject)).mid()
+        subject = (subject - step).mid()
         if abs(step) < arb(2) ** (-ctx.prec // 2):
             break
-    missed = (function(trial) - value) / least
-    return trial + arb(0, missed.abs_upper())
+    missed = (function(subject) - value) / least
+    return subject + arb(0, missed.abs_upper())
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

@@ -35,7 +35,7 @@ from refdem.truth.closed_form import per_precision
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.growth import Grows, Retimed
@@ -193,7 +193,7 @@ class TwoSpheres(HybridFlow):
             ]
         )
 
-    def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
+    def chart(self, motion: HybridMotion, phase: Phase, state: Sequence[arb]) -> arb_mat:
         """Errors of both bodies, as `bodies` has them, by those of the mode's coordinates and of
         the centre of mass at the start.
         """
@@ -263,7 +263,7 @@ class TwoSpheres(HybridFlow):
     def struck(self) -> Sequence[int]:
         return range(len(self.counted()))
 
-    def readings(self, motion: Motion, t: arb) -> arb_mat:
+    def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """The quantities themselves."""
         count = len(self.own_scales())
         return arb_mat([[arb(int(i == j)) for j in range(count)] for i in self.struck()])

@@ -36,7 +36,7 @@ class Event:
     state: list[arb]
 
 
-class Motion(Guarded):
+class HybridMotion(Guarded):
     """The motion of the set about `start` (balls at the working precision) that begins with
     `entry`.
     """

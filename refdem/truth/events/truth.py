@@ -16,7 +16,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import ClosedForm, Size, per_precision
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion, at_fixed_time, first_entry
+from refdem.truth.events.motion import HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, Mode, State, Traced, derivative_rows
 from refdem.truth.forecast import Course, follow
@@ -89,15 +89,15 @@ class HybridFlow(ClosedForm):
             " ask for `sensitivity`"
         )
 
-    def motion(self, bits: int) -> Motion:
+    def motion(self, bits: int) -> HybridMotion:
         """The motion at a precision, as far as it has been followed."""
         if ("motion", bits) not in self.kept:
             with precision(bits):
                 balls = [value() if callable(value) else arb_of(value) for value in self.begin]
-                self.kept["motion", bits] = Motion(
+                self.kept["motion", bits] = HybridMotion(
                     self.modes, balls, first_entry(self.first, balls), bits
                 )
-        found: Motion = self.kept["motion", bits]
+        found: HybridMotion = self.kept["motion", bits]
         return found
 
     def named(self, y: Sequence[arb]) -> dict[str, arb]:
@@ -115,7 +115,7 @@ class HybridFlow(ClosedForm):
     def events_until(self, t: Fraction) -> list[tuple[str, str | None, Ball]]:
         """Names, modes entered and times [s] of the events before t."""
 
-        def found(motion: Motion) -> dict[str, arb]:
+        def found(motion: HybridMotion) -> dict[str, arb]:
             motion.at(arb_of(t))
             return {
                 f"{event.name} {event.mode} {n}": event.time
@@ -264,7 +264,7 @@ class HybridFlow(ClosedForm):
             lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed()
         )
 
-    def stretches(self, motion: Motion) -> Iterator[Stretch]:
+    def stretches(self, motion: HybridMotion) -> Iterator[Stretch]:
         """The pieces of a motion, made as they are asked for; the last of a phase ends with an
         event.
         """
@@ -275,7 +275,7 @@ class HybridFlow(ClosedForm):
                 motion.follow()
             yield from self.pieces_of(motion, number)
 
-    def pieces_of(self, motion: Motion, number: int) -> Iterator[Stretch]:
+    def pieces_of(self, motion: HybridMotion, number: int) -> Iterator[Stretch]:
         """The pieces of a phase."""
         phase = motion.phases[number]
         for index in count():
@@ -305,7 +305,7 @@ class HybridFlow(ClosedForm):
                 return
             yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
-    def errors(self, motion: Motion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
+    def errors(self, motion: HybridMotion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
         """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in
         those of `chart`.
 
@@ -315,7 +315,7 @@ class HybridFlow(ClosedForm):
             inner = phase.moved_by(piece, since)
             return self.chart(motion, phase, piece.at(since)) * self.beside(inner)
 
-    def handed_on(self, motion: Motion, phase: Phase, after: Phase | None) -> arb_mat:
+    def handed_on(self, motion: HybridMotion, phase: Phase, after: Phase | None) -> arb_mat:
         """What errors at the begin of a phase's last piece are after the event that ends it, at one
         time for all motions of the set.
         """
@@ -339,7 +339,7 @@ class HybridFlow(ClosedForm):
         table = inner.table()
         return arb_mat([[table[i][j] for j in self.moved] for i in self.moved])
 
-    def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
+    def chart(self, motion: HybridMotion, phase: Phase, state: Sequence[arb]) -> arb_mat:
         """The derivative of the coordinates in which errors are counted, in scales, by those that
         `beside` leaves, in a state.
         """
@@ -363,7 +363,7 @@ class HybridFlow(ClosedForm):
         """The coordinates of `chart` in which errors are made; None for all."""
         return None
 
-    def readings(self, motion: Motion, t: arb) -> arb_mat:
+    def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
         y = motion.at(t)
         slopes = self.slopes.run(y)

@@ -269,9 +269,11 @@ def test_inputs_are_part_of_the_fingerprint_and_must_exist(small: Path) -> None:
 def test_a_scene_that_supports_does_not_name_is_refused(small: Path) -> None:
     engine = discovery.engine(str(small / "refdem.toml"))
     hanging = discovery.case("harmonic-oscillator").at(gravity="1").problem
-    assert "uniform_gravity" in (engine.refusal(hanging, engine.methods[0]) or "")
+    assert "uniform_gravity" in (engine.unsupported_motion(hanging, engine.methods[0]) or "")
     assert (
-        engine.refusal(discovery.case("harmonic-oscillator").at().problem, engine.methods[0])
+        engine.unsupported_motion(
+            discovery.case("harmonic-oscillator").at().problem, engine.methods[0]
+        )
         is None
     )
 

@@ -22,7 +22,7 @@ def played(engine):
 
     def run(scene, *, step=2.0**-8, duration=2.0, method="rk4", samples=16, start=0.0):
         problem = Motion(scene, start + duration / samples * np.arange(samples + 1))
-        assert engine.refusal(problem, engine.method(method)) is None
+        assert engine.unsupported_motion(problem, engine.method(method)) is None
         return engine.run(Request(problem=problem, method=method, step=step))
 
     return run

@@ -108,18 +108,20 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_mujoco_cannot_say_is_refused_with_a_reason(engine, name):
     bodies, elements, words = REFUSED[name]
-    reason = engine.refusal(Motion(Scene.of(bodies, elements), TIMES), engine.methods[0])
+    reason = engine.unsupported_motion(Motion(Scene.of(bodies, elements), TIMES), engine.methods[0])
     assert reason is not None
     assert words in reason
 
 
 def test_backward_motion_is_refused(engine):
-    assert "negative steps" in engine.refusal(Motion(Scene.of([POINT]), -TIMES), engine.methods[0])
+    assert "negative steps" in engine.unsupported_motion(
+        Motion(Scene.of([POINT]), -TIMES), engine.methods[0]
+    )
 
 
 def test_an_undamped_contact_does_not_pull_and_needs_no_cutoff(engine):
     assert (
-        engine.refusal(
+        engine.unsupported_motion(
             Motion(Scene.of([ball(-0.5), ball(0.5)], [Contact(**SOFT)]), TIMES), engine.methods[0]
         )
         is None

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from refdem.core.problem import Motion, Request
-from refdem.engines.mujoco.refusal import refusal
+from refdem.engines.mujoco.unsupported import unsupported
 from refdem.engines.reference import ENGINE
 from refdem.mechanics.quaternion import rotated
 from refdem.scene import Body, Scene
@@ -74,5 +74,5 @@ def test_motion_is_that_of_the_reference(engine):
     ],
 )
 def test_what_is_no_top_is_refused(scene, reason):
-    said = refusal(Motion(scene, TIMES))
+    said = unsupported(Motion(scene, TIMES))
     assert said is None if reason is None else reason in str(said)

@@ -62,12 +62,12 @@ def test_it_is_carried_at_the_speed_of_the_belt(played, axis):
 )
 def test_the_missing_feature_is_named(engine, bodies, elements, words):
     problem = Motion(Scene.of(bodies, elements), np.linspace(0.0, 1.0, 5))
-    assert words in (engine.refusal(problem, engine.methods[0]) or "")
+    assert words in (engine.unsupported_motion(problem, engine.methods[0]) or "")
 
 
 def test_the_stribeck_law_is_refused_by_every_method(engine):
     problem = discovery.case("stick-slip").at().problem
-    assert all(engine.refusal(problem, method) for method in engine.methods)
+    assert all(engine.unsupported_motion(problem, method) for method in engine.methods)
 
 
 @pytest.mark.parametrize(("friction", "bound"), [("1/2", 1e-4), ("3/4", 1e-3), ("9/10", 1e-4)])

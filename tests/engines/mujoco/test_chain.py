@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from refdem.core.problem import Motion, Request
-from refdem.engines.mujoco.refusal import refusal
+from refdem.engines.mujoco.unsupported import unsupported
 from refdem.engines.reference import ENGINE
 from refdem.scene import Body, Scene
 from refdem.scene.elements.rod import Rod
@@ -108,5 +108,5 @@ def changed(number, **fields):
     ],
 )
 def test_rods_that_are_no_chain_from_the_world_are_refused(scene, reason):
-    said = refusal(Motion(scene, TIMES))
+    said = unsupported(Motion(scene, TIMES))
     assert said is None if reason is None else reason in str(said)

@@ -10,14 +10,14 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Motion
 from refdem.engines.mujoco import solver
-from refdem.engines.mujoco.refusal import heaviest, refusal
+from refdem.engines.mujoco.unsupported import heaviest, unsupported
 from refdem.scene import Body, Scene, Sphere, box
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-MODULE = sys.modules[refusal.__module__]
+MODULE = sys.modules[unsupported.__module__]
 
 
 def soft_pair(mass):
@@ -42,7 +42,7 @@ def test_a_contact_is_right_up_to_the_mass_at_which_it_is_refused_and_wrong_from
     assert lost(1.0) == pytest.approx(0.0, abs=1e-9)
     assert lost(1.99 * limit) == pytest.approx(0.0, abs=1e-9)
     heavy = Motion(soft_pair(2.01 * limit), np.arange(3) / 8)
-    assert "mjMINVAL" in refusal(heavy)
+    assert "mjMINVAL" in unsupported(heavy)
     monkeypatch.setattr(MODULE, "_of_soft_constraints", lambda scene: None)
     assert abs(lost(20 * limit)) > 0.1
     assert abs(lost(1e64)) == 1.0
@@ -71,7 +71,7 @@ def test_a_block_sinks_no_deeper_for_its_mass_up_to_that_at_which_it_is_refused(
     limit = heaviest(solver.HARDEST)
     assert sunk(0.99 * limit) == pytest.approx(sunk(1.0), rel=1e-3)
     heavy = Motion(block_at_rest(1.01 * limit), np.arange(3) / 8)
-    assert "mjMINVAL" in refusal(heavy)
+    assert "mjMINVAL" in unsupported(heavy)
     monkeypatch.setattr(MODULE, "_of_soft_constraints", lambda scene: None)
     assert sunk(100 * limit) > 10 * sunk(1.0)
 
@@ -87,7 +87,7 @@ def test_a_block_sinks_no_deeper_for_its_mass_up_to_that_at_which_it_is_refused(
 def test_dry_friction_of_too_much_mass_is_refused(engine, slider, impedance):
     def reason(mass):
         scene = Scene.of([Body(mass=mass, position=(1.0, 0.0, 0.0))], [slider])
-        return refusal(Motion(scene, np.arange(3) / 8))
+        return unsupported(Motion(scene, np.arange(3) / 8))
 
     assert reason(0.99 * heaviest(impedance)) is None
     assert "mjMINVAL" in reason(1.01 * heaviest(impedance))
@@ -95,5 +95,5 @@ def test_dry_friction_of_too_much_mass_is_refused(engine, slider, impedance):
 
 def test_the_heavy_spheres_of_a_prescribed_path_are_refused(engine):
     problem = discovery.case("impact-benchmarks").at(member="contact-path", friction="0").problem
-    reasons = [engine.refuses(problem, engine.method(name)) for name in ("rk4", "euler")]
+    reasons = [engine.unsupported(problem, engine.method(name)) for name in ("rk4", "euler")]
     assert all("mjMINVAL" in reason for reason in reasons)

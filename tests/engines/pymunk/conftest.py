@@ -19,7 +19,7 @@ def run() -> Run:
 
     def trajectory(scene: Scene, duration: float, samples: int, step: float) -> Trajectory:
         problem = Motion(scene, np.arange(samples + 1) * (duration / samples))
-        assert ENGINE.refusal(problem, ENGINE.methods[0]) is None
+        assert ENGINE.unsupported_motion(problem, ENGINE.methods[0]) is None
         found, cost = ENGINE.run(Request(problem=problem, method="semi-implicit-euler", step=step))
         assert cost.steps == round(duration / step)
         return found

@@ -19,7 +19,7 @@ COULOMB = {"lambda0": "0", "lambda1": "0", "mu1": "2/5", "gamma": "0"}
 )
 def test_a_mass_on_a_belt_is_carried_and_let_go(given):
     instance = discovery.case("stick-slip").at(**COULOMB, **given, duration="8", samples="8")
-    assert ENGINE.refusal(instance.problem, ENGINE.methods[0]) is None
+    assert ENGINE.unsupported_motion(instance.problem, ENGINE.methods[0]) is None
     seen, _ = ENGINE.run(
         Request(problem=instance.problem, method=ENGINE.methods[0].name, step=2.0**-9)
     )

@@ -44,13 +44,15 @@ FLAT = Body(mass=1.0, position=(0.0, 0.5, 0.0), shape=box(1.0, 1.0, 1.0))
 )
 def test_the_missing_feature_is_named(scene: Scene, words: str) -> None:
     assert words in (
-        ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]) or ""
+        ENGINE.unsupported_motion(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]) or ""
     )
 
 
 def test_time_does_not_run_backwards() -> None:
     assert "negative" in (
-        ENGINE.refusal(Motion(Scene.of([POINT]), -np.linspace(0.0, 1.0, 5)), ENGINE.methods[0])
+        ENGINE.unsupported_motion(
+            Motion(Scene.of([POINT]), -np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]
+        )
         or ""
     )
 

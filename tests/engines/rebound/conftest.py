@@ -23,7 +23,7 @@ def run() -> Run:
         scene: Scene, duration: float, samples: int, method: str, **control: float
     ) -> Trajectory:
         problem = Motion(scene, np.arange(samples + 1) * (duration / samples))
-        assert ENGINE.refusal(problem, ENGINE.method(method)) is None
+        assert ENGINE.unsupported_motion(problem, ENGINE.method(method)) is None
         request = Request(problem=problem, method=method, **control)
         found, _ = ENGINE.run(request)
         request.refuse_misaligned(found.t)

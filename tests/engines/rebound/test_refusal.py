@@ -54,7 +54,8 @@ ROTOR = Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))
 )
 def test_the_missing_feature_is_named(method: str, scene: Scene, words: str) -> None:
     assert words in (
-        ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.method(method)) or ""
+        ENGINE.unsupported_motion(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.method(method))
+        or ""
     )
 
 

@@ -18,7 +18,7 @@ from refdem.truth.closed_forms.two_spheres import NAMES
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ball
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, Traced
 from refdem.truth.spatial_phases import SpatialPhases, cross, dot, pointed
 from refdem.truth.traced_field import Program, traced
@@ -254,7 +254,7 @@ def test_where_the_motion_comes_near_a_point_that_may_not_be_analytic_it_ends_as
 def test_what_comes_before_a_grazing_end_stays_certified_after_it_was_met():
     """A guard at t = 1 that cannot be passed."""
     stops = Guard("fade", lambda y: 1 - y[0], lambda y: SpatialPhases.fading(None, "it ends"))
-    motion = Motion(
+    motion = HybridMotion(
         {"run": Traced(Mode(lambda y: [1, 1], (stops,)), 2)}, [arb(0), arb(0)], Entry("run"), 192
     )
     for late in (arb(2), arb(3)):

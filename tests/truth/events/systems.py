@@ -8,7 +8,7 @@ from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.events.crossing import sign
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, Traced
 from refdem.truth.events.truth import HybridFlow
 
@@ -107,7 +107,7 @@ def motion(modes, start, mode, *, radii=(), bits=100, touching=None):
         arb_of(Fraction(x)) + arb(0, r)
         for x, r in zip(start, radii or [0] * len(start), strict=True)
     ]
-    return Motion(
+    return HybridMotion(
         {name: Traced(one, len(start)) for name, one in modes.items()},
         balls,
         Entry(mode, None, touching or {}),

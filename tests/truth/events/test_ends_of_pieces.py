@@ -8,11 +8,11 @@ import pytest
 from flint import arb
 
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, Traced
 
 
-def running(level: Fraction, bits: int) -> Motion:
+def running(level: Fraction, bits: int) -> HybridMotion:
     """x' = v' = 0 but x = t and a fast wave beside it, until x is at the level."""
     stop = Guard("stop", lambda y: level - y[0], lambda y: Entry("rest"))
     modes = {
@@ -20,7 +20,7 @@ def running(level: Fraction, bits: int) -> Motion:
         "rest": Mode(lambda y: [0, 0, 0, 1]),
     }
     start = [arb(0), arb(1), arb(0), arb(0)]
-    return Motion(
+    return HybridMotion(
         {name: Traced(mode, 4) for name, mode in modes.items()}, start, Entry("run"), bits
     )
 
@@ -44,6 +44,6 @@ def test_few_bits_do_not_split_for_ever() -> None:
         "run": Traced(Mode(lambda y: [1, 1], (stop,)), 2),
         "rest": Traced(Mode(lambda y: [0, 1]), 2),
     }
-    motion = Motion(modes, [arb(0, 0.5), arb(0)], Entry("run"), 48)
+    motion = HybridMotion(modes, [arb(0, 0.5), arb(0)], Entry("run"), 48)
     with pytest.raises(SwitchError):
         motion.at(arb(1))

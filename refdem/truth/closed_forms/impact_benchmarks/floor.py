@@ -19,7 +19,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import Size
 from refdem.truth.contact_phases import dyadic_root
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, State
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.reals import Number, near, pi, root
@@ -110,7 +110,7 @@ class Bounce(OnFloor):
         before `until` [s].
         """
 
-        def found(motion: Motion) -> dict[str, arb]:
+        def found(motion: HybridMotion) -> dict[str, arb]:
             motion.at(arb_of(self.until))
             ups = [
                 event

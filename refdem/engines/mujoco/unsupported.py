@@ -53,7 +53,7 @@ def heaviest(impedance: float) -> float:
     return (1 - impedance) / impedance / SMALLEST
 
 
-def refusal(problem: Motion) -> str | None:
+def unsupported(problem: Motion) -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
     if problem.interval < 0:
