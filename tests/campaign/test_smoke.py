@@ -105,7 +105,7 @@ class Plain(Engine):
     def fingerprint(self, method):
         return "plain"
 
-    def unsupported(self, problem, method):
+    def unsupported_motion(self, problem, method):
         if method.name == "never":
             return "nothing at all"
         others = {e.kind for e in problem.scene.elements} - SAID

@@ -18,6 +18,7 @@ ERRORS = {
     "floods-its-output": "SIGXFSZ: a file grew too large",
     "floods-its-errors": "SIGXFSZ: a file grew too large",
     "devours": r"took .* GB of memory and was ended; expected at most 0\.5 GB",
+    "devours-among-orphans": r"took .* GB of memory and was ended; expected at most 0\.5 GB",
     "escapes": r"exit status 1: \?\[2J",
     "commands-a-workflow": "exit status 1: ",
     "writes-formulas": "exit status 1: =HYPERLINK",

@@ -191,6 +191,24 @@ def devours():
 
 
 @before
+def devours_among_orphans():
+    """Orphans that end one after another wake whoever waits for processes again and again; the
+    memory grows in the meantime, up to three times of what is allowed.
+    """
+    if os.fork() == 0:
+        while True:
+            if os.fork() == 0:
+                if os.fork() == 0:
+                    os._exit(0)
+                os._exit(0)
+            os.wait()
+    taken = []
+    while len(taken) < 96:
+        taken.append(bytearray(2**24))
+        time.sleep(0.01)
+
+
+@before
 def reserves():
     # As the address sanitizer of C compilers does; this is no memory that is used.
     no_reserve = 0x4000
