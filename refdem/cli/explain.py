@@ -27,29 +27,38 @@ def command(
         list[str] | None, typer.Option(help="Engines; none: all that are installed.")
     ] = None,
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
+    timeout: Annotated[
+        float, typer.Option(help="CPU time of a proof [s].", min=1e-3, max=1e6)
+    ] = 60.0,
 ) -> None:
     """Says what would run for a case, and why.
 
     Example: refdem explain free-rigid-body --engine mujoco
     """
-    import msgspec
-
     from refdem.campaign import plan
+    from refdem.campaign.schedule import Schedule
     from refdem.campaign.specification import Entry, Specification
-    from refdem.campaign.worker import sampled_truth
+    from refdem.campaign.truths import sampled_truths
+    from refdem.cli.progress import Progress
     from refdem.core.parameters import labelled, settings
-    from refdem.core.truth import SampledTruth
+    from refdem.core.store import Store, default_path
 
     name, own = labelled(case)
     specification = Specification(
-        name="explain", case=[Entry(name, own | settings(set or []))], engines=engine or []
+        name="explain",
+        case=[Entry(name, own | settings(set or []))],
+        engines=engine or [],
+        timeout=timeout,
     )
     engines, missing = plan.engines(specification)
+    store = Store(default_path())
     for instance, only in plan.instances(specification):
-        print("\n".join(asked(instance)))
-        truth = msgspec.msgpack.decode(
-            sampled_truth(instance.case.id, instance.p.given), type=SampledTruth
-        )
+        print("\n".join(asked(instance)), flush=True)
+        # A proof has the time that it has in a campaign, and is kept as there.
+        with Schedule(1, specification.timeout) as schedule:
+            (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
+        if truth.reason:
+            print(f"  certified for {truth.until} of {len(instance.times)} samples: {truth.reason}")
         for found in engines:
             show(plan.tasks(specification, instance, only, found, truth, truth.reason))
     for name, reason in missing.items():

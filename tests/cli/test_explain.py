@@ -1,0 +1,29 @@
+"""refdem explain: a proof has a limit, and what it certified until then is kept."""
+
+from pathlib import Path
+
+import pytest
+
+from refdem.cli.explain import command
+
+
+def test_a_proof_that_is_not_done_in_its_time_is_told_and_the_rest_is_shown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
+    # Two rods that tumble for 200 s: no proof gets there within days.
+    command("double-pendulum", engine=["reference"], set=["duration=200"], timeout=1.0)
+    shown = capsys.readouterr().out
+    assert "of 65 samples: the proof ended in a hang" in shown
+    assert "reference/rod-chain: " in shown
+
+
+def test_what_is_proved_once_is_read_the_next_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
+    for times in range(2):
+        command("pendulum", engine=["reference"], set=["theta0=0.3", "duration=1"])
+        said = capsys.readouterr()
+        assert "reference/exact-pendulum: " in said.out
+        assert ("truths: 1 done" in said.err) == (times == 0)
