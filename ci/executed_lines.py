@@ -35,6 +35,9 @@ PARTS = (
     "cases",
     "gate",
     "stress",
+    "cli",
+    "properties",
+    "attacks",
 )
 ROWS = "ci/campaign_rows.py"
 UNKNOWN = -1

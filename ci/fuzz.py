@@ -2,7 +2,7 @@
 
 Every input must be refused by one sentence (a RefdemError, exit status 2), or give a right answer.
 An exception of another kind, a hang, and something broken that is taken for good are findings; the
-input is kept in tests/corpus and is from then on a test (tests/layout/test_fuzz.py).
+input is kept in tests/corpus and is from then on a test (tests/ci/test_fuzz.py).
 
 Half of the inputs are bytes that a seed changes (fuzz_bytes.py), half are documents that
 Hypothesis draws (fuzz_documents.py), where what is read has documents. With --grow, an input that

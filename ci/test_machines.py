@@ -42,6 +42,9 @@ TESTS = (
     "stress",
     "campaign",
     "truth",
+    "cli",
+    "properties",
+    "attacks",
 )
 """Folders of tests whose numbers, or whose time, could depend on the machine."""
 

@@ -1,12 +1,11 @@
 """The system's Chromium, and reports for it to open from disk."""
 
-import runpy
 import shutil
-from pathlib import Path
 
 import pytest
 
 from refdem.report import write_report
+from tests.report import synthetic
 
 ARGUMENTS = (
     "--headless",
@@ -36,7 +35,6 @@ def browser():
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
     """A report of synthetic sheets, hostile names among them."""
-    synthetic = runpy.run_path(str(Path(__file__).parents[1] / "report" / "synthetic.py"))
     path = tmp_path_factory.mktemp("a report") / "100% #1"
-    write_report(path, synthetic["sheets"]())
+    write_report(path, synthetic.sheets())
     return path

@@ -2,21 +2,17 @@
 drawn, nothing run that a name says.
 """
 
-import runpy
-from pathlib import Path
-
 import pytest
 
 from refdem.gallery.gallery import figure
 from refdem.report import write_gallery
-
-HOSTILE = Path(__file__).parents[1] / "report" / "test_gallery.py"
+from tests.report.test_gallery import FIGURE
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("gallery") / "100% #1"
-    figures = [figure("1.15"), figure("1.20"), runpy.run_path(str(HOSTILE))["FIGURE"]]
+    figures = [figure("1.15"), figure("1.20"), FIGURE]
     write_gallery(folder, figures, version="9.9")
     return folder / "gallery.html"
 

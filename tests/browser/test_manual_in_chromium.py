@@ -2,17 +2,13 @@
 and nothing cut off.
 """
 
-import runpy
-from pathlib import Path
-
 import pytest
 
 from refdem.core import discovery
 from refdem.manual.pages import page
 from refdem.report import write_manual
 from refdem.truth import load
-
-HOSTILE = Path(__file__).parents[1] / "report" / "test_manual.py"
+from tests.report.test_manual import PAGE
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +16,7 @@ def manual(tmp_path_factory):
     """Two true pages and a hostile one."""
     folder = tmp_path_factory.mktemp("manual") / "100% #1"
     true = [page(discovery.case(name), load(name)) for name in ("rotations", "stick-slip")]
-    write_manual(folder, [*true, runpy.run_path(str(HOSTILE))["PAGE"]], version="9.9")
+    write_manual(folder, [*true, PAGE], version="9.9")
     return folder / "manual"
 
 

@@ -1,24 +1,15 @@
 """Synthetic sheets, and one report written from them."""
 
-import runpy
-from pathlib import Path
-
 import pytest
 
 from refdem.core.store import Store
 from refdem.report import write_report
-
-SYNTHETIC = runpy.run_path(str(Path(__file__).with_name("synthetic.py")))
-
-
-@pytest.fixture(scope="session")
-def synthetic():
-    return SYNTHETIC
+from tests.report import synthetic
 
 
 @pytest.fixture(scope="session")
 def sheets():
-    return SYNTHETIC["sheets"]()
+    return synthetic.sheets()
 
 
 @pytest.fixture(scope="session")

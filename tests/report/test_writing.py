@@ -18,6 +18,7 @@ from refdem.report import write_report
 from refdem.report.contents import advice, contents_of
 from refdem.report.junit import junit
 from refdem.report.mathml import equations
+from tests.report import synthetic
 
 COMMITTED = ("validation.md", "figures/*.svg")
 
@@ -103,7 +104,7 @@ def test_no_id_is_used_twice_in_a_page(pages):
     assert [path.name for path, page in pages.items() if len(page.ids) != len(set(page.ids))] == []
 
 
-def test_names_from_strangers_are_text(pages, synthetic):
+def test_names_from_strangers_are_text(pages):
     for path, page in pages.items():
         assert page.handlers == []
         assert page.tags.count("script") == len(page.specs) + (
@@ -113,7 +114,7 @@ def test_names_from_strangers_are_text(pages, synthetic):
             "an image of a chart, none of a stranger"
         )
         texts = [json.dumps(json.loads(spec)) for spec in page.specs.values()]
-        assert path.name == "engines.html" or any(synthetic["HOSTILE"] in text for text in texts), (
+        assert path.name == "engines.html" or any(synthetic.HOSTILE in text for text in texts), (
             "the name is there, as it is"
         )
 
@@ -275,13 +276,13 @@ def test_a_report_of_nothing_is_a_report(tmp_path):
 
 
 def test_a_report_over_another_leaves_nothing_of_it_and_nothing_else_is_touched(
-    tmp_path, sheets, store, synthetic
+    tmp_path, sheets, store
 ):
     write_report(tmp_path, sheets, store)
     (tmp_path / "figures/mine.svg").write_text("mine")
     write_report(
         tmp_path,
-        [synthetic["record"]("a", "a", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))],
+        [synthetic.record("a", "a", "alpha", "rk4", synthetic.error("x", 1e-3, 4))],
         store,
     )
     assert [path.name for path in (tmp_path / "cases").iterdir()] == ["a.html"]
@@ -292,14 +293,10 @@ def test_a_report_over_another_leaves_nothing_of_it_and_nothing_else_is_touched(
     ]
 
 
-def test_a_record_without_sheets_of_its_case_and_engine_is_reported(tmp_path, synthetic):
+def test_a_record_without_sheets_of_its_case_and_engine_is_reported(tmp_path):
     write_report(
         tmp_path,
-        [
-            synthetic["record"](
-                "pendulum", "pendulum", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4)
-            )
-        ],
+        [synthetic.record("pendulum", "pendulum", "alpha", "rk4", synthetic.error("x", 1e-3, 4))],
     )
     assert "alpha" in (tmp_path / "cases/pendulum.html").read_text()
 

@@ -2,10 +2,8 @@
 before.
 """
 
-import runpy
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,14 +11,14 @@ import pytest
 
 from refdem.core.engine import Engine
 from refdem.faults.transparent import Transparent
-
-carried = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("carried.py"))))
-carrier = carried.carrier
-changed_bodies = carried.changed_bodies
-changed_elements = carried.changed_elements
-changed_run = carried.changed_run
-climbs = carried.climbs
-verdicts = carried.verdicts
+from tests.stress.carried import (
+    carrier,
+    changed_bodies,
+    changed_elements,
+    changed_run,
+    climbs,
+    verdicts,
+)
 
 
 def single(values: Any) -> Any:

@@ -1,15 +1,15 @@
 """The zoo of tests/foreign/hostile with a refdem.toml beside it: one misbehaviour a method."""
 
-import runpy
 import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests.foreign.hostile import modes
+
 HOSTILE = Path(__file__).parents[2] / "foreign" / "hostile"
-MODES = runpy.run_path(str(HOSTILE / "modes.py"))
-METHODS = ("good", *MODES["MODES"])
+METHODS = ("good", *modes.MODES)
 
 
 def described(

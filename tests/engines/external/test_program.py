@@ -2,7 +2,6 @@
 
 import os
 import re
-import runpy
 import shutil
 import subprocess
 import sys
@@ -22,10 +21,9 @@ from refdem.core.trajectory import Event, Trajectory
 from refdem.engines.external.folders import remove
 from refdem.engines.external.kept import MOST_BYTES, MOST_FOLDERS
 from refdem.errors import EngineError, UnsupportedError, UsageError
+from tests.foreign.hostile import modes
 
 HOSTILE = Path(__file__).parents[2] / "foreign" / "hostile"
-MODES = runpy.run_path(str(HOSTILE / "modes.py"))
-"""How each misbehaviour must end."""
 WITHOUT_FOLDER = ("takes-its-folder-away", "puts-a-link-in-place-of-its-folder")
 
 
@@ -67,7 +65,7 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
     assert run.events == (Event(0.5, "turn", 0),)
 
 
-@pytest.mark.parametrize(("method", "says"), MODES["ERRORS"].items())
+@pytest.mark.parametrize(("method", "says"), modes.ERRORS.items())
 def test_a_broken_run_says_what_happened_and_where_its_output_is(
     small: Path, method: str, says: str
 ) -> None:
@@ -82,20 +80,20 @@ def test_a_broken_run_says_what_happened_and_where_its_output_is(
         assert (place / "request.txt").read_text().startswith("format 1\n")
 
 
-@pytest.mark.parametrize(("method", "says"), MODES["SLOW"].items())
+@pytest.mark.parametrize(("method", "says"), modes.SLOW.items())
 def test_what_never_ends_is_ended(small: Path, method: str, says: str) -> None:
     limit(small, "timeout = 0.5")
     with pytest.raises(EngineError, match=says):
         ran(small, method)
 
 
-@pytest.mark.parametrize(("method", "says"), MODES["REFUSALS"].items())
+@pytest.mark.parametrize(("method", "says"), modes.REFUSALS.items())
 def test_a_refusal_is_no_error(small: Path, method: str, says: str) -> None:
     with pytest.raises(UnsupportedError, match=says):
         ran(small, method)
 
 
-@pytest.mark.parametrize("method", MODES["HARMLESS"])
+@pytest.mark.parametrize("method", modes.HARMLESS)
 def test_what_hurts_nobody_is_judged_as_any_other(small: Path, method: str) -> None:
     assert np.array_equal(ran(small, method).position, ran(small, "good").position)
 

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import runpy
 import shutil
 import subprocess
 import sys
@@ -12,11 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.foreign.hostile import modes
+
 HERE = Path(__file__).parent
-MODES = runpy.run_path(str(HERE / "modes.py"))
 PATIENCE = 120.0
 """Seconds within which a folder is taken away, on any machine."""
-FAST = [*MODES["ERRORS"], *MODES["TIMES"], *MODES["REFUSALS"], *MODES["HARMLESS"], *MODES["WRONG"]]
+FAST = [*modes.ERRORS, *modes.TIMES, *modes.REFUSALS, *modes.HARMLESS, *modes.WRONG]
 
 
 def described(folder: Path, name: str, methods: "list[str]", limits: str) -> str:
@@ -53,7 +53,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("zoo")
     # The good program takes a second on any machine, and those that hang take all of their time.
     fast = described(folder, "zoo", ["good", *FAST], "timeout = 300\nbudget = 3000\nmemory = 0.5")
-    slow = described(folder, "slow", list(MODES["SLOW"]), "timeout = 1\nbudget = 3000")
+    slow = described(folder, "slow", list(modes.SLOW), "timeout = 1\nbudget = 3000")
     own = folder / "temporary"
     own.mkdir()
     environment = os.environ | {
@@ -98,12 +98,12 @@ def test_the_campaign_ends_as_one_in_which_a_check_failed(campaign) -> None:
 
 
 def test_every_mode_is_judged(findings) -> None:
-    assert sorted(findings) == sorted(["good", *MODES["MODES"]])
+    assert sorted(findings) == sorted(["good", *modes.MODES])
 
 
 @pytest.mark.parametrize(
     ("method", "says"),
-    [*MODES["ERRORS"].items(), *MODES["TIMES"].items(), *MODES["SLOW"].items()],
+    [*modes.ERRORS.items(), *modes.TIMES.items(), *modes.SLOW.items()],
 )
 def test_each_is_one_error(findings, method: str, says: str) -> None:
     ((outcome, sentence),) = findings[method]
@@ -111,13 +111,13 @@ def test_each_is_one_error(findings, method: str, says: str) -> None:
     assert re.search(says, sentence), sentence
 
 
-@pytest.mark.parametrize(("method", "says"), MODES["REFUSALS"].items())
+@pytest.mark.parametrize(("method", "says"), modes.REFUSALS.items())
 def test_each_refusal_is_no_error(findings, method: str, says: str) -> None:
     assert {outcome for outcome, _ in findings[method]} == {"unsupported"}
     assert all(says in sentence for _, sentence in findings[method])
 
 
-@pytest.mark.parametrize("method", MODES["HARMLESS"])
+@pytest.mark.parametrize("method", modes.HARMLESS)
 def test_what_hurts_nobody_is_judged_as_the_good_program(findings, method: str) -> None:
     assert findings[method] == findings["good"]
     outcomes = {outcome for outcome, _ in findings["good"]}
@@ -125,7 +125,7 @@ def test_what_hurts_nobody_is_judged_as_the_good_program(findings, method: str) 
     assert not outcomes & {"fail", "error"}
 
 
-@pytest.mark.parametrize("method", MODES["WRONG"])
+@pytest.mark.parametrize("method", modes.WRONG)
 def test_what_is_wrong_fails(findings, method: str) -> None:
     outcomes = {outcome for outcome, _ in findings[method]}
     assert "fail" in outcomes

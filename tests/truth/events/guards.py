@@ -8,7 +8,6 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from flint import arb
-from systems import bounced, bouncing, dipping, flow, motion, racing, ramped, rubbing, swinging
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, precision
@@ -16,6 +15,17 @@ from refdem.truth.closed_forms import stick_slip
 from refdem.truth.closed_forms.coulomb_oscillator import CoulombOscillator
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.system import Mode
+from tests.truth.events.systems import (
+    bounced,
+    bouncing,
+    dipping,
+    flow,
+    motion,
+    racing,
+    ramped,
+    rubbing,
+    swinging,
+)
 
 FAT = arb("0.01")
 

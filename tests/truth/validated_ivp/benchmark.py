@@ -1,7 +1,7 @@
 """What blocked products and larger discs save: CPU seconds of the free rigid body at 300 bits,
 beside the naive recurrence.
 
-    python tests/truth/validated_ivp/benchmark.py [t]
+    python -m tests.truth.validated_ivp.benchmark [t]
 
 Naive: every coefficient of a product from all earlier ones, one by one, and steps of R/8, R being
 what Picard's iteration proves from the start alone: the largest b/|f| on the complex box of

@@ -8,10 +8,10 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
-from fields import decay, exact, harmonic, power, squares
 from flint import acb, arb, arb_poly, arb_series, ctx
 
 from refdem.truth.balls import arb_of, precision
+from tests.truth.validated_ivp.fields import decay, exact, harmonic, power, squares
 
 
 def run(ivp, field, start, *, bits=200, ratio="1/6", order=None, jacobian_order=None):

@@ -5,11 +5,11 @@ order, maps by hand.
 from fractions import Fraction
 from itertools import product
 
-from fields import harmonic, squares
 from flint import arb, arb_mat
-from ivp_guards import programs, run
 
 from refdem.truth.balls import arb_of
+from tests.truth.validated_ivp.fields import harmonic, squares
+from tests.truth.validated_ivp.ivp_guards import programs, run
 
 
 def jacobians_of_low_order_hold_the_exact_ones(ivp):

@@ -6,7 +6,6 @@ from copy import copy
 from fractions import Fraction
 
 import pytest
-from fields import harmonic, pendulum, van_der_pol
 from flint import arb
 
 from refdem.core.discovery import truth_of
@@ -14,6 +13,7 @@ from refdem.truth.balls import arb_of, precision
 from refdem.truth.forecast import EXPONENT, PIECES, Course, Mark
 from refdem.truth.growth import WIDEST
 from refdem.truth.validated_flow import ValidatedFlow
+from tests.truth.validated_ivp.fields import harmonic, pendulum, van_der_pol
 
 
 def flow(rule, start, quantities, scale, digits=40):

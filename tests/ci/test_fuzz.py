@@ -1,31 +1,17 @@
 """What fuzzing has found, and the tools that find: ci/fuzz.py, and the inputs in tests/corpus."""
 
 import random
-import sys
-from pathlib import Path
 
+import fuzz
+import fuzz_bytes
+import fuzz_targets
 import pytest
 
-CI = Path(__file__).parents[2] / "ci"
-
 
 @pytest.fixture(scope="module")
-def tools():
-    """The modules of ci/ that fuzz."""
-    sys.path.insert(0, str(CI))
-    try:
-        import fuzz
-        import fuzz_bytes
-        import fuzz_targets
-    finally:
-        sys.path.remove(str(CI))
-    return fuzz, fuzz_bytes, fuzz_targets
-
-
-@pytest.fixture(scope="module")
-def targets(tools, tmp_path_factory):
+def targets(tmp_path_factory):
     """What is fuzzed, by name."""
-    return {one.name: one for one in tools[2].targets(tmp_path_factory.mktemp("seeds"))}
+    return {one.name: one for one in fuzz_targets.targets(tmp_path_factory.mktemp("seeds"))}
 
 
 NAMES = [
@@ -64,10 +50,10 @@ def test_good_inputs_are_taken(targets, name, tmp_path):
         assert targets[name].ends(data, tmp_path) == ""
 
 
-def test_the_same_seed_makes_the_same_inputs(tools, targets):
+def test_the_same_seed_makes_the_same_inputs(targets):
     def made():
         draw = random.Random(7)
-        return [tools[1].mutated(targets["scenes"].seeds, draw) for _ in range(200)]
+        return [fuzz_bytes.mutated(targets["scenes"].seeds, draw) for _ in range(200)]
 
     assert made() == made()
 
@@ -77,10 +63,7 @@ def broken(_, __):
 
 
 @pytest.mark.parametrize("judge", [broken, "careless"])
-def test_a_traceback_and_what_is_ignored_are_findings_and_are_kept(
-    tools, tmp_path, monkeypatch, judge
-):
-    fuzz, _, fuzz_targets = tools
+def test_a_traceback_and_what_is_ignored_are_findings_and_are_kept(tmp_path, monkeypatch, judge):
 
     def careless(data, _):
         fuzz_targets.kept({"a": 1, "lost": data.decode()}, {"a": 1})
@@ -96,8 +79,7 @@ def test_a_traceback_and_what_is_ignored_are_findings_and_are_kept(
     assert kept.read_bytes() == b"input"
 
 
-def test_an_input_that_never_ends_is_a_finding(tools, tmp_path, monkeypatch):
-    fuzz, _, fuzz_targets = tools
+def test_an_input_that_never_ends_is_a_finding(tmp_path, monkeypatch):
 
     def endless(_, __):
         while True:

@@ -1,7 +1,7 @@
 """Values at parameters that no certified set has, by mpmath (1.4) at 60 digits, from the
 definitions of the cases alone.
 
-    python tests/truth/held_out/by_mpmath.py > tests/truth/held_out/values.txt
+    python -m tests.properties.held_out.by_mpmath > tests/properties/held_out/values.txt
 
 Motions by mpmath's Taylor integrator, elliptic and beta functions by quadrature or its own, statics
 by integrals and matrices. Nothing of refdem is imported: each equation is written here once more. A
@@ -11,9 +11,17 @@ line: case, parameters, time, quantity, 48 digits.
 import json
 
 from mpmath import beta, cos, cosh, exp, findroot, matrix, mp, mpf, pi, quad, sin, sqrt
-from mpmath_impacts import impacts
-from mpmath_motions import bodies, cluster, oscillators, pendulums, torqued, undamped
-from mpmath_tools import FOUND, case, f
+
+from tests.properties.held_out.mpmath_impacts import impacts
+from tests.properties.held_out.mpmath_motions import (
+    bodies,
+    cluster,
+    oscillators,
+    pendulums,
+    torqued,
+    undamped,
+)
+from tests.properties.held_out.mpmath_tools import FOUND, case, f
 
 POINTS = "0,0,0,2,1/2,-1,1,3,1/4,-1,5/4,3,2,-3/2,1/2"
 

@@ -3,7 +3,7 @@ unawares would be missed by nobody.
 
 A wrong formula can make a method refuse its own scene; another method then answers, and every
 verdict is green. So the answers are kept beside this test. After a change that is meant: `python
-tests/solvers/test_who_answers.py`, and commit answers.csv.
+tests/engines/test_reference_answers.py`, and commit answers.csv.
 """
 
 import csv

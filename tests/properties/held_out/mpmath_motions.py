@@ -3,7 +3,8 @@ motion.
 """
 
 from mpmath import acos, atan2, beta, cos, ellipfun, ellipk, exp, matrix, mp, mpf, pi, sin, sqrt
-from mpmath_tools import case, f, ode, second, swung, waves
+
+from tests.properties.held_out.mpmath_tools import case, f, ode, second, swung, waves
 
 
 def oscillators():

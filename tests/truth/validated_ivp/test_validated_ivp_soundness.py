@@ -5,14 +5,14 @@ the table planted_bugs.txt.
 from pathlib import Path
 
 import pytest
-from fields import at, decay, squares
 from flint import arb
-from ivp_guards import GUARDS as OTHERS
-from ivp_package import MODULES, package
-from ivp_set_guards import SET_GUARDS
 
 from refdem.truth.balls import UndecidedError
 from refdem.truth.validated_ivp.integration import Integration
+from tests.truth.validated_ivp.fields import at, decay, squares
+from tests.truth.validated_ivp.ivp_guards import GUARDS as OTHERS
+from tests.truth.validated_ivp.ivp_package import MODULES, package
+from tests.truth.validated_ivp.ivp_set_guards import SET_GUARDS
 
 GUARDS = [*OTHERS, *SET_GUARDS]
 

@@ -6,7 +6,7 @@ import os
 
 ELSEWHERE = {"cooling", "roughness", "apsides"}
 """Checks of gases, which the transparent engine does not carry, and of orbits that turn:
-tests/checks has the faults that they kill.
+tests/checks and tests/attacks have the faults that they kill.
 """
 
 

@@ -9,7 +9,8 @@ mpmath's Taylor integrator.
 """
 
 from mpmath import acos, cos, exp, findroot, log, mp, mpf, pi, sign, sin, sqrt
-from mpmath_tools import case, f
+
+from tests.properties.held_out.mpmath_tools import case, f
 
 SETS = (
     ("dem-05", "R", {"angle": "0.1234", "stiffness": "1.3e7", "tangential_stiffness": "1.1e7"}),

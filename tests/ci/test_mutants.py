@@ -1,10 +1,11 @@
 """The tools that plant errors: what they plant, whom they blame, and what they leave behind."""
 
 import signal
-import sys
 from pathlib import Path
 
+import mutant_sites
 import pytest
+import tree_copy
 
 CI = Path(__file__).parents[2] / "ci"
 
@@ -16,20 +17,8 @@ def inside(x):
 """
 
 
-@pytest.fixture(scope="module")
-def tools():
-    """The modules of ci/ that need nothing beyond what the tests need."""
-    sys.path.insert(0, str(CI))
-    try:
-        import mutant_sites
-        import tree_copy
-    finally:
-        sys.path.remove(str(CI))
-    return mutant_sites, tree_copy
-
-
 @pytest.fixture
-def copy(tools, tmp_path):
+def copy(tmp_path):
     """A copy with nothing in it but what runs the tests, and a way to write one."""
     place = tmp_path / "copy"
     (place / "ci").mkdir(parents=True)
@@ -37,15 +26,17 @@ def copy(tools, tmp_path):
 
     def tested(text, seconds=None):
         (place / "test_own.py").write_text(text)
-        return tools[1].TreeCopy(place).tested(["test_own.py"], 60.0, seconds=seconds)
+        return tree_copy.TreeCopy(place).tested(["test_own.py"], 60.0, seconds=seconds)
 
     return tested
 
 
-def test_every_operator_comparison_and_constant_is_a_site(tools, tmp_path):
+def test_every_operator_comparison_and_constant_is_a_site(tmp_path):
     (tmp_path / "module.py").write_text(MODULE)
     text = MODULE.encode()
-    found = {(site.shown(text), site.is_inside) for site in tools[0].sites(tmp_path, "module.py")}
+    found = {
+        (site.shown(text), site.is_inside) for site in mutant_sites.sites(tmp_path, "module.py")
+    }
     assert found == {
         ("2.0 -> 3.0", False),
         ("0.0 -> 1.0", True),

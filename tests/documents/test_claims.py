@@ -49,9 +49,9 @@ def test_no_engine_is_said_to_run_what_it_refuses() -> None:
 
 
 def test_readme_counts_the_findings_of_its_own_gate() -> None:
-    """tests/gate/test_readme.py runs the gate; the number that the page shows is the one that is
-    looked for there.
+    """tests/documents/test_readme.py runs the gate; the number that the page shows is the one that
+    is looked for there.
     """
     readme = (ROOT / "README.md").read_text()
     (shown,) = re.findall(r"# (\d+) findings pass", readme)
-    assert f'"{shown} pass" in' in (ROOT / "tests" / "gate" / "test_readme.py").read_text()
+    assert f'"{shown} pass" in' in (ROOT / "tests" / "documents" / "test_readme.py").read_text()

@@ -2,16 +2,14 @@
 battery.
 """
 
-import runpy
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from refdem.stress.ladder import Ladder
 from refdem.stress.selection import battery, names
+from tests.stress import carried
 
-carried = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("carried.py"))))
 DEAR = ("friction", "mass-ratio", "restitution")
 """Batteries whose truth takes seconds: one ladder of each stands for all here, and `refdem stress`
 climbs the others.

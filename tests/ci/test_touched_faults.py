@@ -2,27 +2,14 @@
 touch.
 """
 
-import importlib.util
-from pathlib import Path
-
 import pytest
+from touched_faults import touched
 
 from refdem.faults.catalogue import faults
 from refdem.faults.catalogue.lever import FAULTS as LEVER
 
-PATH = Path(__file__).parents[2] / "ci" / "touched_faults.py"
 
-
-@pytest.fixture(scope="module")
-def touched():
-    """The function of ci/touched_faults.py."""
-    specification = importlib.util.spec_from_file_location("touched_faults", PATH)
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module.touched
-
-
-def test_pages_tests_and_kernels_touch_no_fault(touched):
+def test_pages_tests_and_kernels_touch_no_fault():
     assert (
         touched(
             ["README.md", "tests/core/test_truth.py", "refdem/kernels/gas.c", "refdem/cli/run.py"]
@@ -31,17 +18,17 @@ def test_pages_tests_and_kernels_touch_no_fault(touched):
     )
 
 
-def test_a_file_of_the_catalogue_touches_its_faults(touched):
+def test_a_file_of_the_catalogue_touches_its_faults():
     assert touched(["refdem/faults/catalogue/lever.py"]) == {fault.name for fault in LEVER}
 
 
-def test_a_check_touches_the_faults_that_are_named_for_it(touched):
+def test_a_check_touches_the_faults_that_are_named_for_it():
     seen = {fault.name for fault in faults() if fault.sees[0] == "second-integral"}
     assert seen
     assert touched(["refdem/checks/second_integral.py"]) == seen
 
 
-def test_a_case_touches_the_faults_that_act_on_it(touched):
+def test_a_case_touches_the_faults_that_act_on_it():
     assert {"no-gyroscopic-term", "torque-in-space-axes"} & {
         fault.name for fault in faults()
     } <= touched(["refdem/cases/free_rigid_body.py"])
@@ -56,5 +43,5 @@ def test_a_case_touches_the_faults_that_act_on_it(touched):
         "refdem/checks/__init__.py",
     ],
 )
-def test_what_every_fault_goes_through_touches_them_all(touched, file):
+def test_what_every_fault_goes_through_touches_them_all(file):
     assert touched([file]) is None

@@ -1,11 +1,6 @@
 """The mirror of density counts what it says."""
 
-import importlib.util
-from pathlib import Path
-
-import pytest
-
-SOURCE = Path(__file__).parents[2] / "ci" / "density.py"
+import density
 
 PYTHON = '''"""A module."""
 
@@ -21,15 +16,7 @@ def pairs(rows):
 '''
 
 
-@pytest.fixture(scope="module")
-def density():
-    found = importlib.util.spec_from_file_location("density", SOURCE)
-    module = importlib.util.module_from_spec(found)
-    found.loader.exec_module(module)
-    return module
-
-
-def test_what_is_packed_is_counted_and_a_swap_is_not(density, tmp_path):
+def test_what_is_packed_is_counted_and_a_swap_is_not(tmp_path):
     path = tmp_path / "module.py"
     path.write_text(PYTHON)
     found = density.Density()
@@ -43,7 +30,7 @@ def test_what_is_packed_is_counted_and_a_swap_is_not(density, tmp_path):
     assert found.functions == [(max(found.sizes[3:]), f"{path}:9 pairs")]
 
 
-def test_c_is_counted_without_its_comments(density, tmp_path):
+def test_c_is_counted_without_its_comments(tmp_path):
     (tmp_path / "kernel.c").write_text(
         "/* a ? b : c, x = 1, y = 2 */\nvoid f(void) {\n  int a = 1, b = 2;\n  a = b ? 1 : 2;\n}\n"
     )
@@ -51,7 +38,7 @@ def test_c_is_counted_without_its_comments(density, tmp_path):
     assert density.c_row(tmp_path / "none") == ""
 
 
-def test_the_densest_functions_of_all_folders_come_last(density, tmp_path):
+def test_the_densest_functions_of_all_folders_come_last(tmp_path):
     for name, text in (
         ("one", "def f():\n    return 1\n"),
         ("two", "def g():\n    return 1 + 2\n"),

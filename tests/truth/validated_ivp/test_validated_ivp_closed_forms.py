@@ -3,7 +3,11 @@
 from fractions import Fraction
 
 import pytest
-from fields import (
+from flint import arb
+
+from refdem.truth.balls import arb_of, precision
+from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
+from tests.truth.validated_ivp.fields import (
     at,
     double_pendulum,
     duffing,
@@ -16,10 +20,6 @@ from fields import (
     rigid_body,
     van_der_pol,
 )
-from flint import arb
-
-from refdem.truth.balls import arb_of, precision
-from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 
 SPINS = [f"{name}.{a}" for name in ("omega_body", "omega") for a in "xyz"]
 

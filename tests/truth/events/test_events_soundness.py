@@ -3,9 +3,7 @@ which some guard must see.
 """
 
 import pytest
-import systems
 from flint import arb
-from guards import GUARDS
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
@@ -15,6 +13,8 @@ from refdem.truth.events import motion as motions
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
 from refdem.truth.validated_ivp.moved import identity
+from tests.truth.events import systems
+from tests.truth.events.guards import GUARDS
 
 
 @pytest.mark.parametrize("guard", GUARDS)
