@@ -1,10 +1,4 @@
-"""Parts of the transparent engine for forces that place and orientation choose, and the draws of
-their settings.
-"""
-
-from fractions import Fraction
-
-import numpy as np
+"""Parts of the transparent engine for forces that place and orientation choose."""
 
 from refdem.faults import vectors as vec
 from refdem.faults.parts import Parts, PositionalParts
@@ -110,38 +104,3 @@ def turned(world: World, state: State, parts: Parts, number: int) -> None:
 def pairs(world: World) -> list[tuple[Wedge, int]]:
     """Every wall for wedges with every body that it can press."""
     return [(wall, i) for wall in world.walls for i, fixed in enumerate(world.fixed) if not fixed]
-
-
-def _between(rng: np.random.Generator, low: float, high: float) -> str:
-    return str(Fraction(int(rng.integers(int(low * 32), int(high * 32), endpoint=True)), 32))
-
-
-def hertz(rng: np.random.Generator) -> dict[str, str]:
-    """Two Hertzian spheres."""
-    found = {
-        "effective_mass": _between(rng, 0.5, 2),
-        "stiffness": _between(rng, 500, 1500),
-        "closing_speed": _between(rng, 0.5, 2),
-    }
-    return found | {"samples": "32"}
-
-
-def tent(rng: np.random.Generator) -> dict[str, str]:
-    """A particle that crosses an asymmetric field from left to right."""
-    found = {
-        "mass": _between(rng, 0.75, 1.5),
-        "k1": _between(rng, 0.75, 1.5),
-        "x2": _between(rng, 0.375, 0.625),
-        "v0": _between(rng, 1, 1.5),
-    }
-    return found | {"samples": "32"}
-
-
-def wedge(rng: np.random.Generator) -> dict[str, str]:
-    """A wedge that loses about half of its energy."""
-    found = {
-        "mass": _between(rng, 0.75, 1.25),
-        "k1": _between(rng, 1.5, 2.5),
-        "k2": _between(rng, 10, 14),
-    }
-    return found | {"closing_speed": _between(rng, 0.875, 1.25), "samples": "32"}
