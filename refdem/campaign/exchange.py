@@ -16,7 +16,8 @@ from pathlib import Path
 import msgspec
 
 import refdem
-from refdem.campaign.campaign import Campaign, Progress
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.schedule import Progress
 from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.answer_csv import read_answer

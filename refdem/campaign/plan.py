@@ -1,5 +1,5 @@
-"""The plan: which methods run which instances, and the union of the runs that applicable checks
-need.
+"""The first stage of a campaign: which methods run which instances, and, once the truths are
+known, the union of the runs that applicable checks need.
 """
 
 from collections.abc import Mapping
@@ -52,6 +52,49 @@ class Task:
             wanted |= dict.fromkeys(check.needs(self.subject))
         bases = [variant.base for variant in wanted if variant.goes_on]
         return tuple(dict.fromkeys([*bases, *wanted]))
+
+
+Supported = tuple[Subject, str | None]
+"""What is judged of a method, and why the engine does not support it, if it does not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One instance of a campaign, the only checks to run on it (none: all), and what is judged in
+    every engine.
+    """
+
+    instance: Instance
+    only: tuple[str, ...]
+    subjects: tuple[tuple[Engine, list[Supported]], ...]
+
+    @property
+    def is_judged(self) -> bool:
+        """Some method of some engine supports it."""
+        reasons = [reason for _, asked in self.subjects for _, reason in asked]
+        return None in reasons
+
+    @property
+    def delays(self) -> tuple[float, ...]:
+        """By how much [s] the velocities of some method lag at one of its levels."""
+        delays: set[float] = set()
+        for _, asked in self.subjects:
+            for subject, _ in asked:
+                if subject.method.velocity_time != "synchronous":
+                    levels = refinement.order_levels(self.instance, subject.levels)
+                    delays |= {subject.method.delay(level) for level in levels}
+        # Samples that are late by nothing are those of every run.
+        delays.discard(0.0)
+        return tuple(sorted(delays))
+
+
+def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
+    """All that a campaign asks, before any truth is known."""
+    found = []
+    for instance, only in instances(specification):
+        asked = [(engine, subjects(specification, instance, engine)) for engine in engines]
+        found.append(Row(instance, only, tuple(asked)))
+    return found
 
 
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
@@ -114,9 +157,7 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
     return having, missing
 
 
-def subjects(
-    specification: Specification, instance: Instance, engine: Engine
-) -> list[tuple[Subject, str | None]]:
+def subjects(specification: Specification, instance: Instance, engine: Engine) -> list[Supported]:
     """What is judged of each method, with the reason where the engine does not support the scene;
     raises UsageError for a method that it does not have.
 
@@ -180,6 +221,20 @@ def tasks(
     reason: str = "",
 ) -> list[Task]:
     """One task a method: its subject with truth, and the checks that apply."""
+    asked = subjects(specification, instance, engine)
+    return _tasks(specification, instance, only, engine, asked, truth, reason)
+
+
+def _tasks(
+    specification: Specification,
+    instance: Instance,
+    only: tuple[str, ...],
+    engine: Engine,
+    asked: list[Supported],
+    truth: SampledTruth | None,
+    reason: str,
+) -> list[Task]:
+    """One task for each subject of an engine."""
     excluded = instance.case.exclude_for(instance.p)
     names = discovery.names("checks")
     if only:
@@ -187,7 +242,7 @@ def tasks(
     if specification.checks:
         names = [name for name in names if name in specification.checks]
     found = []
-    for bare, unsupported in subjects(specification, instance, engine):
+    for bare, unsupported in asked:
         subject = replace(bare, truth=truth, truth_reason=reason)
         chosen = []
         left_out = {}
@@ -202,6 +257,19 @@ def tasks(
         if chosen or unsupported is not None or not only:
             is_selection = bool(only or specification.checks)
             found.append(Task(engine, subject, unsupported, tuple(chosen), left_out, is_selection))
+    return found
+
+
+def tasks_of(
+    specification: Specification, rows: list[Row], truths: list[SampledTruth]
+) -> list[Task]:
+    """The tasks of all rows whose truths are known by now, as far as they go into a report."""
+    found: list[Task] = []
+    for row, truth in zip(rows, truths, strict=True):
+        for engine, asked in row.subjects:
+            reason = truth.reason
+            planned = _tasks(specification, row.instance, row.only, engine, asked, truth, reason)
+            found += judged(planned)
     return found
 
 

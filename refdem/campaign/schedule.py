@@ -33,6 +33,10 @@ PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
 
 
+Progress = Callable[[str, int, int], None]
+"""Told the stage, how many of its jobs are done, and how many there are."""
+
+
 @dataclass(frozen=True)
 class Job:
     """A function of a module and its arguments, all of them bytes, text or plain containers; `key`

@@ -1,5 +1,5 @@
-"""Sampled truths of instances: from the store of finished work, from what comes with refdem, or
-made anew in workers.
+"""The second stage of a campaign, the sampled truths of instances: from the store of finished
+work, from what comes with refdem, or made anew in workers.
 """
 
 import hashlib
@@ -13,7 +13,7 @@ import msgspec
 
 from refdem.campaign import worker
 from refdem.campaign.kept_truth import kept_truth
-from refdem.campaign.schedule import InProcess, Job, Schedule
+from refdem.campaign.schedule import InProcess, Job, Progress, Schedule
 from refdem.core import discovery, fingerprint
 from refdem.core.case import Instance
 from refdem.core.run import Failure
@@ -28,11 +28,16 @@ FAILED = "the proof ended in a "
 """How the reason begins where a proof crashed or hung: it may end otherwise next time."""
 
 
+def is_lasting(truth: SampledTruth) -> bool:
+    """False for a truth whose proof may end otherwise next time."""
+    return not truth.reason.startswith(FAILED)
+
+
 def sampled_truths(
     schedule: Schedule | InProcess,
     store: Store,
     instances: Sequence[Asked],
-    progress: Callable[[str, int, int], None],
+    progress: Progress,
     is_judged: Callable[[Instance], bool] = lambda _: True,
 ) -> list[SampledTruth]:
     """The sampled truth of every instance, in order; what nobody is judged by is not proved."""
@@ -103,7 +108,7 @@ def _parts(
     jobs = [
         _job(key, *missing[key], most=most)
         for key, most in certified.items()
-        if found[key].reason.startswith(FAILED)
+        if not is_lasting(found[key])
     ]
     parts = {}
     for job, result in schedule.results(jobs):

@@ -10,7 +10,8 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.faults.fault import Fault
-from refdem.faults.parts import SOUND, Parts
+from refdem.faults.parts import Parts
+from refdem.faults.sound import SOUND
 
 CONSTANTS = {"suzuki": ("suzuki", "verlet_kicks"), "rk4": ("rk4_nodes", "rk4_weights")}
 """Numbers that a method uses; what begins with verlet uses those of Verlet's step."""

@@ -3,33 +3,31 @@ stops.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from refdem.faults import holding, positional
 from refdem.faults import vectors as vec
-from refdem.faults.loads import Loads, meeting
+from refdem.faults.loads import meeting
+from refdem.faults.parts import Moving, Step
+from refdem.faults.state import Loads, State
 from refdem.faults.vectors import ZERO, Number, Vector
-from refdem.faults.world import State, World
-
-if TYPE_CHECKING:
-    from refdem.faults.steps import Moving
+from refdem.faults.world import World
 
 MOST_EVENTS = 8
 
 
-def touch(m: "Moving") -> float:
+def touch(m: Moving) -> float:
     """Relative overlap that rounding alone may leave of a touch."""
     if m.world.number is float:
         return 1e-12
     return 1e-5
 
 
-def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Number]:
+def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number]:
     """What a contact's modes hang on: positive while it acts, while it presses; and the rate of its
     overlap.
     """
-    normal, depth, rate, _ = meeting(m.world, state, m.parts, number)
-    del normal
+    _, depth, rate, _ = meeting(m.world, state, m.parts, number)
     push = m.parts.normal_force(m.world.law, depth, rate)
     acts = m.parts.presses(m.world.law, depth, push)
     if m.world.corners[number] is not None:
@@ -37,7 +35,7 @@ def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Numb
     return acts, push, rate
 
 
-def first_modes(m: "Moving", state: State, h: Number) -> None:
+def first_modes(m: Moving, state: State, h: Number) -> None:
     """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
     starts towards what pulls it.
     """
@@ -59,7 +57,7 @@ def first_modes(m: "Moving", state: State, h: Number) -> None:
         )
 
 
-def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
+def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
     """Towards where a slider moves: 0 if it is at rest and friction holds it."""
     if speed:
         if speed > 0:
@@ -73,27 +71,23 @@ def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
     return -1
 
 
-def pull_along(m: "Moving", state: State, number: int) -> Number:
+def pull_along(m: Moving, state: State, number: int) -> Number:
     """The force [N] along a slider's axis of all else, where it does not slip."""
     slider = m.world.sliders[number]
     subject = state.copy()
     subject.side[number] = 1
     without = m.parts.loads(m.world, subject, m.parts).force[slider.a]
-    return vec.dot(
-        vec.minus(
-            without,
-            m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, subject.v[slider.a]))),
-        ),
-        slider.axis,
-    )
+    speed = abs(m.parts.slides_at(slider, subject.v[slider.a]))
+    friction = m.parts.slider_force(slider, 1, speed)
+    return vec.dot(vec.minus(without, friction), slider.axis)
 
 
-def slides(m: "Moving", state: State, load: Loads, number: int, h: Number) -> bool:
+def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
     """A tangential spring at its limit stays there."""
     return bool(slides_by(m, state, load, number, h) > 0)
 
 
-def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) -> Number:
+def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
     """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu
     F' [N/s]; 0 without one.
     """
@@ -116,14 +110,12 @@ def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) ->
         pull = vec.times(1.0 / m.world.mass[i], load.force[i])
         if j >= 0:
             pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j])
-        else:
-            pull = pull
         growth += law.damping * second_rate(m, state, number, relative, rate, pull)
     return (law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1)
 
 
 def second_rate(
-    m: "Moving", state: State, number: int, relative: Vector, rate: Number, pull: Vector
+    m: Moving, state: State, number: int, relative: Vector, rate: Number, pull: Vector
 ) -> Number:
     """d'' [m/s^2]: the relative acceleration along the normal, less the turning of the normal."""
     i, j = m.world.pairs[number]
@@ -134,7 +126,7 @@ def second_rate(
     return vec.dot(pull, normal) - (vec.dot(relative, relative) - rate * rate) / distance
 
 
-def has_spring(m: "Moving", state: State, number: int) -> bool:
+def has_spring(m: Moving, state: State, number: int) -> bool:
     """The pair's tangential spring is at work."""
     law = m.world.law
     return bool(
@@ -146,7 +138,7 @@ def has_spring(m: "Moving", state: State, number: int) -> bool:
 
 
 def slide_margin(
-    m: "Moving", before: State, after: State, load: Loads, number: int, h: Number, push: Number
+    m: Moving, before: State, after: State, load: Loads, number: int, h: Number, push: Number
 ) -> Number:
     """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
@@ -159,7 +151,7 @@ Change = tuple[str, int]
 
 
 def margins(
-    m: "Moving", before: State, after: State, load: Loads, h: Number
+    m: Moving, before: State, after: State, load: Loads, h: Number
 ) -> list[tuple[Number, Change]]:
     """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
     found: list[tuple[Number, Change]] = []
@@ -186,7 +178,7 @@ def margins(
     return found + _stop_margins(m, before, after)
 
 
-def _stop_margins(m: "Moving", before: State, after: State) -> list[tuple[Number, Change]]:
+def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, Change]]:
     """How far every slider is from its stop, and from letting go."""
     found: list[tuple[Number, Change]] = []
     for number, slider in enumerate(m.world.sliders):
@@ -206,18 +198,19 @@ def least(found: list[tuple[Number, Change]]) -> Number:
     return min((margin for margin, _ in found), default=1.0)
 
 
-def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
+def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
     """Makes one change of mode."""
     kind, number = change
     if kind == "contact":
         _, depth, _, _ = meeting(m.world, state, m.parts, number)
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
-        state.acting[number] = state.pressing[number] = not state.acting[number]
+        begins = not state.acting[number]
+        state.acting[number] = begins
+        state.pressing[number] = begins
         state.stretch[number] = ZERO
         state.sliding[number] = False
-        m.told.append(
-            (state.t, "contact" if state.acting[number] else "release", m.world.pairs[number][0])
-        )
+        body, _ = m.world.pairs[number]
+        m.told.append((state.t, "contact" if begins else "release", body))
     elif kind == "catch":
         holding.catch(m, state, number)
     elif kind == "turn":
@@ -247,10 +240,10 @@ def held(world: World, depth: Number) -> Number:
     return 0.0
 
 
-def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+def advance(m: Moving, step: Step, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """One step of h, in pieces between changes of mode."""
     if m.world.is_smooth:
-        return step(m, state, load, h)  # type: ignore[no-any-return]
+        return step(m, state, load, h)
     left = h
     for _ in range(MOST_EVENTS):
         after, load_after = step(m, state, load, left)
@@ -267,11 +260,11 @@ def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tup
         left = left - part * left
         if not left:
             return state, load
-    return step(m, state, load, left)  # type: ignore[no-any-return]
+    return step(m, state, load, left)
 
 
 def _cut(
-    m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tuple[State, Any]
+    m: Moving, step: Step, state: State, load: Loads, h: Number, end: tuple[State, Any]
 ) -> tuple[float, State, Any]:
     """The part of a step after which a mode has just ceased to fit, the state there and its
     margins.
@@ -289,15 +282,10 @@ def _cut(
         resolution = 2.0**-53
     else:
         resolution = 2.0**-24
-    return (
-        m.parts.located(
-            margin,
-            float(least(margins(m, state, state, load, h))),
-            float(least(end[1])),
-            resolution,
-        ),
-        *kept[0],
-    )
+    first = float(least(margins(m, state, state, load, h)))
+    last = float(least(end[1]))
+    part = m.parts.located(margin, first, last, resolution)
+    return (part, *kept[0])
 
 
 def sign_change(

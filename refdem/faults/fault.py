@@ -9,7 +9,8 @@ from typing import Any
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.faults.parts import SOUND, Parts
+from refdem.faults.parts import Parts
+from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 
 Inside = Callable[[Parts], Mapping[str, Any]]

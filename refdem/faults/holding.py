@@ -2,21 +2,16 @@
 and bodies on ball joints.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from refdem.faults import vectors as vec
+from refdem.faults.parts import HoldingParts, Moving, Parts
+from refdem.faults.state import Loads, State
 from refdem.faults.vectors import Number, Vector
+from refdem.faults.world import World
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.string_over_wheel import StringOverWheel
-
-if TYPE_CHECKING:
-    from refdem.faults.loads import Loads
-    from refdem.faults.parts import Parts
-    from refdem.faults.steps import Moving
-    from refdem.faults.world import State, World
 
 SWEEPS = 60
 ENOUGH = {True: 2e-16, False: 1e-7}
@@ -53,64 +48,46 @@ def tip_torque(arm: Vector, force: Vector) -> Vector:
     return vec.cross(arm, force)
 
 
-@dataclass(frozen=True, kw_only=True)
-class HoldingParts:
-    """All of them by name."""
-
-    line_caught: Callable[..., Any] = line_caught
-    string_excess: Callable[..., Any] = string_excess
-    string_speed: Callable[..., Any] = string_speed
-    tip_torque: Callable[..., Any] = tip_torque
+SOUND_HOLDING = HoldingParts(
+    line_caught=line_caught,
+    string_excess=string_excess,
+    string_speed=string_speed,
+    tip_torque=tip_torque,
+)
 
 
-SOUND_HOLDING = HoldingParts()
-
-
-def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
-    """Principal moments about an anchor on a principal axis (parallel axes)."""
-    x, y, z = anchor
-    return (
-        inertia[0] + mass * (y * y + z * z),
-        inertia[1] + mass * (x * x + z * z),
-        inertia[2] + mass * (x * x + y * y),
-    )
-
-
-def turned_at_joints(
-    world: "World", state: "State", parts: "Parts", found: "Loads", *_: Any
-) -> None:
+def turned_at_joints(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     """Adds what the forces on bodies on joints do about their joints."""
     for joint in world.joints:
         i = joint.a
         arm = vec.times(-1.0, parts.to_space(state.q[i], joint.anchor_a))
-        found.torque[i] = vec.plus(
-            found.torque[i],
-            parts.to_body(state.q[i], parts.holding.tip_torque(arm, found.force[i])),
-        )
+        torque = parts.holding.tip_torque(arm, found.force[i])
+        found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
 
 
-def follow(m: "Moving", state: "State") -> "State":
+def follow(m: Moving, state: State) -> State:
     """Centres of mass go where the bodies turn about their joints."""
     if m.world.joints:
-        state.r, state.v = list(state.r), list(state.v)
+        state.r = list(state.r)
+        state.v = list(state.v)
     for joint in m.world.joints:
         i = joint.a
         arm = vec.times(-1.0, m.parts.to_space(state.q[i], joint.anchor_a))
-        state.r[i], state.v[i] = (
-            vec.plus(joint.anchor_b, arm),
-            vec.cross(m.parts.to_space(state.q[i], state.w[i]), arm),
-        )
+        omega = m.parts.to_space(state.q[i], state.w[i])
+        state.r[i] = vec.plus(joint.anchor_b, arm)
+        # v = omega x arm
+        state.v[i] = vec.cross(omega, arm)
     return state
 
 
-def rods_of(world: "World", state: "State") -> list[Rod]:
+def rods_of(world: World, state: State) -> list[Rod]:
     """Rods, and the lines to hooks that have caught."""
     if world.hooks:
         return [*world.rods, *(line for line in state.caught if line is not None)]
     return world.rods
 
 
-def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number]:
+def _ends(m: Moving, rod: Rod, state: State) -> tuple[Vector, Vector, Number]:
     """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
     a = rod.a
     b = rod.b
@@ -120,15 +97,14 @@ def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number
     return vec.minus(state.r[a], state.r[b]), vec.minus(state.v[a], state.v[b]), ease
 
 
-def _pull(m: "Moving", rod: Rod, state: "State", along: Vector, amount: Number) -> None:
+def _pull(m: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> None:
     """Takes an impulse along a vector from a and gives it to b."""
     a = rod.a
     b = rod.b
     state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
     if b >= 0:
-        state.v[b] = vec.moved(
-            state.v[b], 1.0 / m.world.mass[b], m.parts.reaction(vec.times(-amount, along))
-        )
+        reaction = m.parts.reaction(vec.times(-amount, along))
+        state.v[b] = vec.moved(state.v[b], 1.0 / m.world.mass[b], reaction)
 
 
 def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
@@ -141,29 +117,28 @@ def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, 
     return found
 
 
-def _haul(
-    m: "Moving", state: "State", sides: list[tuple[int, Vector, Number]], amount: Number
-) -> None:
+def _haul(m: Moving, state: State, sides: list[tuple[int, Vector, Number]], amount: Number) -> None:
     """The string pulls both bodies to the wheel by an impulse [N s]."""
     for i, away, _ in sides:
         state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], away)
 
 
 def _hold_string(
-    m: "Moving", string: StringOverWheel, length: Number, state: "State", sides: Any, h: Number
+    m: Moving, string: StringOverWheel, length: Number, state: State, sides: Any, h: Number
 ) -> Number:
     """One Newton step for a string's length at the end of a drift of h; how far it was off [m]."""
-    reached = _sides(string, [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)])
-    excess = m.parts.holding.string_excess(string, length, reached[0][2] + reached[1][2])
-    gives = sum(
-        vec.dot(old[1], new[1]) / m.world.mass[old[0]]
-        for old, new in zip(sides, reached, strict=True)
-    )
+    drifted = [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)]
+    reached = _sides(string, drifted)
+    way = sum(distance for _, _, distance in reached)
+    excess = m.parts.holding.string_excess(string, length, way)
+    gives = 0.0
+    for (i, old, _), (_, new, _) in zip(sides, reached, strict=True):
+        gives = gives + vec.dot(old, new) / m.world.mass[i]
     _haul(m, state, sides, excess / (h * gives))
     return excess
 
 
-def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "State":
+def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
     """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps
     along them as they were.
     """
@@ -188,7 +163,7 @@ def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "Sta
     return state
 
 
-def hold_speed(m: "Moving", state: "State") -> "State":
+def hold_speed(m: Moving, state: State) -> State:
     """Velocities without a part along rods and strings, and as bodies turn about their joints."""
     if not m.tied:
         return state
@@ -204,14 +179,13 @@ def hold_speed(m: "Moving", state: "State") -> "State":
             break
     for string in m.world.strings:
         sides = _sides(string, state.r)
-        speed = m.parts.holding.string_speed(
-            string, *(vec.dot(state.v[i], away) for i, away, _ in sides)
-        )
+        out_a, out_b = (vec.dot(state.v[i], away) for i, away, _ in sides)
+        speed = m.parts.holding.string_speed(string, out_a, out_b)
         _haul(m, state, sides, speed / sum(1.0 / m.world.mass[i] for i, _, _ in sides))
     return follow(m, state)
 
 
-def rod_forces(m: "Moving", state: "State") -> list[Number]:
+def rod_forces(m: Moving, state: State) -> list[Number]:
     """Force [N] in every rod that ends at the world."""
     load = m.parts.loads(m.world, state, m.parts)
     found = []
@@ -223,20 +197,24 @@ def rod_forces(m: "Moving", state: "State") -> list[Number]:
 
 
 def margins(
-    world: "World", before: "State", after: "State", h: Number
+    world: World, before: State, after: State, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
     """How far bodies are from closest approach to the hooks that may catch them."""
     found = []
     for number, hook in enumerate(world.hooks):
-        was, now = (
-            vec.dot(vec.minus(s.r[hook.a], hook.anchor_b), s.v[hook.a]) * h for s in (before, after)
-        )
+        was = _leaving(hook, before) * h
+        now = _leaving(hook, after) * h
         if before.caught[number] is None and was < 0:
             found.append((-now, ("catch", number)))
     return found
 
 
-def catch(m: "Moving", state: "State", number: int) -> None:
+def _leaving(hook: Catch, state: State) -> Number:
+    """r . v [m^2/s] of a body against a hook: negative until closest approach."""
+    return vec.dot(vec.minus(state.r[hook.a], hook.anchor_b), state.v[hook.a])
+
+
+def catch(m: Moving, state: State, number: int) -> None:
     """A hook catches at closest approach what is in its reach."""
     hook = m.world.hooks[number]
     distance = vec.size(vec.minus(state.r[hook.a], hook.anchor_b))

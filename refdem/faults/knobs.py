@@ -16,7 +16,7 @@ from refdem.core.engine import Engine
 from refdem.core.problem import Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.faults.fault import Carrier, Fault
-from refdem.faults.parts import SOUND
+from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 from refdem.scene import Scene, Sphere
 
@@ -142,34 +142,36 @@ def paced() -> Iterator[Knob]:
     """Steps of positions, velocities or attitudes that are a little longer or shorter than asked:
     amplitude a is a factor of 1 + a.
     """
-    steps: dict[str, Callable[[float], dict[str, Any]]] = {
-        "drift": lambda pace: {"drifted": lambda r, v, h: SOUND.drifted(r, v, pace * h)},
-        "kick": lambda pace: {
-            "kicked": lambda v, force, mass, h: SOUND.kicked(v, force, mass, pace * h)
-        },
-        "turn": lambda pace: {
-            "axis_turn": lambda axis, inertia, omega, q, h: SOUND.axis_turn(
-                axis, inertia, omega, q, pace * h
-            ),
-            "turn_rate": lambda q, omega: tuple(pace * x for x in SOUND.turn_rate(q, omega)),
-        },
-    }
-    steps["step"] = lambda pace: {
-        **steps["drift"](pace),
-        **steps["kick"](pace),
-        **steps["turn"](pace),
+    steps = {
+        "drift": ("drifted",),
+        "kick": ("kicked",),
+        "turn": ("axis_turn", "turn_rate"),
+        "step": ("drifted", "kicked", "axis_turn", "turn_rate"),
     }
     for name, parts in steps.items():
         yield _paced(name, parts)
 
 
-def _paced(name: str, parts: Callable[[float], dict[str, Any]]) -> Knob:
-    """The knob of one kind of step."""
+def _paced(name: str, parts: tuple[str, ...]) -> Knob:
+    """The knob of one kind of step, which these parts make."""
+
+    def carrier(amplitude: float) -> Engine:
+        changed = {part: _at_pace(part, 1.0 + amplitude) for part in parts}
+        return Transparent(SOUND.with_(**changed))
+
     return Knob(
         name=f"{name}-length",
         says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as asked",
-        carrier=lambda amplitude: Transparent(SOUND.with_(**parts(1.0 + amplitude))),
+        carrier=carrier,
     )
+
+
+def _at_pace(part: str, pace: float) -> Callable[..., Any]:
+    """A part whose step, its last argument, is longer by a factor; a rate is larger by it."""
+    sound = getattr(SOUND, part)
+    if part == "turn_rate":
+        return lambda q, omega: tuple(pace * x for x in sound(q, omega))
+    return lambda *arguments: sound(*arguments[:-1], pace * arguments[-1])
 
 
 def continued(fault: Fault) -> Knob | None:

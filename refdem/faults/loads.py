@@ -1,35 +1,19 @@
 """What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from refdem.faults import positional
 from refdem.faults import vectors as vec
 from refdem.faults.holding import turned_at_joints
+from refdem.faults.parts import Parts
+from refdem.faults.state import Loads, State
 from refdem.faults.vectors import ZERO, Number, Vector
-from refdem.faults.world import State, World
-
-if TYPE_CHECKING:
-    from refdem.faults.parts import Parts
-
-
-@dataclass(slots=True)
-class Loads:
-    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair;
-    and the power that is lost.
-    """
-
-    force: list[Vector]
-    torque: list[Vector]
-    normal: list[Vector]
-    slip: list[Vector]
-    stretch: list[Vector]
-    power: Number
+from refdem.faults.world import World
 
 
 def loads(
-    world: World, state: State, parts: "Parts", before: Loads | None = None, h: Number = 0.0
+    world: World, state: State, parts: Parts, before: Loads | None = None, h: Number = 0.0
 ) -> Loads:
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
     bodies = len(world.mass)
@@ -42,7 +26,7 @@ def loads(
     return found
 
 
-def _springs(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _springs(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for spring in world.springs:
         if spring.b >= 0:
             other = state.r[spring.b]
@@ -51,46 +35,46 @@ def _springs(world: World, state: State, parts: "Parts", found: Loads, *_: Any) 
         _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
 
 
-def _dashpots(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _dashpots(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for pot in world.dashpots:
         apart = vec.minus(state.r[pot.a], pot.anchor_b)
         _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
 
 
-def _drives(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _drives(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for drive in world.drives:
         _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
 
 
-def _fields(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
             found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
 
 
 def _contacts(
-    world: World, state: State, parts: "Parts", found: Loads, before: Loads | None, h: Number
+    world: World, state: State, parts: Parts, found: Loads, before: Loads | None, h: Number
 ) -> None:
     for number, acts in enumerate(state.acting):
         if acts:
             _touch(world, state, parts, found, number, before, h)
 
 
-def _weights(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _weights(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
             found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
 
 
-def _tents(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _tents(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     positional.pushed_by_fields(world, state, parts, found.force)
 
 
-def _walls(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _walls(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     positional.pushed_by_walls(world, state, parts, found.force)
 
 
-def _sliders(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+def _sliders(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     """Last: a slider that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
         force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
@@ -115,13 +99,13 @@ SOURCES = {
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""
 
 
-def _lose(found: Loads, state: State, link: Any, force: Vector, parts: "Parts") -> None:
+def _lose(found: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
     """A force of damping or of a drive; its power leaves the motion."""
     _add(found, link.a, link.b, force, parts)
     found.power -= vec.dot(force, state.v[link.a])
 
 
-def _add(found: Loads, a: int, b: int, force: Vector, parts: "Parts") -> None:
+def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
     """A force on a and its reaction on b, unless that is the world."""
     found.force[a] = vec.plus(found.force[a], force)
     if b >= 0:
@@ -129,7 +113,7 @@ def _add(found: Loads, a: int, b: int, force: Vector, parts: "Parts") -> None:
 
 
 def meeting(
-    world: World, state: State, parts: "Parts", number: int
+    world: World, state: State, parts: Parts, number: int
 ) -> tuple[Vector, Number, Number, Vector]:
     """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
     i, j = world.pairs[number]
@@ -163,14 +147,15 @@ def meeting(
     )
 
 
-def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
+def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
     """From the centre of a body to the corner of a pair, in space."""
-    return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
+    i, _ = world.pairs[number]
+    corner = world.corners[number]
+    assert corner is not None
+    return parts.to_space(state.q[i], corner)
 
 
-def _corner(
-    world: World, state: State, parts: "Parts", found: Loads, number: int, h: Number
-) -> None:
+def _corner(world: World, state: State, parts: Parts, found: Loads, number: int, h: Number) -> None:
     """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
     spring.
     """
@@ -193,7 +178,7 @@ def _corner(
 def _touch(
     world: World,
     state: State,
-    parts: "Parts",
+    parts: Parts,
     found: Loads,
     number: int,
     before: Loads | None,

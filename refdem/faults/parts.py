@@ -1,339 +1,141 @@
-"""The parts of the transparent engine, each a small plain function or constant: what a fault
+"""The parts of the transparent engine by name and type: what its steps call, and what a fault
 replaces (`inside`).
+
+The modules of the engine know each other's functions through this record alone, so that any of
+them may be replaced. `sound.py` has the right ones.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import cos, sin
-from typing import Any
+from typing import Any, Protocol
 
-from refdem.errors import UnsupportedError
-from refdem.faults import vectors as vec
-from refdem.faults.events import side_of, sign_change
-from refdem.faults.holding import SOUND_HOLDING, HoldingParts
-from refdem.faults.iterating import SOUND_MAPS, MapParts
-from refdem.faults.loads import loads
-from refdem.faults.outlines import linear_flow
-from refdem.faults.positional import SOUND_POSITIONAL, PositionalParts
+from refdem.faults.iterating import MapParts
+from refdem.faults.state import Loads, State
 from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.faults.world import World
+from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.string_over_wheel import StringOverWheel
+from refdem.scene.elements.wedge import Wedge
 
 
-def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
-    """Force [N] on end a."""
-    apart = vec.minus(b, a)
-    if spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic):
-        return vec.times(spring.stiffness, apart)
-    distance = vec.size(apart)
-    s = distance - spring.length
-    pull = (
-        spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1)
-        + (spring.quadratic + spring.cubic * s) * s * s
-    )
-    if distance > 0:
-        return vec.times(pull / distance, apart)
-    return vec.ZERO
+@dataclass(frozen=True, kw_only=True)
+class HoldingParts:
+    """Parts of constraints."""
 
+    line_caught: Callable[[Catch, Number, float], Number]
+    string_excess: Callable[[StringOverWheel, Number, Number], Number]
+    string_speed: Callable[[StringOverWheel, Number, Number], Number]
+    tip_torque: Callable[[Vector, Vector], Vector]
 
-def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
-    """Force [N] on end a, against its velocity."""
-    return vec.times(-(dashpot.damping + dashpot.van_der_pol * vec.dot(apart, apart)), relative)
 
+@dataclass(frozen=True, kw_only=True)
+class PositionalParts:
+    """Parts of forces that place and orientation choose."""
 
-def drive_force(force: Force, t: float, number: Callable[[float], Number]) -> Vector:
-    """Force [N] at the time t [s]."""
-    strength = number(force.amplitude * cos(force.frequency * t + force.phase))
-    return (
-        strength * number(force.axis[0]),
-        strength * number(force.axis[1]),
-        strength * number(force.axis[2]),
-    )
+    field_force: Callable[[PiecewiseField, Number], Number]
+    wedge_force: Callable[[Wedge, Number, bool, Number], Number]
 
 
-def weight(mass: Number, g: Vector) -> Vector:
-    """Force [N] of uniform gravity."""
-    return vec.times(mass, g)
+class LoadsOfState(Protocol):
+    """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
 
+    def __call__(
+        self,
+        world: World,
+        state: State,
+        parts: "Parts",
+        before: Loads | None = None,
+        h: Number = 0.0,
+        /,
+    ) -> Loads:
+        """Forces and torques on every body."""
 
-def central_force(mass: Number, gm: Number, r: Vector) -> Vector:
-    """Newton's attraction [N] to the origin."""
-    distance = vec.size(r)
-    return vec.times(-mass * gm / (distance * distance * distance), r)
 
-
-def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
-    """The torque -omega x J omega [N m] in body axes."""
-    return vec.cross(vec.per_axis(inertia, omega), omega)
-
-
-def turn_rate(q: Quaternion, omega: Vector) -> Quaternion:
-    """q' = q omega_body / 2."""
-    w, x, y, z = vec.product(q, (0.0, *omega))
-    return w / 2, x / 2, y / 2, z / 2
-
-
-def turned(q: Quaternion, omega: Vector, h: Number) -> Quaternion:
-    """Attitude after turning with omega [rad/s] in body axes for h [s]."""
-    return vec.product(q, vec.turn_by(vec.times(h, omega)))
-
-
-def axis_turn(
-    axis: int, inertia: Vector, omega: Vector, q: Quaternion, h: Number
-) -> tuple[Vector, Quaternion]:
-    """omega_body and attitude after the exact rotation of the body about one principal axis for h
-    [s].
-    """
-    angle = h * omega[axis]
-    c = cos(angle)
-    s = sin(angle)
-    momentum = list(vec.per_axis(inertia, omega))
-    i = (axis + 1) % 3
-    j = (axis + 2) % 3
-    momentum[i], momentum[j] = c * momentum[i] + s * momentum[j], c * momentum[j] - s * momentum[i]
-    half = [cos(angle / 2), 0.0, 0.0, 0.0]
-    half[1 + axis] = sin(angle / 2)
-    return vec.over_axis((momentum[0], momentum[1], momentum[2]), inertia), vec.product(
-        q, (half[0], half[1], half[2], half[3])
-    )
-
-
-def to_body(q: Quaternion, a: Vector) -> Vector:
-    """A space vector in body axes."""
-    return vec.rotated(vec.conjugate(q), a)
-
-
-def to_space(q: Quaternion, a: Vector) -> Vector:
-    """A body vector in space axes."""
-    return vec.rotated(q, a)
-
-
-def kicked(v: Vector, force: Vector, mass: Number, h: Number) -> Vector:
-    """Velocity after a force for h [s]."""
-    return vec.moved(v, h / mass, force)
-
-
-def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector:
-    """omega_body after a torque in body axes for h [s]."""
-    return (
-        omega[0] + h * torque[0] / inertia[0],
-        omega[1] + h * torque[1] / inertia[1],
-        omega[2] + h * torque[2] / inertia[2],
-    )
-
-
-def drifted(r: Vector, v: Vector, h: Number) -> Vector:
-    """Position after h [s]."""
-    return vec.moved(r, h, v)
-
-
-def reaction(force: Vector) -> Vector:
-    """What the other body feels."""
-    return -force[0], -force[1], -force[2]
-
-
-def away(a: Vector, b: Vector) -> Vector:
-    """From the centre of a to that of b [m]."""
-    return vec.minus(b, a)
-
-
-def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
-    """Depth of the contact [m]."""
-    return (radius_a + radius_b) - distance
-
-
-def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
-    """k d + c d' [N], pulls when negative; k d^(3/2) for Hertz's law."""
-    return (
-        law.stiffness * (max(depth, 0.0) ** 1.5 if law.law == "hertz" else depth)
-        + law.damping * rate
-    )
-
-
-def lever(law: Contact, radius: Number, depth: Number) -> Number:
-    """Arm [m] of the tangential force on a sphere."""
-    return radius - {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[law.branch] * depth
-
-
-def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
-    """Tangential velocity of surface a against b [m/s]; spin = arm_a omega_a + arm_b omega_b."""
-    return vec.plus(
-        vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal)
-    )
-
-
-def transported(stretch: Vector, old: Vector, normal: Vector) -> Vector:
-    """A vector of one tangent plane turned into another, by the least rotation from normal to
-    normal.
-    """
-    both = vec.plus(old, normal)
-    return vec.moved(stretch, -vec.dot(normal, stretch) / (1.0 + vec.dot(old, normal)), both)
-
-
-def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number) -> Vector:
-    """The tangential spring after h [s] of slip."""
-    return vec.moved(stretch, h / 2, vec.plus(slip_before, slip_now))
-
-
-def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
-    """The spring as long as Coulomb's limit allows."""
-    longest = law.friction * max(normal, 0.0) / law.tangential_stiffness
-    length = vec.size(stretch)
-    if length > 0:
-        return vec.times(longest / length, stretch)
-    return stretch
-
-
-def spring_friction(law: Contact, stretch: Vector) -> Vector:
-    """Force [N] of the tangential spring on a."""
-    return vec.times(-law.tangential_stiffness, stretch)
-
-
-def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Number) -> Vector:
-    """Friction of full size against the slip; raises UnsupportedError where a step of it
-    (`stopping` [kg/s]) would stop the slip.
-    """
-    speed = vec.size(slide)
-    limit = law.friction * max(normal, 0.0)
-    if limit > stopping * speed:
-        raise UnsupportedError("a contact without a tangential spring that comes to stick")
-    if speed > 0:
-        return vec.times(-limit / speed, slide)
-    return vec.ZERO
-
-
-def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
-    """Torque [N m] of the tangential force on a; the reaction turns b the same way with its own
-    arm.
-    """
-    return vec.times(arm, vec.cross(normal, force))
-
-
-def presses(law: Contact, depth: Number, force: Number) -> Number:
-    """Positive while the contact acts."""
-    if law.cutoff == "zero_overlap":
-        return depth
-    return force
-
-
-def slides_at(slider: Slider, velocity: Vector) -> Number:
-    """Velocity [m/s] along a slider's axis against its belt."""
-    return vec.dot(velocity, slider.axis) - slider.belt_velocity
-
-
-def slider_force(slider: Slider, side: int, speed: Number) -> Vector:
-    """Dry friction [N] on a body that slips towards `side` along the axis with this speed."""
-    return vec.times(-side * slider.coefficient(speed) * slider.normal_force, slider.axis)
-
-
-def holds(slider: Slider, along: Number) -> bool:
-    """Dry friction balances a force [N] along its axis at rest."""
-    return abs(along) <= slider.coefficient(0.0) * slider.normal_force
-
-
-def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
-    """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton
-    step).
-    """
-    return (vec.dot(apart, apart) - rod.length * rod.length) / (
-        2 * ease * vec.dot(apart, direction)
-    )
-
-
-def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
-    """Impulse over length [kg/s] that takes the relative velocity along the rod away."""
-    return vec.dot(apart, relative) / (ease * vec.dot(apart, apart))
-
-
-def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
-    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease);
-
-    `pull` is the relative acceleration without it.
-    """
-    return (vec.dot(relative, relative) + vec.dot(apart, pull)) / (ease * rod.length)
-
-
-def clock(start: Number, count: int, interval: Number) -> Number:
-    """Time [s] of sample `count`."""
-    return start + count * interval
-
-
-def fresh(kept: dict[str, Any]) -> None:
-    """What is done with the memory of earlier runs: it is thrown away."""
-    kept.clear()
-
-
-def output(state: Any) -> Any:
-    """The state with which the run goes on after a sample was written: it is read, never
-    changed.
-    """
-    return state
-
-
-S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
-"""Suzuki 1990: five steps of a symmetric method of order 2 make one of order 4."""
+AxisTurn = Callable[[int, Vector, Vector, Quaternion, Number], tuple[Vector, Quaternion]]
+"""Of an axis, the moments of inertia, omega_body, the attitude and h: both turned."""
+Located = Callable[[Callable[[float], float], float, float, float], float]
+"""Of a margin, its values at both ends and a resolution: where it falls below 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
     """All parts by name."""
 
-    spring_force: Callable[..., Any] = spring_force
-    dashpot_force: Callable[..., Any] = dashpot_force
-    drive_force: Callable[..., Any] = drive_force
-    weight: Callable[..., Any] = weight
-    central_force: Callable[..., Any] = central_force
-    gyroscopic: Callable[..., Any] = gyroscopic
-    turn_rate: Callable[..., Any] = turn_rate
-    turned: Callable[..., Any] = turned
-    axis_turn: Callable[..., Any] = axis_turn
-    to_body: Callable[..., Any] = to_body
-    to_space: Callable[..., Any] = to_space
-    unit: Callable[..., Any] = vec.unit
-    kicked: Callable[..., Any] = kicked
-    spun_up: Callable[..., Any] = spun_up
-    drifted: Callable[..., Any] = drifted
-    reaction: Callable[..., Any] = reaction
-    away: Callable[..., Any] = away
-    overlap: Callable[..., Any] = overlap
-    normal_force: Callable[..., Any] = normal_force
-    lever: Callable[..., Any] = lever
-    slip: Callable[..., Any] = slip
-    transported: Callable[..., Any] = transported
-    stretched: Callable[..., Any] = stretched
-    clipped: Callable[..., Any] = clipped
-    spring_friction: Callable[..., Any] = spring_friction
-    sliding_friction: Callable[..., Any] = sliding_friction
-    torque_on: Callable[..., Any] = torque_on
-    presses: Callable[..., Any] = presses
-    slides_at: Callable[..., Any] = slides_at
-    slider_force: Callable[..., Any] = slider_force
-    holds: Callable[..., Any] = holds
-    rod_position: Callable[..., Any] = rod_position
-    rod_velocity: Callable[..., Any] = rod_velocity
-    rod_tension: Callable[..., Any] = rod_tension
-    clock: Callable[..., Any] = clock
-    fresh: Callable[..., Any] = fresh
-    output: Callable[..., Any] = output
-    loads: Callable[..., Any] = loads
-    side_of: Callable[..., Any] = side_of
-    located: Callable[..., float] = sign_change
-    maps: MapParts = SOUND_MAPS
-    flow: Callable[..., Any] = linear_flow
-    positional: PositionalParts = SOUND_POSITIONAL
-    holding: HoldingParts = SOUND_HOLDING
-    verlet_kicks: tuple[float, float] = (0.5, 0.5)
-    suzuki: tuple[float, ...] = (S4, S4, 1.0 - 4.0 * S4, S4, S4)
-    rk4_nodes: tuple[float, ...] = (0.5, 0.5, 1.0)
-    rk4_weights: tuple[float, ...] = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+    spring_force: Callable[[Spring, Vector, Vector], Vector]
+    dashpot_force: Callable[[Dashpot, Vector, Vector], Vector]
+    drive_force: Callable[[Force, float, Callable[[float], Number]], Vector]
+    weight: Callable[[Number, Vector], Vector]
+    central_force: Callable[[Number, Number, Vector], Vector]
+    gyroscopic: Callable[[Vector, Vector], Vector]
+    turn_rate: Callable[[Quaternion, Vector], Quaternion]
+    turned: Callable[[Quaternion, Vector, Number], Quaternion]
+    axis_turn: AxisTurn
+    to_body: Callable[[Quaternion, Vector], Vector]
+    to_space: Callable[[Quaternion, Vector], Vector]
+    unit: Callable[[Quaternion], Quaternion]
+    kicked: Callable[[Vector, Vector, Number, Number], Vector]
+    spun_up: Callable[[Vector, Vector, Vector, Number], Vector]
+    drifted: Callable[[Vector, Vector, Number], Vector]
+    reaction: Callable[[Vector], Vector]
+    away: Callable[[Vector, Vector], Vector]
+    overlap: Callable[[Number, Number, Number], Number]
+    normal_force: Callable[[Contact, Number, Number], Number]
+    lever: Callable[[Contact, Number, Number], Number]
+    slip: Callable[[Vector, Vector, Vector], Vector]
+    transported: Callable[[Vector, Vector, Vector], Vector]
+    stretched: Callable[[Vector, Vector, Vector, Number], Vector]
+    clipped: Callable[[Contact, Vector, Number], Vector]
+    spring_friction: Callable[[Contact, Vector], Vector]
+    sliding_friction: Callable[[Contact, Number, Vector, Number], Vector]
+    torque_on: Callable[[Number, Vector, Vector], Vector]
+    presses: Callable[[Contact, Number, Number], Number]
+    slides_at: Callable[[Slider, Vector], Number]
+    slider_force: Callable[[Slider, int, Number], Vector]
+    holds: Callable[[Slider, Number], bool]
+    rod_position: Callable[[Rod, Vector, Vector, Number], Number]
+    rod_velocity: Callable[[Rod, Vector, Vector, Number], Number]
+    rod_tension: Callable[[Rod, Vector, Vector, Vector, Number], Number]
+    clock: Callable[[Number, int, Number], Number]
+    fresh: Callable[[dict[str, Any]], None]
+    output: Callable[[State], State]
+    loads: LoadsOfState
+    side_of: Callable[["Moving", State, int, Number], int]
+    located: Located
+    flow: Callable[[float, float, float, float, float], tuple[float, float]]
+    maps: MapParts
+    positional: PositionalParts
+    holding: HoldingParts
+    verlet_kicks: tuple[float, float]
+    suzuki: tuple[float, ...]
+    rk4_nodes: tuple[float, ...]
+    rk4_weights: tuple[float, ...]
 
     def with_(self, **changed: Any) -> "Parts":
         """The same parts with some replaced."""
         return replace(self, **changed)
 
 
-SOUND = Parts()
+Step = Callable[["Moving", State, Loads, Number], tuple[State, Loads]]
+"""One step of a method from a state with its loads; the state at its end with those there."""
+
+
+class Moving:
+    """A world, the parts that move it, and the events so far: time, kind, body."""
+
+    def __init__(self, world: World, parts: Parts) -> None:
+        self.world = world
+        self.parts = parts
+        self.told: list[tuple[float, str, int]] = []
+        self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
+        jointed = {joint.a for joint in world.joints}
+        self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]
+        self.tied = bool(world.rods or world.hooks or world.strings or world.joints)
+        self.depends_on_velocity = world.depends_on_velocity
+        self.reads_velocity = self.depends_on_velocity or bool(world.drives or not world.is_smooth)

@@ -1,16 +1,10 @@
-"""Parts of the transparent engine for forces that place and orientation choose, and the draws of
-their settings.
-"""
-
-from collections.abc import Callable
-from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any
-
-import numpy as np
+"""Parts of the transparent engine for forces that place and orientation choose."""
 
 from refdem.faults import vectors as vec
-from refdem.faults.vectors import Number, Quaternion
+from refdem.faults.parts import Parts, PositionalParts
+from refdem.faults.state import State
+from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.faults.world import World
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
 
@@ -41,18 +35,10 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
     return wall.stiffness * depth * depth / 2
 
 
-@dataclass(frozen=True, kw_only=True)
-class PositionalParts:
-    """All of them by name."""
-
-    field_force: Callable[..., Any] = field_force
-    wedge_force: Callable[..., Any] = wedge_force
+SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
 
 
-SOUND_POSITIONAL = PositionalParts()
-
-
-def pushed_by_fields(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
+def pushed_by_fields(world: World, state: State, parts: Parts, force: list[Vector]) -> None:
     """Adds the forces of fields."""
     for i, fixed in enumerate(world.fixed):
         for field in () if fixed else world.tents:
@@ -60,7 +46,7 @@ def pushed_by_fields(world: Any, state: Any, parts: Any, force: list[Any]) -> No
             force[i] = vec.moved(force[i], parts.positional.field_force(field, s), field.axis)
 
 
-def pushed_by_walls(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
+def pushed_by_walls(world: World, state: State, parts: Parts, force: list[Vector]) -> None:
     """Adds the forces of walls for wedges."""
     for wall, i in pairs(world):
         depth, rate, edge = approach(wall, state, parts, i)
@@ -70,7 +56,7 @@ def pushed_by_walls(world: Any, state: Any, parts: Any, force: list[Any]) -> Non
             )
 
 
-def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Number, bool]:
+def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, Number, bool]:
     """Overlap, its rate, and whether the edge looks at the wall."""
     depth = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal)
     rate = -vec.dot(state.v[i], wall.normal)
@@ -78,7 +64,7 @@ def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Numbe
 
 
 def margins(
-    world: Any, before: Any, after: Any, parts: Any, h: Number
+    world: World, before: State, after: State, parts: Parts, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
     """How far a step stays from the next edge of a field or of a wall, and bodies that press on a
     wall from coming to a stop in it.
@@ -96,7 +82,7 @@ def margins(
     return found
 
 
-def edges(world: Any, state: Any, parts: Any) -> list[Number]:
+def edges(world: World, state: State, parts: Parts) -> list[Number]:
     """How far beyond every edge every body is: a force has a corner there."""
     places = [
         (vec.dot(vec.minus(r, field.point), field.axis), field)
@@ -107,7 +93,7 @@ def edges(world: Any, state: Any, parts: Any) -> list[Number]:
     return beyond + [approach(wall, state, parts, i)[0] for wall, i in pairs(world)]
 
 
-def turned(world: Any, state: Any, parts: Any, number: int) -> None:
+def turned(world: World, state: State, parts: Parts, number: int) -> None:
     """Turns a wedge by pi about its z axis; what the wall holds less by that is lost."""
     wall, i = pairs(world)[number]
     depth, _, edge = approach(wall, state, parts, i)
@@ -115,41 +101,6 @@ def turned(world: Any, state: Any, parts: Any, number: int) -> None:
     state.work += wedge_energy(wall, depth, edge) - wedge_energy(wall, depth, not edge)
 
 
-def pairs(world: Any) -> list[tuple[Wedge, int]]:
+def pairs(world: World) -> list[tuple[Wedge, int]]:
     """Every wall for wedges with every body that it can press."""
     return [(wall, i) for wall in world.walls for i, fixed in enumerate(world.fixed) if not fixed]
-
-
-def _between(rng: np.random.Generator, low: float, high: float) -> str:
-    return str(Fraction(int(rng.integers(int(low * 32), int(high * 32), endpoint=True)), 32))
-
-
-def hertz(rng: np.random.Generator) -> dict[str, str]:
-    """Two Hertzian spheres."""
-    found = {
-        "effective_mass": _between(rng, 0.5, 2),
-        "stiffness": _between(rng, 500, 1500),
-        "closing_speed": _between(rng, 0.5, 2),
-    }
-    return found | {"samples": "32"}
-
-
-def tent(rng: np.random.Generator) -> dict[str, str]:
-    """A particle that crosses an asymmetric field from left to right."""
-    found = {
-        "mass": _between(rng, 0.75, 1.5),
-        "k1": _between(rng, 0.75, 1.5),
-        "x2": _between(rng, 0.375, 0.625),
-        "v0": _between(rng, 1, 1.5),
-    }
-    return found | {"samples": "32"}
-
-
-def wedge(rng: np.random.Generator) -> dict[str, str]:
-    """A wedge that loses about half of its energy."""
-    found = {
-        "mass": _between(rng, 0.75, 1.25),
-        "k1": _between(rng, 1.5, 2.5),
-        "k2": _between(rng, 10, 14),
-    }
-    return found | {"closing_speed": _between(rng, 0.875, 1.25), "samples": "32"}

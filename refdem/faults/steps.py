@@ -1,34 +1,12 @@
 """Methods of the transparent engine: one step each, in the verbs kick, drift, hold."""
 
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 from refdem.faults import vectors as vec
 from refdem.faults.holding import follow, hold_length, hold_speed
-from refdem.faults.loads import Loads
-from refdem.faults.vectors import Number, Vector
-from refdem.faults.world import State, World
-
-if TYPE_CHECKING:
-    from refdem.faults.parts import Parts
-
-
-class Moving:
-    """A world, the parts that move it, and the events so far: time, kind, body."""
-
-    def __init__(self, world: World, parts: "Parts") -> None:
-        self.world = world
-        self.parts = parts
-        self.told: list[tuple[float, str, int]] = []
-        self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
-        jointed = {joint.a for joint in world.joints}
-        self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]
-        self.tied = bool(world.rods or world.hooks or world.strings or world.joints)
-        self.depends_on_velocity = bool(
-            world.dashpots
-            or any(s.law != "coulomb" for s in world.sliders)
-            or (world.pairs and (world.law.damping > 0 or world.law.friction > 0))
-        )
-        self.reads_velocity = self.depends_on_velocity or bool(world.drives or not world.is_smooth)
+from refdem.faults.parts import Moving
+from refdem.faults.state import Loads, State
+from refdem.faults.vectors import Number, Quaternion, Vector
 
 
 def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
@@ -65,7 +43,8 @@ def drift(m: Moving, state: State, h: Number) -> State:
         attitude = q[i]
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
-        w[i], q[i] = spin, m.parts.unit(attitude)
+        w[i] = spin
+        q[i] = m.parts.unit(attitude)
     moved = state.moved(r, v, q, w, state.t + float(h))
     if m.tied:
         return follow(m, moved)
@@ -96,17 +75,13 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
 
 def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Kick, drift: first order; gyroscopic term explicit."""
-    moved = kick(m, state, load, h)
-    moved.r, moved.q, moved.w, moved.t = (
-        list(moved.r),
-        list(moved.q),
-        list(moved.w),
-        state.t + float(h),
-    )
+    kicked = kick(m, state, load, h)
+    spun = list(kicked.w)
     for i in m.turning:
-        moved.w[i] = m.parts.spun_up(
-            moved.w[i], m.parts.gyroscopic(m.world.inertia[i], moved.w[i]), m.world.inertia[i], h
-        )
+        inertia = m.world.inertia[i]
+        torque = m.parts.gyroscopic(inertia, spun[i])
+        spun[i] = m.parts.spun_up(spun[i], torque, inertia, h)
+    moved = kicked.moved(list(kicked.r), kicked.v, list(kicked.q), spun, state.t + float(h))
     moved = hold_length(m, state, moved, h)
     for i in m.free:
         moved.r[i] = m.parts.drifted(moved.r[i], moved.v[i], h)
@@ -137,7 +112,8 @@ def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Lo
     r = list(state.r)
     for i in m.free:
         r[i] = m.parts.drifted(r[i], state.v[i], h)
-    moved.r, moved.t = r, state.t + float(h)
+    moved.r = r
+    moved.t = state.t + float(h)
     return moved, m.parts.loads(m.world, moved, m.parts, load, h)
 
 
@@ -148,37 +124,45 @@ def suzuki(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
     return state, load
 
 
-Rates = tuple[list[Vector], list[Vector], list[vec.Quaternion], list[Vector]]
+STILL: Quaternion = (0.0, 0.0, 0.0, 0.0)
+"""q' of a body that has no moments of inertia."""
+
+
+class Rates(NamedTuple):
+    """r', v', q' and omega_body' of every body."""
+
+    r: list[Vector]
+    v: list[Vector]
+    q: list[Quaternion]
+    w: list[Vector]
 
 
 def rates(m: Moving, state: State) -> Rates:
-    """r', v', q', omega_body' of every body."""
-    load = m.parts.loads(m.world, state, m.parts)
+    """The rates of a state."""
     parts = m.parts
-    bodies = range(len(m.world.mass))
-
-    def spun(i: int) -> Vector:
-        torque = vec.plus(parts.gyroscopic(m.world.inertia[i], state.w[i]), load.torque[i])
-        return parts.spun_up(vec.ZERO, torque, m.world.inertia[i], 1.0)
-
-    still = (0.0, 0.0, 0.0, 0.0)
-    return (
-        [state.v[i] for i in bodies],
-        [parts.kicked(vec.ZERO, load.force[i], m.world.mass[i], 1.0) for i in bodies],
-        [parts.turn_rate(state.q[i], state.w[i]) if m.world.turns[i] else still for i in bodies],
-        [spun(i) if m.world.turns[i] else vec.ZERO for i in bodies],
-    )
+    load = parts.loads(m.world, state, parts)
+    found = Rates(list(state.v), [], [], [])
+    for i, mass in enumerate(m.world.mass):
+        # m v' = F
+        found.v.append(parts.kicked(vec.ZERO, load.force[i], mass, 1.0))
+        if not m.world.turns[i]:
+            found.q.append(STILL)
+            found.w.append(vec.ZERO)
+            continue
+        found.q.append(parts.turn_rate(state.q[i], state.w[i]))
+        # J omega' = -omega x J omega + torque
+        inertia = m.world.inertia[i]
+        torque = vec.plus(parts.gyroscopic(inertia, state.w[i]), load.torque[i])
+        found.w.append(parts.spun_up(vec.ZERO, torque, inertia, 1.0))
+    return found
 
 
 def onward(state: State, rate: Rates, h: Number) -> State:
     """The state after h at constant rates."""
-    r = [vec.moved(place, h, by) for place, by in zip(state.r, rate[0], strict=True)]
-    v = [vec.moved(velocity, h, by) for velocity, by in zip(state.v, rate[1], strict=True)]
-    q: list[vec.Quaternion] = [
-        (w + h * a, x + h * b, y + h * c, z + h * d)
-        for (w, x, y, z), (a, b, c, d) in zip(state.q, rate[2], strict=True)
-    ]
-    w = [vec.moved(omega, h, by) for omega, by in zip(state.w, rate[3], strict=True)]
+    r = [vec.moved(place, h, by) for place, by in zip(state.r, rate.r, strict=True)]
+    v = [vec.moved(velocity, h, by) for velocity, by in zip(state.v, rate.v, strict=True)]
+    q = [vec.moved_turn(attitude, h, by) for attitude, by in zip(state.q, rate.q, strict=True)]
+    w = [vec.moved(omega, h, by) for omega, by in zip(state.w, rate.w, strict=True)]
     return state.moved(r, v, q, w, state.t + float(h))
 
 

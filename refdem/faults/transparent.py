@@ -17,9 +17,11 @@ from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
 from refdem.faults.outlines import carried
-from refdem.faults.parts import SOUND, Parts
-from refdem.faults.steps import STEPS, Moving
-from refdem.faults.world import PRECISIONS, SUPPORTED, State, start_of, world_of
+from refdem.faults.parts import Moving, Parts
+from refdem.faults.sound import SOUND
+from refdem.faults.state import State
+from refdem.faults.steps import STEPS
+from refdem.faults.world import PRECISIONS, SUPPORTED, start_of, world_of
 from refdem.scene import Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.ball_joint import BallJoint

@@ -39,7 +39,12 @@ def dot(a: Vector, b: Vector) -> Number:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    ax, ay, az = a
+    bx, by, bz = b
+    x = ay * bz - az * by
+    y = az * bx - ax * bz
+    z = ax * by - ay * bx
+    return x, y, z
 
 
 def size(a: Vector) -> Number:
@@ -64,12 +69,23 @@ def conjugate(q: Quaternion) -> Quaternion:
 
 def product(p: Quaternion, q: Quaternion) -> Quaternion:
     """p q."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
-        p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
-    )
+    pw, px, py, pz = p
+    qw, qx, qy, qz = q
+    # (p, a)(q, b) = (p q - a . b, p b + q a + a x b), Hamilton 1843.
+    w = pw * qw - px * qx - py * qy - pz * qz
+    x = pw * qx + px * qw + py * qz - pz * qy
+    y = pw * qy + py * qw + pz * qx - px * qz
+    z = pw * qz + pz * qw + px * qy - py * qx
+    return w, x, y, z
+
+
+def moved_turn(q: Quaternion, factor: Number, rate: Quaternion) -> Quaternion:
+    """q + factor rate, of any length."""
+    w = q[0] + factor * rate[0]
+    x = q[1] + factor * rate[1]
+    y = q[2] + factor * rate[2]
+    z = q[3] + factor * rate[3]
+    return w, x, y, z
 
 
 def rotated(q: Quaternion, v: Vector) -> Vector:
@@ -90,5 +106,6 @@ def turn_by(angles: Vector) -> Quaternion:
 
 def unit(q: Quaternion) -> Quaternion:
     """q / |q|."""
-    norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    return q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm
+    w, x, y, z = q
+    norm = sqrt(w * w + x * x + y * y + z * z)
+    return w / norm, x / norm, y / norm, z / norm

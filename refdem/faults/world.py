@@ -1,17 +1,19 @@
-"""A scene as plain numbers of one precision, and the state that changes."""
+"""A scene as plain numbers of one precision, and the state at its start."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import msgspec
 import numpy as np
 
-from refdem.faults.holding import about_tip
-from refdem.faults.vectors import ZERO, Number, Quaternion, Vector
+from refdem.faults.state import State
+from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.scene import Scene
+from refdem.scene.bodies import Bodies
+from refdem.scene.element import Element
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
@@ -28,9 +30,25 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.elements.wedge import Wedge
 from refdem.scene.shapes import Polyhedron
 
-SUPPORTED = (
-    *(BallJoint, Catch, CentralField, Contact, Dashpot, Force, PiecewiseField, Plane),
-    *(Rod, Slider, Spring, StringOverWheel, UniformGravity, Wedge),
+ELEMENTS: dict[str, type[Element]] = {
+    "springs": Spring,
+    "dashpots": Dashpot,
+    "sliders": Slider,
+    "rods": Rod,
+    "planes": Plane,
+    "tents": PiecewiseField,
+    "walls": Wedge,
+    "hooks": Catch,
+    "strings": StringOverWheel,
+    "joints": BallJoint,
+}
+"""Fields of a world with all elements of one kind, their numbers in its precision."""
+SUPPORTED: tuple[type[Element], ...] = (
+    CentralField,
+    Contact,
+    Force,
+    UniformGravity,
+    *ELEMENTS.values(),
 )
 SOURCES = (
     "springs",
@@ -46,71 +64,6 @@ SOURCES = (
 )
 """Fields of a world whose contents act on bodies; joints and sliders last: they answer to all else.
 """
-
-
-@dataclass(slots=True)
-class State:
-    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work
-    against dissipation; the time.
-
-    Modes, constant within a step: which pairs act, which of them press, whose tangential springs
-    slide at their limit, towards which side every slider moves (0: sticks), and the line (a rod, or
-    None) of every hook.
-    """
-
-    r: list[Vector]
-    v: list[Vector]
-    q: list[Quaternion]
-    w: list[Vector]
-    stretch: list[Vector]
-    work: Number = 0.0
-    acting: list[bool] = field(default_factory=list)
-    pressing: list[bool] = field(default_factory=list)
-    sliding: list[bool] = field(default_factory=list)
-    side: list[int] = field(default_factory=list)
-    t: float = 0.0
-    caught: list[Any] = field(default_factory=list)
-
-    def moved(
-        self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float
-    ) -> "State":
-        """The state with other places and rates at the time t; it shares all else, and lists that
-        are given as they are.
-
-        So a list of a state that was handed on is replaced, never changed; who changes one in place
-        takes a copy first.
-        """
-        return State(
-            r,
-            v,
-            q,
-            w,
-            self.stretch,
-            self.work,
-            self.acting,
-            self.pressing,
-            self.sliding,
-            self.side,
-            t,
-            self.caught,
-        )
-
-    def copy(self) -> "State":
-        """A state that can be changed without changing this one."""
-        return State(
-            list(self.r),
-            list(self.v),
-            list(self.q),
-            list(self.w),
-            list(self.stretch),
-            self.work,
-            list(self.acting),
-            list(self.pressing),
-            list(self.sliding),
-            list(self.side),
-            self.t,
-            list(self.caught),
-        )
 
 
 @dataclass(frozen=True)
@@ -151,68 +104,78 @@ class World:
         return tuple(name for name in SOURCES if getattr(self, name))
 
     @cached_property
+    def depends_on_velocity(self) -> bool:
+        """Some force changes with the velocities."""
+        rubs = any(slider.law != "coulomb" for slider in self.sliders)
+        is_rough = bool(self.pairs) and (self.law.damping > 0 or self.law.friction > 0)
+        return bool(self.dashpots) or rubs or is_rough
+
+    @cached_property
     def is_smooth(self) -> bool:
         """No forces that depend on velocity and none that jump."""
         return not self.pairs and not self.sliders and not (self.walls or self.tents or self.hooks)
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body, or a
-    corner of it, and plane n.
-    """
+    """The scene in numbers of one precision."""
     bodies = scene.bodies
-    planes = scene.all(Plane)
-    laws = scene.all(Contact)
-    round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
-    if laws:
-        pairs = [
-            *combinations(round_bodies, 2),
-            *((i, -1 - n) for i in round_bodies for n in range(len(planes))),
-        ]
-    else:
-        pairs = []
-    corners: list[Vector | None] = [None] * len(pairs)
-    for i, shape in enumerate(bodies.shape) if laws else ():
-        if isinstance(shape, Polyhedron):
-            found = [(-1 - n, corner) for n in range(len(planes)) for corner in shape.vertices]
-            pairs += [(i, plane) for plane, _ in found]
-            corners += [_tuple(corner, number) for _, corner in found]
-    joints, strings = (
-        [_rounded(e, number) for e in scene.all(kind)] for kind in (BallJoint, StringOverWheel)
-    )
+    elements = {name: _all(scene, kind, number) for name, kind in ELEMENTS.items()}
+    laws = _all(scene, Contact, number)
+    touching = _touching(scene, number)
+    joints = elements["joints"]
+    strings = elements["strings"]
     return World(
         number=number,
         mass=[number(m) for m in bodies.mass],
         inertia=[_moments(i, bodies, joints, number) for i in range(len(bodies))],
         radius=[number(radius) for radius in bodies.radius],
         fixed=[bool(fixed) for fixed in bodies.fixed],
-        springs=[_rounded(e, number) for e in scene.all(Spring)],
-        dashpots=[_rounded(e, number) for e in scene.all(Dashpot)],
         drives=scene.all(Force),
-        sliders=[_rounded(e, number) for e in scene.all(Slider)],
-        rods=[_rounded(e, number) for e in scene.all(Rod)],
-        planes=[_rounded(e, number) for e in planes],
-        law=_rounded(laws[0], number) if laws else None,
+        law=next(iter(laws), None),
         gravity=[_tuple(e.g, number) for e in scene.all(UniformGravity)],
         fields=[number(e.gm) for e in scene.all(CentralField)],
-        pairs=pairs,
-        corners=corners,
-        tents=[_rounded(e, number) for e in scene.all(PiecewiseField)],
-        walls=[_rounded(e, number) for e in scene.all(Wedge)],
-        hooks=[_rounded(e, number) for e in scene.all(Catch)],
-        strings=strings,
-        string_lengths=[
-            sum(
-                number(float(np.linalg.norm(bodies.position[i] - np.array(s.centre))))
-                for i in (s.a, s.b)
-            )
-            for s in strings
-        ],
-        joints=joints,
+        pairs=[pair for pair, _ in touching],
+        corners=[corner for _, corner in touching],
+        string_lengths=[_length(string, bodies, number) for string in strings],
+        **elements,
     )
 
 
-def _moments(i: int, bodies: Any, joints: list[Any], number: Callable[[float], Number]) -> Vector:
+Touching = tuple[tuple[int, int], Vector | None]
+"""Two bodies (i, j) that can touch, or a body and plane n as (i, -1 - n); and the corner of body i
+that does, in body axes, if it has corners.
+"""
+
+
+def _touching(scene: Scene, number: Callable[[float], Number]) -> list[Touching]:
+    """All pairs of a scene that has a law of contact."""
+    if not scene.all(Contact):
+        return []
+    bodies = scene.bodies
+    planes = [-1 - n for n in range(len(scene.all(Plane)))]
+    round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
+    found: list[Touching] = [(pair, None) for pair in combinations(round_bodies, 2)]
+    for i in round_bodies:
+        found += [((i, plane), None) for plane in planes]
+    for i, shape in enumerate(bodies.shape):
+        if not isinstance(shape, Polyhedron):
+            continue
+        corners = [_tuple(corner, number) for corner in shape.vertices]
+        found += [((i, plane), corner) for plane, corner in product(planes, corners)]
+    return found
+
+
+def _length(string: StringOverWheel, bodies: Bodies, number: Callable[[float], Number]) -> Number:
+    """Length [m] of a string over a wheel of no size, as it starts."""
+    centre = np.array(string.centre)
+    return sum(
+        number(float(np.linalg.norm(bodies.position[i] - centre))) for i in (string.a, string.b)
+    )
+
+
+def _moments(
+    i: int, bodies: Bodies, joints: list[Any], number: Callable[[float], Number]
+) -> Vector:
     """Principal moments of a body, about its joint if it has one."""
     moments: Vector = _tuple(bodies.inertia[i], number)
     for joint in joints:
@@ -221,24 +184,33 @@ def _moments(i: int, bodies: Any, joints: list[Any], number: Callable[[float], N
     return moments
 
 
+def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
+    """Principal moments about an anchor on a principal axis."""
+    x, y, z = anchor
+    # Parallel axes (Steiner): J_i + m (|anchor|^2 - anchor_i^2).
+    about_x = inertia[0] + mass * (y * y + z * z)
+    about_y = inertia[1] + mass * (x * x + z * z)
+    about_z = inertia[2] + mass * (x * x + y * y)
+    return about_x, about_y, about_z
+
+
 def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
     """The state at the start; modes are not yet known."""
     bodies = scene.bodies
     number = world.number
-    q: list[Any] = [_tuple(q, number) for q in bodies.attitude]
+    attitude = [_tuple(q, number) for q in bodies.attitude]
+    omega = [_tuple(spin, number) for spin in bodies.omega]
+    pairs = len(world.pairs)
     return State(
         r=[_tuple(r, number) for r in bodies.position],
         v=[_tuple(v, number) for v in bodies.velocity],
-        q=q,
-        w=[
-            to_body(turn, _tuple(omega, number))
-            for turn, omega in zip(q, bodies.omega, strict=True)
-        ],
-        stretch=[ZERO] * len(world.pairs),
+        q=attitude,
+        w=[to_body(q, spin) for q, spin in zip(attitude, omega, strict=True)],
+        stretch=[ZERO] * pairs,
         work=number(0.0),
-        acting=[False] * len(world.pairs),
-        pressing=[False] * len(world.pairs),
-        sliding=[False] * len(world.pairs),
+        acting=[False] * pairs,
+        pressing=[False] * pairs,
+        sliding=[False] * pairs,
         side=[0] * len(world.sliders),
         caught=[None] * len(world.hooks),
     )
@@ -246,6 +218,11 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
 
 def _tuple(values: Any, number: Callable[[float], Number]) -> Any:
     return tuple(number(float(value)) for value in values)
+
+
+def _all(scene: Scene, kind: type[Element], number: Callable[[float], Number]) -> list[Any]:
+    """The elements of one kind with all their numbers in one precision."""
+    return [_rounded(element, number) for element in scene.all(kind)]
 
 
 def _rounded(element: Any, number: Callable[[float], Number]) -> Any:

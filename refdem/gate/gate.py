@@ -7,7 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from refdem.campaign.campaign import Campaign, Progress
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.schedule import Progress
 from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.engine import Engine

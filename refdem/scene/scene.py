@@ -15,6 +15,7 @@ from refdem.scene import bodies_file
 from refdem.scene.bodies import Bodies, Body
 from refdem.scene.element import Element
 from refdem.scene.elements import AnyElement
+from refdem.scene.features import features
 from refdem.scene.shapes import Point
 
 Array = NDArray[np.float64]
@@ -108,9 +109,7 @@ class Scene:
     @cached_property
     def features(self) -> frozenset[str]:
         """What an engine must be able to do, derived from the content."""
-        from refdem.scene.features import features
-
-        return features(self)
+        return features(self.bodies, self.elements)
 
     def is_isolated(self) -> bool:
         """No element acts from outside and no body is fixed: momentum is kept."""

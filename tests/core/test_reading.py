@@ -12,7 +12,8 @@ from refdem.campaign.exchange import Manifest
 from refdem.campaign.exchange import read as manifest_in
 from refdem.campaign.specification import Specification, named
 from refdem.core.reading import json_as, toml_as
-from refdem.engines.external.description import Description, read
+from refdem.engines.external.description import Description
+from refdem.engines.external.sense import read
 from refdem.errors import UsageError
 from refdem.gate import baseline
 

@@ -14,9 +14,10 @@ from refdem.core.problem import Motion, Request
 from refdem.errors import UnsupportedError
 from refdem.faults.events import sign_change
 from refdem.faults.loads import loads
-from refdem.faults.parts import SOUND
+from refdem.faults.parts import Moving
 from refdem.faults.settings import SETTINGS
-from refdem.faults.steps import Moving, rates
+from refdem.faults.sound import SOUND
+from refdem.faults.steps import rates
 from refdem.faults.transparent import Transparent
 from refdem.faults.world import start_of, world_of
 from refdem.scene import Body, Scene

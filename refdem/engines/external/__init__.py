@@ -10,9 +10,10 @@ from refdem.core import fingerprint
 from refdem.core.engine import Method, ProgramEngine, Stages
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.external.description import Description, read
+from refdem.engines.external.description import Description
+from refdem.engines.external.features import DIMENSIONS
 from refdem.engines.external.program import Program
-from refdem.engines.external.sense import DIMENSIONS
+from refdem.engines.external.sense import read
 
 IMPLIED = {
     "contact",

@@ -1,6 +1,5 @@
 """refdem.toml: what a program says of itself, its claims and its gate."""
 
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -9,9 +8,7 @@ from msgspec import Meta
 from refdem.core.deviation import Deviation
 from refdem.core.engine import Method
 from refdem.core.outside import one_line
-from refdem.core.reading import toml_as
-from refdem.engines.external.sense import FEATURES, nonsense
-from refdem.errors import UsageError
+from refdem.engines.external.features import FEATURES
 
 Picture = Literal["shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed"]
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
@@ -148,11 +145,3 @@ class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     engine: EngineTable
     gate: GateTable = GateTable()
     expected: list[Deviation] = []
-
-
-def read(path: Path) -> Description:
-    """The description in a refdem.toml; raises UsageError that names the fault."""
-    found = toml_as(Description, path, "a refdem.toml that describes a program")
-    for name, came, expected in nonsense(found.engine, found.gate):
-        raise UsageError(f"{path}: {name} is {came!r}; expected {expected}")
-    return found

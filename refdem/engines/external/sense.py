@@ -1,54 +1,16 @@
-"""What the fields of a refdem.toml may say beyond their types."""
+"""Reading a refdem.toml, and what its fields may say beyond their types."""
 
 import difflib
 import math
 import re
 from collections.abc import Iterator
-from pathlib import PurePath
-from typing import TYPE_CHECKING, get_args, get_type_hints
+from pathlib import Path, PurePath
 
-from refdem.core.statics import SolidShape
-from refdem.scene.elements import KINDS
-from refdem.scene.elements.contact import Contact
+from refdem.core.reading import toml_as
+from refdem.engines.external.description import Description, EngineTable, GateTable, MethodTable
+from refdem.engines.external.features import FEATURES, SOLIDS
+from refdem.errors import UsageError
 
-if TYPE_CHECKING:
-    from refdem.engines.external.description import EngineTable, GateTable, MethodTable
-
-SOLIDS = {"solid:hollow", "solid:turned", "solid:about"} | {
-    f"solid:{shape.__struct_config__.tag}" for shape in get_args(SolidShape)
-}
-"""Of mass properties: shapes, and what is done with them."""
-BODIES = (
-    "rotation",
-    "tumbling",
-    "fixed",
-    "friction",
-    "constraint",
-    "shape:sphere",
-    "shape:polyhedron",
-)
-DIMENSIONS = {"dimension:1", "dimension:2", "dimension:3"}
-"""Of motion; a program that names none of them runs in all."""
-FEATURES = {
-    *BODIES,
-    *DIMENSIONS,
-    *KINDS,
-    *SOLIDS,
-    *(
-        "slider:stribeck",
-        "slider:belt",
-        "spring:exponent",
-        "spring:quadratic",
-        "spring:cubic",
-        "dashpot:van_der_pol",
-    ),
-    "contact:damping",
-    "contact:friction",
-    "contact:mindlin",
-    "bodies_file",
-    *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
-}
-"""What `supports` and `order_with` may name."""
 YEAR = 366 * 86400.0
 """Seconds."""
 LEAST_MEMORY = 0.001
@@ -65,7 +27,15 @@ Fault = tuple[str, object, str]
 """The name of a field, what came, and what was expected."""
 
 
-def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[Fault]:
+def read(path: Path) -> Description:
+    """The description in a refdem.toml; raises UsageError that names the fault."""
+    found = toml_as(Description, path, "a refdem.toml that describes a program")
+    for name, came, expected in nonsense(found.engine, found.gate):
+        raise UsageError(f"{path}: {name} is {came!r}; expected {expected}")
+    return found
+
+
+def nonsense(engine: EngineTable, gate: GateTable) -> Iterator[Fault]:
     """What is well typed and makes no sense."""
     yield from _of_command(engine)
     yield from _of_methods(engine)
@@ -74,7 +44,7 @@ def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[Fault]:
     yield from _of_gate(gate)
 
 
-def _of_command(engine: "EngineTable") -> Iterator[Fault]:
+def _of_command(engine: EngineTable) -> Iterator[Fault]:
     """The name of the engine, what starts it, and the files that it is made of."""
     if not NAME.fullmatch(engine.name):
         yield "engine.name", engine.name, "letters, digits, dots, dashes"
@@ -91,7 +61,7 @@ def _of_command(engine: "EngineTable") -> Iterator[Fault]:
         yield "engine.inputs", away, expected
 
 
-def _of_methods(engine: "EngineTable") -> Iterator[Fault]:
+def _of_methods(engine: EngineTable) -> Iterator[Fault]:
     """The names of the methods, and what each of them claims."""
     names = [method.name for method in engine.methods]
     if not names or len(set(names)) < len(names):
@@ -102,7 +72,7 @@ def _of_methods(engine: "EngineTable") -> Iterator[Fault]:
         yield from _of_claims(method)
 
 
-def _of_claims(method: "MethodTable") -> Iterator[Fault]:
+def _of_claims(method: MethodTable) -> Iterator[Fault]:
     """The order of one method and its constant."""
     orders = [method.order, *method.order_with.values()]
     has_order = method.control == "step" and method.answers != "solid"
@@ -115,7 +85,7 @@ def _of_claims(method: "MethodTable") -> Iterator[Fault]:
         yield f"constant of {method.name}", method.constant, expected
 
 
-def _of_support(engine: "EngineTable") -> Iterator[Fault]:
+def _of_support(engine: EngineTable) -> Iterator[Fault]:
     """The features that the program says it supports."""
     named = set(engine.supports)
     for method in engine.methods:
@@ -131,7 +101,7 @@ def _of_support(engine: "EngineTable") -> Iterator[Fault]:
         yield "engine.supports", engine.supports, expected
 
 
-def _of_limits(engine: "EngineTable") -> Iterator[Fault]:
+def _of_limits(engine: EngineTable) -> Iterator[Fault]:
     """Seconds and gigabytes."""
     for name, limit in (("timeout", engine.timeout), ("budget", engine.budget)):
         if not 0 < limit <= YEAR:
@@ -140,7 +110,7 @@ def _of_limits(engine: "EngineTable") -> Iterator[Fault]:
         yield "engine.memory", engine.memory, f"gigabytes, at least {LEAST_MEMORY:g}"
 
 
-def _of_gate(gate: "GateTable") -> Iterator[Fault]:
+def _of_gate(gate: GateTable) -> Iterator[Fault]:
     """Levels and cases."""
     if not 1 <= gate.levels <= MOST_LEVELS:
         expected = f"a number of refinement levels, 1 to {MOST_LEVELS}"

@@ -6,7 +6,8 @@ from typing import Any
 from refdem.faults import vectors as vec
 from refdem.faults.change import Late, forgetting, late, of_elements, scaled
 from refdem.faults.fault import Fault
-from refdem.faults.parts import S4, Parts
+from refdem.faults.parts import Parts
+from refdem.faults.sound import S4
 from refdem.scene.elements.spring import Spring
 
 integrator = partial(Fault, kind="integrator", on=("oscillator",))

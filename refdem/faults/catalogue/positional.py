@@ -2,13 +2,13 @@
 looks at the velocity.
 """
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
-from refdem.faults.positional import PositionalParts
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
@@ -22,17 +22,17 @@ def _linear(p: Parts) -> dict[str, Any]:
 
 
 def _of_field(force: Any) -> Any:
-    return lambda p: {"positional": PositionalParts(field_force=force)}
+    return lambda p: {"positional": replace(p.positional, field_force=force)}
 
 
 def _by_sign(p: Parts) -> dict[str, Any]:
     """Which law presses is read off the sign of d', as an approach and a separation."""
     sound = p.positional.wedge_force
-    return {
-        "positional": PositionalParts(
-            wedge_force=lambda wall, depth, edge, rate: sound(wall, depth, rate > 0, rate)
-        )
-    }
+
+    def wedge_force(wall: Any, depth: Any, edge: Any, rate: Any) -> Any:
+        return sound(wall, depth, rate > 0, rate)
+
+    return {"positional": replace(p.positional, wedge_force=wedge_force)}
 
 
 def _one_slope(field: Any, s: Any) -> Any:

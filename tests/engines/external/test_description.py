@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from refdem.engines.external.description import read
-from refdem.engines.external.sense import FEATURES
+from refdem.engines.external.features import FEATURES
+from refdem.engines.external.sense import read
 from refdem.errors import RefdemError, UsageError
 
 PLAIN = """

@@ -1,0 +1,256 @@
+"""The third stage of a campaign: what is asked of the engines, and what comes back.
+
+Equal runs are made once, and unchanged ones are read from the store.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+import msgspec
+
+from refdem.campaign import plan, worker
+from refdem.campaign.plan import Task
+from refdem.campaign.schedule import InProcess, Job, Progress, Schedule
+from refdem.core.answer_csv import most_rows
+from refdem.core.engine import ProgramEngine
+from refdem.core.problem import Request
+from refdem.core.run import Failure, Run
+from refdem.core.store import Store
+from refdem.core.trajectory import Trajectory
+from refdem.core.variant import Variant
+
+GRACE = 30.0
+"""Seconds beyond an engine's own time limit before its worker is killed: to start, to read the
+trajectory, to keep what failed.
+"""
+ENOUGH = 2
+"""Steps at which a method did not end in its time, after which it is not tried at others."""
+Answer = tuple[worker.Reply, Trajectory | None]
+"""What a run came to: its reply, and the trajectory unless it failed."""
+Place = tuple[int, Variant]
+"""A run by the number of its task in the plan, and its variant."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """One run that a task needs, and the key of what it asks: equal runs have equal keys."""
+
+    place: Place
+    task: Task
+    request: Request
+    key: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Runs:
+    """Runs by their places; how many different ones were made now, and how many were read."""
+
+    by_place: Mapping[Place, Run]
+    made: int
+    read: int
+
+    def of_task(self, number: int, task: Task) -> dict[Variant, Run]:
+        """The runs of one task by variant; one that goes on from a run that failed is not there."""
+        places = {variant: (number, variant) for variant in task.variants}
+        return {v: self.by_place[place] for v, place in places.items() if place in self.by_place}
+
+    @property
+    def is_lasting(self) -> bool:
+        """No run crashed or hung, or failed in another way that it may not fail in next time."""
+        return all(is_lasting(run.failure) for run in self.by_place.values())
+
+
+def is_lasting(failure: Failure | None) -> bool:
+    """True for how a run ends every time: with a trajectory, or refused."""
+    return failure is None or failure.kind == "unsupported"
+
+
+@dataclass(frozen=True)
+class Hangs:
+    """What is remembered from run to run: the steps with which a method did not end on a case."""
+
+    steps: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
+
+    def note(self, asked: Asked, failure: Failure | None) -> None:
+        """Remembers how a run ended."""
+        if failure is not None and failure.kind == "hang":
+            self.steps.setdefault(_method_on_case(asked.task), set()).add(_step(asked.request))
+
+    def given_up(self, asked: Asked) -> Failure | None:
+        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at
+        two steps hangs at all.
+        """
+        steps = self.steps.get(_method_on_case(asked.task), set())
+        takes_longer = any(_step(asked.request) <= step for step in steps)
+        if not takes_longer and len(steps) < ENOUGH:
+            return None
+        return Failure(
+            kind="hang",
+            sentence=(
+                "it was not begun: another run of this method on this case did not end in its time"
+            ),
+            is_begun=False,
+        )
+
+
+def _method_on_case(task: Task) -> tuple[str, str, str]:
+    """Engine, method and case with its parameters."""
+    return task.engine.name, task.method.name, task.subject.instance.label
+
+
+def _step(request: Request) -> float:
+    """The size of the step [s]; 0 for a run without steps."""
+    return abs(request.step or 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Runner:
+    """How runs are made: by which workers, within which time, and kept where.
+
+    `versions` are those of the engines by name; `deadlines` are the times [s] of the monotonic
+    clock after which nothing more is run in an engine.
+    """
+
+    schedule: Schedule | InProcess
+    store: Store
+    use_store: bool
+    timeout: float
+    versions: Mapping[str, str]
+    deadlines: Mapping[str, float]
+    hangs: Hangs
+    progress: Progress
+
+    def runs(self, asked: list[Asked], stage: str) -> Runs:
+        """Everything that is asked for: equal runs once, unchanged ones from the store."""
+        equal: dict[str, list[Asked]] = {}
+        for one in asked:
+            equal.setdefault(one.key, []).append(one)
+        read = self._read(equal)
+        jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
+        made: dict[str, Answer] = {}
+        for done, (job, result) in enumerate(self.schedule.results(jobs), 1):
+            answer = self._kept(job.key, result)
+            made[job.key] = answer
+            self.hangs.note(equal[job.key][0], answer[0].failure)
+            self.progress(stage, done, len(jobs))
+        answers = read | made
+        by_place = {
+            one.place: self._run(one, answers[one.key], from_store=one.key in read) for one in asked
+        }
+        return Runs(by_place=by_place, made=len(made), read=len(read))
+
+    def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
+        """What the store has of some runs."""
+        if not self.use_store:
+            return {}
+        found = {key: self.store.read("run", key, answer_of) for key in keys}
+        return {key: answer for key, answer in found.items() if answer is not None}
+
+    def _job(self, asked: Asked) -> Job:
+        """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
+        engine = asked.task.engine
+        request = asked.request
+        limit = None
+        if engine.time_limit is not None:
+            limit = max(self.timeout, engine.time_limit + GRACE)
+        stages = None
+        rows = 0
+        if isinstance(engine, ProgramEngine):
+            stages = worker.stages
+            rows = most_rows(request.problem)
+        return Job(
+            asked.key,
+            worker.run,
+            (engine.address, request.packed(), self.deadlines.get(engine.name, math.inf)),
+            limit,
+            stages=stages,
+            rows=rows,
+            given_up=partial(self.hangs.given_up, asked),
+        )
+
+    def _kept(self, key: str, result: bytes | Failure) -> Answer:
+        """How a run ended; it goes to the store unless it crashed or hung, which is tried again
+        next time.
+        """
+        if isinstance(result, Failure):
+            return worker.Reply(failure=result), None
+        reply, trajectory = answer_of(result)
+        if is_lasting(reply.failure):
+            self.store.put("run", key, result)
+        return reply, trajectory
+
+    def _run(self, asked: Asked, answer: Answer, *, from_store: bool) -> Run:
+        """The run at one place that asked for it."""
+        reply, trajectory = answer
+        name = asked.task.engine.name
+        return Run(
+            key=asked.key,
+            request=asked.request,
+            engine=name,
+            version=self.versions[name],
+            trajectory=trajectory,
+            failure=reply.failure,
+            cost=reply.cost,
+            from_store=from_store,
+        )
+
+
+def answer_of(data: bytes) -> Answer:
+    """The reply of a worker and its trajectory; raises ValueError for bytes that are neither."""
+    reply = msgspec.msgpack.decode(data, type=worker.Reply)
+    if reply.failure is not None:
+        return reply, None
+    return reply, Trajectory.from_bytes(reply.trajectory)
+
+
+def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
+    """All runs of the tasks of a plan: those from the start, which `ulps` moves, and then those
+    that go on from the end of another.
+    """
+    fingerprints = fingerprints_of(tasks)
+    first = []
+    for place, task, variant in _places(tasks, goes_on=False):
+        request = plan.request(task, variant, ulps=ulps)
+        first.append(_asked(place, task, request, fingerprints))
+    started = runner.runs(first, "runs")
+    later = []
+    for place, task, variant in _places(tasks, goes_on=True):
+        base = started.by_place[place[0], variant.base].trajectory
+        if base is not None:
+            request = plan.request(task, variant, base)
+            later.append(_asked(place, task, request, fingerprints))
+    gone_on = runner.runs(later, "runs that go on")
+    return Runs(
+        by_place={**started.by_place, **gone_on.by_place},
+        made=started.made + gone_on.made,
+        read=started.read + gone_on.read,
+    )
+
+
+def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:
+    """The fingerprint of every engine and method that runs, asked for once: all runs of a campaign
+    are of one state of the code.
+    """
+    methods = {(task.engine.name, task.method.name): task for task in tasks if task.variants}
+    return {key: task.engine.fingerprint(task.method) for key, task in methods.items()}
+
+
+def _places(tasks: list[Task], *, goes_on: bool) -> list[tuple[Place, Task, Variant]]:
+    """The runs of all tasks that go on from another, or those that do not."""
+    found = []
+    for number, task in enumerate(tasks):
+        for variant in task.variants:
+            if variant.goes_on == goes_on:
+                found.append(((number, variant), task, variant))
+    return found
+
+
+def _asked(
+    place: Place, task: Task, request: Request, fingerprints: Mapping[tuple[str, str], str]
+) -> Asked:
+    """A run with the key of all that it follows from."""
+    engine = task.engine.name
+    key = request.key(engine, fingerprints[engine, task.method.name])
+    return Asked(place=place, task=task, request=request, key=key)

@@ -1,0 +1,81 @@
+"""What changes in a motion of the transparent engine: the state of the bodies and the loads on
+them.
+"""
+
+from dataclasses import dataclass, field
+
+from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.scene.elements.rod import Rod
+
+
+@dataclass(slots=True)
+class State:
+    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work
+    against dissipation; the time.
+
+    Modes, constant within a step: which pairs act, which of them press, whose tangential springs
+    slide at their limit, towards which side every slider moves (0: sticks), and the line (a rod, or
+    None) of every hook.
+    """
+
+    r: list[Vector]
+    v: list[Vector]
+    q: list[Quaternion]
+    w: list[Vector]
+    stretch: list[Vector]
+    work: Number = 0.0
+    acting: list[bool] = field(default_factory=list)
+    pressing: list[bool] = field(default_factory=list)
+    sliding: list[bool] = field(default_factory=list)
+    side: list[int] = field(default_factory=list)
+    t: float = 0.0
+    caught: list[Rod | None] = field(default_factory=list)
+
+    def moved(
+        self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float
+    ) -> "State":
+        """The state with other places and rates at the time t; it shares all else, and lists that
+        are given as they are.
+
+        So a list of a state that was handed on is replaced, never changed; who changes one in place
+        takes a copy first.
+        """
+        return State(
+            r,
+            v,
+            q,
+            w,
+            self.stretch,
+            self.work,
+            self.acting,
+            self.pressing,
+            self.sliding,
+            self.side,
+            t,
+            self.caught,
+        )
+
+    def copy(self) -> "State":
+        """A state that can be changed without changing this one."""
+        copied = self.moved(list(self.r), list(self.v), list(self.q), list(self.w), self.t)
+        copied.stretch = list(self.stretch)
+        copied.acting = list(self.acting)
+        copied.pressing = list(self.pressing)
+        copied.sliding = list(self.sliding)
+        copied.side = list(self.side)
+        copied.caught = list(self.caught)
+        return copied
+
+
+@dataclass(slots=True)
+class Loads:
+    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair;
+    and the power that is lost.
+    """
+
+    force: list[Vector]
+    torque: list[Vector]
+    normal: list[Vector]
+    slip: list[Vector]
+    stretch: list[Vector]
+    power: Number
