@@ -84,8 +84,8 @@ class SecondIntegral(Check):
                 sight=Sight(bound, 1.0),
                 unit="1",
                 basis=(
-                    f"the error bound of the state for each of {TERMS:g} factors (the integral of the"
-                    f" certified values itself drifts by {drift:.2g})"
+                    f"the error bound of the state for each of {TERMS:g} factors (the integral"
+                    f" of the certified values drifts by {drift:.2g})"
                 ),
                 what=("The error of the change of the second integral, relative to its terms,"),
             )

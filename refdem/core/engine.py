@@ -167,7 +167,7 @@ class Engine(ABC):
             return self.unsupported_motion(problem, method)
         if method.knows & problem.features:
             return None
-        return f"knows nothing that is asked of {problem.words}"
+        return f"the engine supports none of the requested {problem.words}"
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -101,7 +101,7 @@ class Flight(Engine):
     def fingerprint(self, method):
         return "flight"
 
-    def unsupported(self, problem, method):
+    def unsupported_motion(self, problem, method):
         if problem.scene.elements:
             return "no elements"
         return None
