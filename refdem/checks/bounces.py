@@ -34,14 +34,14 @@ class Bounces(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Billiards."""
+        """None for billiards, else the reason why not."""
         problem = subject.instance.problem
         if isinstance(problem, Iteration) and isinstance(problem.map, Billiard):
             return None
         return "the case is not a billiard"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run."""
+        """The plain run of the map."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -33,7 +33,7 @@ class Capture(Check):
         return "no body is caught"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -48,7 +48,7 @@ class ContactChannels(Check):
         return f"the scene does not have between 2 and {MOST} spheres"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -56,7 +56,7 @@ class Gas:
 
     @property
     def softness(self) -> float:
-        """Contact time times w_c."""
+        """The contact time times the collision frequency w_c [1]."""
         return self.lasts * self.frequency
 
     def doubt(self) -> str | None:
@@ -103,7 +103,7 @@ class Cooling(Check):
         return "the contact law is not linear and frictionless"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

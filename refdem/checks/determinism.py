@@ -17,7 +17,7 @@ DENSER = 4
 
 
 class Determinism(Check):
-    """Bit-equal on one machine."""
+    """Identical requests give bit-identical results on one machine."""
 
     name = "determinism"
     title = "Determinism"
@@ -28,7 +28,7 @@ class Determinism(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Methods that claim it."""
+        """None if the method claims to be deterministic, else the reason why not."""
         if subject.method.deterministic:
             return None
         return "the method does not claim to be deterministic"

@@ -54,7 +54,7 @@ class Error(Check):
         return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding a quantity."""
+        """One finding for each quantity with certified truth."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]

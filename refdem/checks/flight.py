@@ -50,7 +50,7 @@ class Flight(Check):
         return "every body starts at rest"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

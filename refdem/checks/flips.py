@@ -29,7 +29,7 @@ class Flips(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -67,7 +67,7 @@ class Flips(Check):
 
 
 def _flips(omega: Array) -> int:
-    """Number of sign changes."""
+    """The number of sign changes of omega (T,); zeros are skipped."""
     signs = np.sign(omega[omega != 0])
     return int(np.count_nonzero(signs[1:] != signs[:-1]))
 

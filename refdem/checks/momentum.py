@@ -23,13 +23,13 @@ class Momentum(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Isolated scenes."""
+        """None for isolated scenes, else the reason why not."""
         if subject.instance.scene.is_isolated():
             return None
         return "an external force acts, so momentum is not conserved"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level."""
+        """The plain run at the coarsest level."""
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

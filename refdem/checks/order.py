@@ -72,7 +72,7 @@ class Order(Check):
     kills = "a wrong coefficient in the integrator, a force taken at the wrong time level"
 
     def applies(self, subject: Subject) -> str | None:
-        """Methods with a fixed step."""
+        """None for methods with a fixed step, else the reason why not."""
         if subject.method.control == "step":
             return None
         return f"the step control of the method is {subject.method.control}, not a fixed step"

@@ -26,7 +26,7 @@ class QuaternionNorm(Check):
         return subject.method.derived.get("attitude")
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level."""
+        """The plain run at the coarsest level."""
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

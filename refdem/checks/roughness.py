@@ -64,7 +64,7 @@ class Roughness(Check):
         return "the contacts do not reverse their slip, or bodies spin initially"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

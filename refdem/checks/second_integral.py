@@ -45,7 +45,7 @@ class SecondIntegral(Check):
         return "the machine has no second integral"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

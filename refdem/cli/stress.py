@@ -128,7 +128,7 @@ def status(record: "StressRecord") -> int:
 
 
 def written(out: Path, record: "StressRecord", store: "Store | None" = None) -> None:
-    """Writes the pages."""
+    """Writes the tables, pages and JSON of a stress test."""
     from refdem.report.stress import write
     from refdem.stress.tables import introduction, summary
 

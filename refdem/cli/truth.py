@@ -156,7 +156,7 @@ def line_of(one: "CertifiedCase") -> str:
 
 
 def times_of(one: Any) -> str:
-    """The times of a set."""
+    """The times of a certified set, as printed text."""
     return (
         ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None}))
         or "no time"

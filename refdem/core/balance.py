@@ -69,7 +69,7 @@ def energy_scale(instance: Instance) -> float:
 
 
 def linear(scene: Scene, run: Trajectory) -> Array:
-    """Momentum (T, 3) [kg m/s]."""
+    """Total linear momentum (T, 3) [kg m/s]."""
     return momentum.linear(scene.bodies.mass, run.velocity)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 
 def _part(rng: np.random.Generator, low: float, high: float) -> Fraction:
-    """A random multiple of 1/64."""
+    """A random multiple of 1/64 between low and high."""
     return Fraction(int(rng.integers(int(low * 64), int(high * 64), endpoint=True)), 64)
 
 

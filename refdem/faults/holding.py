@@ -55,7 +55,7 @@ def tip_torque(arm: Vector, force: Vector) -> Vector:
 
 @dataclass(frozen=True, kw_only=True)
 class HoldingParts:
-    """All of them by name."""
+    """The parts of motions with constraints, by name."""
 
     line_caught: Callable[..., Any] = line_caught
     string_excess: Callable[..., Any] = string_excess

@@ -8,7 +8,7 @@ import numpy as np
 
 
 def _part(rng: np.random.Generator, low: int, high: int) -> Fraction:
-    """A random multiple of 1/64."""
+    """A random multiple of 1/64 between low and high."""
     return Fraction(int(rng.integers(low, high, endpoint=True)), 64)
 
 
@@ -74,5 +74,5 @@ def head(rng: np.random.Generator) -> dict[str, str]:
 
 
 def wet_head(rng: np.random.Generator) -> dict[str, str]:
-    """The same in a fluid."""
+    """Parameters of a head-on collision in a fluid."""
     return {**head(rng), "flow": "viscous", "delta": str(_part(rng, 8, 24))}

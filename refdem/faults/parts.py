@@ -25,7 +25,7 @@ from refdem.scene.elements.spring import Spring
 
 
 def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
-    """Force [N] on end a."""
+    """The force [N] of a spring on its end a."""
     apart = vec.minus(b, a)
     if spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic):
         return vec.times(spring.stiffness, apart)
@@ -72,7 +72,7 @@ def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
 
 
 def turn_rate(q: Quaternion, omega: Vector) -> Quaternion:
-    """q' = q omega_body / 2."""
+    """The rate q' = q omega_body / 2 of the attitude."""
     w, x, y, z = vec.product(q, (0.0, *omega))
     return w / 2, x / 2, y / 2, z / 2
 
@@ -127,12 +127,12 @@ def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
-    """Position after h [s]."""
+    """The position after a drift of h [s]."""
     return vec.moved(r, h, v)
 
 
 def reaction(force: Vector) -> Vector:
-    """What the other body feels."""
+    """The force that the other body feels: the reaction."""
     return -force[0], -force[1], -force[2]
 
 
@@ -142,7 +142,7 @@ def away(a: Vector, b: Vector) -> Vector:
 
 
 def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
-    """Depth of the contact [m]."""
+    """The overlap [m] of two spheres in contact."""
     return (radius_a + radius_b) - distance
 
 
@@ -280,7 +280,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
-    """All parts by name."""
+    """All parts of a step, by name."""
 
     spring_force: Callable[..., Any] = spring_force
     dashpot_force: Callable[..., Any] = dashpot_force

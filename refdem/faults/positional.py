@@ -35,7 +35,7 @@ def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> N
 
 
 def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
-    """What the wall holds [J]."""
+    """The potential energy [J] stored in the wall."""
     if edge_first:
         return wall.quadratic * depth * depth * depth / 3
     return wall.stiffness * depth * depth / 2
@@ -43,7 +43,7 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionalParts:
-    """All of them by name."""
+    """The parts of positional forces, by name."""
 
     field_force: Callable[..., Any] = field_force
     wedge_force: Callable[..., Any] = wedge_force
@@ -53,7 +53,7 @@ SOUND_POSITIONAL = PositionalParts()
 
 
 def pushed_by_fields(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
-    """Adds the forces of fields."""
+    """Adds the forces of the fields to `force`."""
     for i, fixed in enumerate(world.fixed):
         for field in () if fixed else world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
@@ -125,7 +125,7 @@ def _between(rng: np.random.Generator, low: float, high: float) -> str:
 
 
 def hertz(rng: np.random.Generator) -> dict[str, str]:
-    """Two Hertzian spheres."""
+    """Parameters of two Hertzian spheres."""
     found = {
         "effective_mass": _between(rng, 0.5, 2),
         "stiffness": _between(rng, 500, 1500),

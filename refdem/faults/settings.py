@@ -79,7 +79,7 @@ def _flipper(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _swing(rng: np.random.Generator) -> dict[str, str]:
-    """A pendulum that swings."""
+    """Parameters of a pendulum that swings."""
     found = {
         "mass": _between(rng, 0.5, 3),
         "length": _between(rng, 0.5, 2),
@@ -104,7 +104,7 @@ def _circler(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _oscillator(rng: np.random.Generator) -> dict[str, str]:
-    """A mass on a spring."""
+    """Parameters of a mass on a spring."""
     found = {
         "mass": _between(rng, 0.5, 2),
         "stiffness": _between(rng, 0.5, 2),
@@ -118,7 +118,7 @@ def _oscillator(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _hanging(rng: np.random.Generator) -> dict[str, str]:
-    """The same in gravity."""
+    """Parameters of a mass on a spring in gravity."""
     return _oscillator(rng) | {"gravity": str(_sign(rng) * _between(rng, 0.5, 1.5))}
 
 
@@ -141,7 +141,7 @@ def _driven(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _hardening(rng: np.random.Generator) -> dict[str, str]:
-    """A spring with a cube."""
+    """Parameters of a spring with a cubic term."""
     found = {
         "alpha": _between(rng, 0.75, 1.5),
         "beta": _between(rng, 0.25, 0.5),
@@ -251,7 +251,7 @@ def _ellipse(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _spheres(rng: np.random.Generator) -> dict[str, Fraction]:
-    """Two unequal spheres."""
+    """Parameters of two unequal spheres."""
     return {"stiffness": _between(rng, 96, 192, 1), "closing_speed": _between(rng, 0.75, 1.25)}
 
 
@@ -284,7 +284,7 @@ def _parting(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _bounce(rng: np.random.Generator) -> dict[str, str]:
-    """Head-on, nothing is lost."""
+    """Parameters of a head-on elastic collision."""
     return _collision(rng, damping=0)
 
 

@@ -44,7 +44,7 @@ def test_an_error_constant_that_doubles_is_worse_although_it_holds_its_bound(pro
     done = program.gate()
     assert done.returncode == 1
     assert "WORSE" in done.stdout
-    assert "beyond the factor 1.5" in done.stdout
+    assert "more than the factor 1.5" in done.stdout
 
 
 def test_a_method_that_can_no_longer_be_judged_is_lost(program):

@@ -122,7 +122,7 @@ class Supervised:
             self.socket.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
-        """Ends it, and what it runs."""
+        """Ends the supervisor and the processes that it runs."""
         self.stop()
         self.said.close()
         self.socket.close()

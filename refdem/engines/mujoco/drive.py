@@ -34,7 +34,7 @@ def driving(mujoco: Any, scene: Scene, places: Sequence[list[int]]) -> Iterator[
 
 
 def _passive(pushes: Sequence[Push]) -> Any:
-    """The callback."""
+    """The callback that applies the periodic forces."""
 
     def passive(model: Any, data: Any) -> None:
         time = data.time

@@ -69,7 +69,7 @@ class Drift(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The run at the only level."""
+        """The plain run at the only level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
