@@ -81,7 +81,7 @@ class RefdemItem(pytest.Item):
         return str(excinfo.value)
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Where it comes from."""
+        """The path and name under which pytest reports the item."""
         return self.path, 0, self.name
 
 

@@ -27,7 +27,8 @@ BOUND = 0.25
 One step is one; a method's own error and a lag of half a step that stays are not in it.
 """
 BASIS = (
-    "from each sample to the next there are `stride` whole steps, however a sum of them is rounded"
+    "consecutive samples are exactly `stride` whole steps apart; summed step"
+    " times are rounded and must not be compared"
 )
 PLAUSIBLE = (0.5, 2.0)
 """Time passed over time asked for. Outside these limits units are wrong, which other probes tell,

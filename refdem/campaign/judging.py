@@ -85,7 +85,7 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
                 undecided(
                     check.name,
                     "state",
-                    "the method gives velocities half a step before its positions",
+                    "the method reports velocities half a step before its positions",
                 )
             )
         elif all(variant in outcomes or variant in unshown for variant in needed):
@@ -115,7 +115,10 @@ def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
 def _unshown(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
     """A variant that the engine refused, as it had said it may."""
     failure = next(failure for variant, failure in failed.items() if variant.change == change)
-    sentence = f"Not supported: the variant `{change}` was refused when it ran: {failure.sentence}."
+    sentence = (
+        f"Not supported: the engine refused the variant `{change}` during the run:"
+        f" {failure.sentence}."
+    )
     return Finding(check=check.name, quantity=change, outcome="unsupported", sentence=sentence)
 
 
@@ -143,11 +146,11 @@ def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> li
     return [msgspec.structs.replace(_ERROR, sentence=sentence)]
 
 
-_REFUSED_BY_THE_REFERENCE = " The reference must say before it runs what it cannot run."
+_REFUSED_BY_THE_REFERENCE = " The reference must report before a run what it cannot run."
 _REFUSED_IN_PART = (
-    " It ran the same scene otherwise, and whoever supports a scene runs it at every step and in"
-    " every variant (pictures of a scene that a program cannot show are named in engine.may_refuse"
-    " of its refdem.toml)."
+    " The engine ran the same scene otherwise, and an engine that supports a"
+    " scene must run it at every step and in every variant (exceptions are"
+    " listed as engine.may_refuse in refdem.toml)."
 )
 
 

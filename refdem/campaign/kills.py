@@ -111,7 +111,7 @@ class FaultTrial:
 
     @property
     def drawn(self) -> range:
-        """The seeds that are drawn."""
+        """The seeds of the parameter sets that are drawn."""
         return range(self.first, self.first + self.seeds)
 
     @cached_property

@@ -59,7 +59,7 @@ def _lost(record: Record, finding: Finding, asked: set[str], owner: str) -> Find
     """The finding as it is, or lost."""
     if record.id(finding) not in asked or finding.outcome in (*DECIDED, "error"):
         return finding
-    sentence = f"{finding.sentence} {_capital(owner)} has it decided."
+    sentence = f"{finding.sentence} {_capital(owner)} contains a decided finding here."
     return msgspec.structs.replace(finding, outcome="lost", sentence=sentence)
 
 
@@ -107,8 +107,8 @@ def _absent(name: str, owner: str) -> Finding:
     """A finding that was not made, in a record where nothing explains that."""
     check, _, quantity = name.partition("/")
     sentence = (
-        f"{_capital(owner)} has this finding and this run did not make it: it was removed, or could"
-        " not be judged."
+        f"{_capital(owner)} contains this finding, and this run did not produce"
+        " it: its cause was removed, or it could not be judged."
     )
     return Finding(check=check, quantity=quantity, outcome="absent", sentence=sentence)
 
@@ -117,8 +117,9 @@ def _vanished(place: Place, names: list[str], owner: str) -> Record:
     """A record that was not made at all: one finding for all that is gone with it."""
     label, engine, method = place
     sentence = (
-        f"{_capital(owner)} has {_counted(names)} of this case in this method and this run made"
-        f" none: the case, the engine's method or its support was removed ({_named(names)})."
+        f"{_capital(owner)} contains {_counted(names)} for this case and method,"
+        " and this run produced none: the case, the method or its support was"
+        f" removed ({_named(names)})."
     )
     gone = Finding(check="record", quantity="findings", outcome="absent", sentence=sentence)
     return Record(

@@ -183,8 +183,8 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
             if not levels:
                 turns = instance.scales.duration / instance.scales.tau
                 unsupported = (
-                    f"more than {specification.most_steps:g} steps for {turns:.3g} times the"
-                    " shortest time tau; shorten the duration"
+                    f"the run needs more than {specification.most_steps:g} steps for"
+                    f" {turns:.3g} times the shortest time tau; shorten the duration"
                 )
         refuses = partial(_unsupported, engine, method)
         found.append((Subject(instance, method, levels, None, unsupported=refuses), unsupported))
@@ -301,7 +301,7 @@ def request(
     if variant.change == "perturbed":
         return replace(plain, problem=problem.perturbed(variant.amount))
     if not isinstance(problem, Motion):
-        raise UsageError(f"variant {variant}: {problem.words} has no such variant")
+        raise UsageError(f"variant {variant}: {problem.words} does not have this variant")
     return _of_motion(task, plain, problem, variant, base)
 
 
@@ -324,7 +324,7 @@ def _of_motion(
             motion = shown.applied(problem)
         return replace(plain, problem=motion, step=step)
     if base is None:
-        raise UsageError(f"variant {variant} goes on from a run that is not there")
+        raise UsageError(f"variant {variant} continues a run that is not available")
     if variant.change == "reversed":
         sign = -1.0
     else:

@@ -89,7 +89,8 @@ class Hangs:
         return Failure(
             kind="hang",
             sentence=(
-                "it was not begun: another run of this method on this case did not end in its time"
+                "it was not started: another run of this method on this case exceeded its time"
+                " limit"
             ),
             is_begun=False,
         )

@@ -241,7 +241,7 @@ class Schedule:
                     sentence=f"it had computed for {limit:g} s of CPU time and was killed",
                 )
             return Failure(
-                kind="crash", sentence=f"its process died with exit code {error.exitcode}"
+                kind="crash", sentence=f"the worker process died with exit code {error.exitcode}"
             )
         except Exception as error:
             return _failure(error)

@@ -81,13 +81,13 @@ def claims(method: Method) -> str:
             exception = f" (not with {broken})"
         else:
             exception = ""
-        words.append(f"keeps {name}{exception}")
+        words.append(f"conserves {name}{exception}")
     if method.symplectic:
         words.append("symplectic")
     if method.reversible:
         words.append("reversible")
     if method.summed_clock:
-        words.append("its clock is a plain sum of steps, off by up to u t each")
+        words.append("its clock is a plain sum of steps, with an error of up to u t per step")
     if method.constant != 1:
         words.append(f"C = {method.constant:g} ({method.constant_reason})")
     return "; ".join(words)

@@ -29,17 +29,18 @@ STEP = INTERVAL / 128
 TOLERANCE = 1e-8
 BOUND = 0.02
 BASIS = (
-    "a wrong unit, sign, axis or order changes a probe by more than a tenth of its scale, a"
-    " method's own error by less than 1 %"
+    "a wrong unit, sign, axis or order changes a probe by more than a tenth"
+    " of its scale; truncation error of the method changes it by less than 1"
+    " %"
 )
 START_BOUND = 1e-12
 CLOCK_BASIS = (
-    "samples are whole multiples of dyadic steps: a clock that adds them up rounds a few thousand"
-    " times at most"
+    "samples are whole multiples of dyadic steps, so a clock that sums the"
+    " steps makes at most a few thousand roundings"
 )
 START_BASIS = (
-    "the first sample is the scene's own state; an adapter converts it there and back with a few"
-    " roundings"
+    "the first sample is the initial state of the scene, which an adapter"
+    " converts back and forth with a few roundings"
 )
 
 
@@ -60,13 +61,13 @@ def smoke(engine: Engine) -> list[Finding]:
         reasons = {method.name: _unsupported(engine, method, probe) for method in engine.methods}
         takers = [method for method in engine.methods if reasons[method.name] is None]
         if not takers:
-            reason = next(iter(reasons.values()), "it has no methods")
+            reason = next(iter(reasons.values()), "the engine has no methods")
             found.append(
                 Finding(
                     check="smoke",
                     quantity=probe.name,
                     outcome="unsupported",
-                    sentence=f"not said by this engine: {reason}",
+                    sentence=f"the engine does not support this probe: {reason}",
                 )
             )
             continue
@@ -143,7 +144,7 @@ def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Metho
     """Are the engine's own times the samples?"""
     times = request.problem.times
     off = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
-    says = f"{request.method}: the clock is off by at most {off:.2g} of the last sample's time"
+    says = f"{request.method}: the relative error of the clock at the last sample is {off:.2g}"
     return _finding(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
 
 
@@ -163,8 +164,8 @@ def _first_sample(
         distances.append((distance, column))
     off, name = max(distances)
     says = (
-        f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in"
-        f" {name}"
+        f"{request.method}: the first sample differs from the initial state of the"
+        f" scene by {off:.2g} of its scale, in {name}"
     )
     return _finding(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
 
@@ -206,16 +207,16 @@ def _compared(
     seen = came[name]
     expected = right[name]
     off = _largest(seen, expected, signless=name == "attitude")
-    says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
+    says = f"{request.method}: the error of {name} is {off:.2g} of its scale"
     if not off <= BOUND:
         by_sample = np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)
         at = int(np.argmax(by_sample))
         says += (
-            f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be"
+            f": at t = {probe.times[at]:g} s the value is {_text(seen[at])}, expected"
             f" {_text(expected[at])}"
         )
         suspected = suspicion(right, came, name, probe.times - probe.start)
-        hint = suspected or f"look at how the adapter says {probe.shows}"
+        hint = suspected or f"check how the adapter converts {probe.shows}"
         says += f"; {hint}"
     return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
 

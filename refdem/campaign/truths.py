@@ -23,7 +23,7 @@ from refdem.truth.certified.sources import digest_of
 
 Asked = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is asked for as well."""
-UNASKED = "no engine here can say it, so nothing was proved"
+UNASKED = "no installed engine supports the case, so its truth was not computed"
 FAILED = "the proof ended in a "
 """How the reason begins where a proof crashed or hung: it may end otherwise next time."""
 

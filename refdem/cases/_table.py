@@ -7,7 +7,7 @@ from refdem.errors import UsageError
 
 
 def exact(p: Parameters, name: str) -> tuple[Fraction, Fraction]:
-    """A pair of exact numbers."""
+    """Two parameters of that name as exact fractions."""
     return p[name]  # type: ignore[return-value]
 
 

@@ -16,7 +16,7 @@ from refdem.core.truth import Truth
 
 
 class Logistic(IterationCase):
-    """x on [0, 1]."""
+    """The logistic map for x in [0, 1]."""
 
     id = "logistic"
     title = "Logistic map"

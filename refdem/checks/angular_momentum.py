@@ -23,7 +23,7 @@ class AngularMomentum(Check):
 
     name = "angular-momentum"
     title = "Angular momentum"
-    kills = "a wrong lever arm, a torque left out, body axes taken for space axes"
+    kills = "a wrong lever arm, a missing torque, body axes used as space axes"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
@@ -58,8 +58,8 @@ class AngularMomentum(Check):
         allowed: Array | float
         if free:
             allowed = subject.noise(variant.level)
-            moved = "nothing acts, and every method moves on in a straight line"
-            basis = f"{moved}, so only round-off c u sqrt(n), and u n of equal terms, may change it"
+            moved = "nothing acts on the bodies, and every method integrates free motion exactly"
+            basis = f"{moved}: only round-off, c u sqrt(n) plus u n for equal terms, may change it"
         else:
             allowed, basis = subject.kept("angular-momentum", variant.level)
             sweeps = subject.round_off(variant.level) * (
@@ -73,7 +73,9 @@ class AngularMomentum(Check):
             )
             fallen = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
             if np.any(fallen < allowed):
-                basis = "what the order leaves of the change at the coarsest step"
+                basis = (
+                    "truncation error extrapolated from the coarsest step with the claimed order"
+                )
             allowed = np.minimum(allowed, fallen)
         size = float(
             np.linalg.norm(angular(subject.instance.scene, runs[variant].trajectory)[name][0])
@@ -88,8 +90,8 @@ class AngularMomentum(Check):
             unit="1",
             basis=basis,
             what=(
-                f"The change of {name} angular momentum, in units of the sum of m|r||v| + |J omega|"
-                " at the start,"
+                f"The change of {name} angular momentum, relative to the initial sum of"
+                " m|r||v| + |J omega|,"
             ),
         )
 
@@ -125,12 +127,12 @@ class AngularMomentum(Check):
             allowed=float(share) * subject.bound(level),
             unit="1",
             basis=(
-                "the bounds on places, velocities and spins, each in units of the sum of m|r||v| +"
-                " |J omega| at the start"
+                "error bounds on position, velocity and angular velocity, propagated to"
+                " angular momentum"
             ),
             what=(
-                "The total angular momentum against truth, which the law changes by the integral of"
-                " overlap times friction,"
+                "The error of total angular momentum (its true change is the time"
+                " integral of overlap times friction),"
             ),
         )
 

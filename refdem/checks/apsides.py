@@ -29,8 +29,8 @@ class Apsides(Check):
     name = "apsides"
     title = "Apsides"
     kills = (
-        "an attraction that is not quite Newton's, a method whose ellipse turns, a velocity of"
-        " another time than its place"
+        "a force law that deviates from Newton's, a method whose ellipse"
+        " precesses, a velocity not at the time of its position"
     )
     synchronous = True
 
@@ -44,13 +44,13 @@ class Apsides(Check):
             or scene.bodies.fixed.any()
             or not (_attraction(scene) or _spring(scene))
         ):
-            return "nothing goes round in a field that keeps its apsides"
+            return "no body orbits in a field that conserves its apsides"
         if "dimension:1" in scene.features:
-            return "it moves on a straight line"
+            return "the body moves on a straight line"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -88,7 +88,7 @@ class Apsides(Check):
                 undecided(
                     self.name,
                     quantity,
-                    "its bound passes a tenth of the orbit before the second sample",
+                    "the bound exceeds a tenth of the orbit before the second sample",
                 )
             ]
         change = np.linalg.norm((kept - kept[0]).reshape(len(kept), -1), axis=1)
@@ -101,10 +101,10 @@ class Apsides(Check):
                 allowed=(share * allowed)[:count],
                 signal=1.0,
                 unit="1",
-                basis=f"{basis}, for place and velocity as they come into it",
+                basis=f"{basis}, propagated from position and velocity",
                 what=(
-                    f"The change of the {name} (over the run the apsides turn by {turned(kept):.2g}"
-                    " rad)"
+                    f"The change of the {name} (the apsides precess by {turned(kept):.2g} rad"
+                    " over the run)"
                 ),
             )
         ]

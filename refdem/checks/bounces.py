@@ -16,7 +16,10 @@ from refdem.core.variant import Variant
 
 CORNER = 1e-12
 """Part of the table's size: a place after many bounces is not known better."""
-BASIS = "it follows from one bounce alone, so that no error of earlier ones counts: a few roundings"
+BASIS = (
+    "each bounce is tested from the previous one alone, so errors do not"
+    " accumulate: a few roundings are allowed"
+)
 
 
 class Bounces(Check):
@@ -26,19 +29,19 @@ class Bounces(Check):
     title = "Bounces"
     judges = (Iteration,)
     kills = (
-        "a reflection that is not one, a wall in the wrong place, a direction that loses its length"
-        " bounce by bounce"
+        "an incorrect reflection, a wall in the wrong place, a direction vector"
+        " that loses its length over many bounces"
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Billiards."""
+        """None for billiards, else the reason why not."""
         problem = subject.instance.problem
         if isinstance(problem, Iteration) and isinstance(problem.map, Billiard):
             return None
-        return "it is no billiard"
+        return "the case is not a billiard"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run."""
+        """The plain run of the map."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -53,15 +56,15 @@ class Bounces(Check):
         sizes = {
             "speed": (
                 np.abs(np.hypot(*direction.T) - 1),
-                "The change of the speed, as a part of it,",
+                "The relative change of the speed",
             ),
             "wall": (
                 np.abs(off) / subject.instance.scales.length,
-                "The distance of a bounce from the wall, in units of the table,",
+                "The distance of a bounce from the wall, relative to the size of the table,",
             ),
             "inward": (
                 np.maximum(0.0, np.sum(direction * normal, axis=1)),
-                "The part of a direction that points out of the table",
+                "The component of a direction vector that points out of the table",
             ),
         }
         return [

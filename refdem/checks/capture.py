@@ -19,21 +19,21 @@ class Capture(Check):
     name = "capture"
     title = "Captured mass"
     kills = (
-        "a hook that lets out or draws in the line, that keeps momentum and not angular momentum,"
-        " or brakes what it catches"
+        "a hook that lets the line slip or reels it in, that conserves momentum"
+        " instead of angular momentum, or brakes what it catches"
     )
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes with a hook of the world that truth says catches something."""
         if not any(hook.b < 0 for hook in subject.instance.scene.all(Catch)):
-            return "there is no hook"
+            return "the scene has no catch"
         if subject.truth is None or "omega" in subject.truth.scalars:
             return None
-        return "nothing is caught"
+        return "no body is caught"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -58,7 +58,7 @@ class Capture(Check):
                 undecided(
                     self.name,
                     "omega",
-                    "fewer than three samples follow the catch, or it is not held after it",
+                    ("fewer than three samples follow the catch, or the body is not held after it"),
                 )
             ]
         first = caught[0] + 1
@@ -70,13 +70,19 @@ class Capture(Check):
         values = {
             "omega": (
                 rate / omega - 1,
-                "The rate of turning after the catch, relative to v/r as it flew past,",
+                (
+                    "The relative error of the angular velocity after the catch, compared"
+                    " with v/r at the catch,"
+                ),
             ),
             "speed": (
                 np.linalg.norm(velocity[-1]) / (rate * distance[-1]) - 1,
-                "The last v/(r omega) from 1",
+                "The deviation of the final v/(r omega) from 1",
             ),
-            "inertia": (spin / rate / inertia - 1, "L/omega, relative to m r^2,"),
+            "inertia": (
+                spin / rate / inertia - 1,
+                "The relative error of L/omega, compared with m r^2,",
+            ),
         }
         return [
             judged(
@@ -86,7 +92,7 @@ class Capture(Check):
                 bound=bound,
                 sight=Sight(bound, 1.0),
                 unit="1",
-                basis="the bound on the state at the end of the run",
+                basis="the error bound of the state at the end of the run",
                 what=what,
             )
             for name, (value, what) in values.items()

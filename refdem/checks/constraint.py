@@ -19,8 +19,8 @@ class Constraint(Check):
     name = "constraint"
     title = "Constraint drift"
     kills = (
-        "a multiplier solved loosely, a rod that is a stiff spring, positions projected and"
-        " velocities not"
+        "a constraint solved too loosely, a rod modelled as a stiff spring,"
+        " positions projected but not velocities"
     )
     synchronous = True
 
@@ -30,7 +30,7 @@ class Constraint(Check):
         """
         if subject.instance.scene.all(Rod):
             return subject.method.derived.get("rod")
-        return "there is no constraint"
+        return "the scene has no constraint"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, and the finest where lengths are held to the order only and must fall
@@ -65,9 +65,12 @@ class Constraint(Check):
                     basis=(
                         basis
                         if bound is allowed
-                        else f"{basis}, and what the order leaves of the drift at the coarsest step"
+                        else (
+                            f"{basis}, and truncation error extrapolated from the coarsest step"
+                            " with the claimed order"
+                        )
                     ),
-                    what=f"The drift of the rods' {quantity}, in units of its scale,",
+                    what=f"The constraint drift of the rods ({quantity}), relative to its scale,",
                 )
             )
         return found

@@ -28,8 +28,8 @@ class ContactChannels(Check):
     name = "contact-channels"
     title = "Overlap and contact force"
     kills = (
-        "an overlap counted for each body, a force of the step before or with the other sign,"
-        " channels in other units"
+        "an overlap counted once for each body, a force with the wrong sign or"
+        " from the previous step, channels in wrong units"
     )
     synchronous = True
 
@@ -38,17 +38,17 @@ class ContactChannels(Check):
         scene = subject.instance.scene
         laws = subject.instance.scene.all(Contact)
         if len(laws) != 1 or laws[0].law == "rigid" or {"plane", "periodic_box"} & scene.features:
-            return "spheres do not meet each other alone, or without overlap"
+            return "sphere-sphere contact with overlap is not the only interaction"
         alone = (
             all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
             and 2 <= len(scene.bodies) <= MOST
         )
         if alone:
             return None
-        return f"it is not a scene of 2 to {MOST} spheres"
+        return f"the scene does not have between 2 and {MOST} spheres"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -63,7 +63,7 @@ class ContactChannels(Check):
         found = []
         if "overlap" in run.channels:
             off = np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
-            basis = "it follows from the places of the same row, to round-off"
+            basis = "the channel must follow from the positions in the same row, to round-off"
             found.append(("overlap", run.t, off, np.full(len(off), rounded), basis))
         # At the touch rounding says whether a dashpot acts.
         told = np.abs(meeting.overlap) > rounded * length
@@ -71,8 +71,8 @@ class ContactChannels(Check):
             off, apart = _off_force(subject, run, meeting)
             allowed = np.full(len(off), _rounded_force(subject, run, meeting) + apart / peak)
             basis = (
-                "it follows from places and velocities of the same row, or of half a step before,"
-                " to round-off"
+                "the channel must follow from positions and velocities in the same row"
+                " (or half a step earlier), to round-off"
             )
             found.append(("contact_force", run.t[told], off[told] / peak, allowed[told], basis))
         return [
@@ -85,8 +85,8 @@ class ContactChannels(Check):
                 unit="1",
                 basis=basis,
                 what=(
-                    f"What the {name.replace('_', ' ')} differs by from that of the state, in units"
-                    " of its scale,"
+                    f"The difference between the reported {name.replace('_', ' ')} and the one"
+                    " computed from the state, relative to its scale,"
                 ),
             )
             for name, t, values, allowed, basis in found

@@ -56,8 +56,9 @@ class ContactImpulse(Check):
     name = "contact-impulse"
     title = "Impulse between samples"
     kills = (
-        "a friction limit of the step before or without the dashpot, a contact that is cut before"
-        " its end, a wrong contact law, a coefficient of friction off by any digit that is kept"
+        "a friction limit of the previous step or without the dashpot, a contact"
+        " that ends too early, a wrong contact law, a coefficient of friction"
+        " wrong in any retained digit"
     )
     synchronous = True
 
@@ -69,14 +70,14 @@ class ContactImpulse(Check):
         laws = scene.all(Contact)
         walls = scene.all(Plane)
         if subject.method.control != "step":
-            return f"the method is controlled by {subject.method.control}, not by a step"
+            return f"the step control of the method is {subject.method.control}, not a fixed step"
         if len(scene.elements) != 1 + len(walls) or len(laws) != 1 or laws[0].law == "rigid":
-            return "something else acts than a contact with an overlap"
+            return "a force acts other than a contact with overlap"
         spheres = all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
         are_two = len(scene.bodies) + len(walls) == 2 and len(walls) <= 1
         if spheres and are_two and not scene.bodies.fixed.any():
             return None
-        return "it is not a scene of two free spheres, or of one and a wall"
+        return "the scene is neither two free spheres nor one sphere and a wall"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, at which what is late is furthest off, with a sample every few
@@ -104,12 +105,12 @@ class ContactImpulse(Check):
                     allowed=rounding,
                     unit="1",
                     basis=(
-                        "every force obeys |Ft| <= mu Fn, and so does what they add up to, to"
+                        "every force satisfies |Ft| <= mu Fn, hence so does their sum, to"
                         " round-off, at any step"
                     ),
                     what=(
-                        "How far the impulse between two samples is outside the cone of friction,"
-                        " in units of mass times speed,"
+                        "The impulse between two samples in excess of the friction cone, in units"
+                        " of mass times speed,"
                     ),
                 )
             )
@@ -141,12 +142,12 @@ class ContactImpulse(Check):
                 allowed=allowed[counts],
                 unit="1",
                 basis=(
-                    "every force of a contact that slides obeys |Ft| = mu Fn, and so does what they"
-                    " add up to, to round-off, at any step"
+                    "every force of a sliding contact satisfies |Ft| = mu Fn, hence so does"
+                    " their sum, to round-off, at any step"
                 ),
                 what=(
-                    "The tangential impulse between two samples less mu times the normal one, in"
-                    " units of mass times speed,"
+                    "The difference between the tangential impulse between two samples and mu"
+                    " times the normal impulse, in units of mass times speed,"
                 ),
             )
         ]
@@ -179,12 +180,12 @@ class ContactImpulse(Check):
             allowed=(bends + tilts) / unit + rounding,
             unit="1",
             basis=(
-                "it is made of forces that the law gives at states of the interval, but for what"
-                " they bend between samples"
+                "the impulse must lie between those of the smallest and largest forces"
+                " that the law gives near the interval, plus their curvature"
             ),
             what=(
-                "What the normal impulse between two samples is off from those of the forces around"
-                " it, in units of mass times speed,"
+                "The normal impulse between two samples in excess of the range of the"
+                " surrounding forces, in units of mass times speed,"
             ),
         )
 

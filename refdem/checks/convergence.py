@@ -9,7 +9,7 @@ import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import growth_shown, judged, perturbation, undecided
+from refdem.core.judgement import growth_shown, judged, order_statement, perturbation, undecided
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
@@ -25,21 +25,21 @@ class Convergence(Check):
     """
 
     name = "convergence"
-    title = "Convergence without truth"
+    title = "Self-convergence"
     kills = (
-        "a velocity or a spring of the step before where no truth is certified, results that never"
-        " settle"
+        "a velocity or a spring force of the previous step where no truth is"
+        " certified, results that never converge"
     )
 
     def applies(self, subject: Subject) -> str | None:
         """Fixed steps, at least three levels, and samples that are not certified."""
         if subject.method.control != "step":
-            return f"the method is controlled by {subject.method.control}, not by a step"
+            return f"the step control of the method is {subject.method.control}, not a fixed step"
         if subject.truth is not None and subject.truth.until == len(subject.instance.times):
-            return "truth is certified to the end: the observed order sees more"
+            return "truth is certified to the end of the run, and the check `order` is stricter"
         if len(subject.levels) >= 3:
             return None
-        return f"{len(subject.levels)} levels are planned; 3 are needed"
+        return f"only {len(subject.levels)} refinement levels are planned; 3 are needed"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain runs of the finest three levels, and two that show how errors grow: the
@@ -66,7 +66,9 @@ class Convergence(Check):
         growth = float(growth_shown(subject.instance, subject.method, moved, base)[-1])
         floor = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth
         if fine > HORIZON:
-            why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
+            why = (
+                f"the two finest levels differ by {fine:.2g} of the scale; smaller steps are needed"
+            )
             return [undecided(self.name, "state", why)]
         order = subject.order
         if fine > floor:
@@ -83,12 +85,15 @@ class Convergence(Check):
                 bound=FURTHER * max(0.15, 0.05 * order),
                 unit="1",
                 basis=(
-                    f"order {order} is claimed, so from level to level the change must fall with"
-                    " it, within 2 max(0.15, 0.05 p)"
+                    f"order {order} is claimed, so successive changes must fall with it,"
+                    " within 2 max(0.15, 0.05 p)"
                 ),
-                what=(
-                    f"The run changes by {coarse:.2g} and then by {fine:.2g} of its scale: order"
-                    f" {seen:.2f}; what it lacks"
+                statement=order_statement(
+                    seen,
+                    order,
+                    max(0.0, order - seen),
+                    FURTHER * max(0.15, 0.05 * order),
+                    f"successive changes {coarse:.2g} and {fine:.2g} of the scale",
                 ),
                 order_seen=seen,
                 order_claimed=float(order),
@@ -106,8 +111,10 @@ class Convergence(Check):
             return undecided(
                 self.name,
                 "state",
-                f"kinks scatter the changes from level to level, so the order {seen:.2f} of one"
-                " pair shows nothing",
+                (
+                    "kinks scatter the changes from level to level, so one pair of levels"
+                    f" (observed order {seen:.2f}) is not conclusive"
+                ),
             )
         return judged(
             check=self.name,
@@ -115,8 +122,8 @@ class Convergence(Check):
             value=fine,
             bound=allowed,
             unit="1",
-            basis="the errors that both levels may have",
-            what="The change between the finest two levels, in units of each scale,",
+            basis="the sum of the error bounds of both levels",
+            what="The change between the two finest levels, relative to each scale,",
         )
 
 

@@ -56,24 +56,27 @@ class Gas:
 
     @property
     def softness(self) -> float:
-        """Contact time times w_c."""
+        """The contact time times the collision frequency w_c [1]."""
         return self.lasts * self.frequency
 
     def doubt(self) -> str | None:
         """None where the theory holds, else the assumption that does not."""
         if self.packing > DILUTE:
             return (
-                f"the packing fraction is {self.packing:.2g}, so that the gas is not dilute (<="
-                f" {DILUTE:g})"
+                f"the gas is not dilute: its packing fraction is {self.packing:.2g}, and"
+                f" theory holds up to {DILUTE:g}"
             )
         if self.softness > SHORT:
             return (
-                f"contact time times w_c is {self.softness:.2g}: spheres meet three at a time (<="
-                f" {SHORT:g})"
+                "contacts last too long for binary collisions: contact time times"
+                f" collision frequency is {self.softness:.2g}, and theory holds up to"
+                f" {SHORT:g}"
             )
         if self.restitution >= ROUGHEST:
             return None
-        return f"restitution {self.restitution:.2g} is too far from 1 (>= {ROUGHEST:g})"
+        return (
+            f"restitution {self.restitution:.2g} is too far from 1: theory holds from {ROUGHEST:g}"
+        )
 
 
 class Cooling(Check):
@@ -82,8 +85,8 @@ class Cooling(Check):
     name = "cooling"
     title = "Cooling of a gas"
     kills = (
-        "contacts missed by a stale neighbour list, images one box off, another restitution, pairs"
-        " counted twice"
+        "collisions missed by a stale neighbour list, periodic images off by one"
+        " box, a wrong restitution, pairs counted twice"
     )
     synchronous = True
 
@@ -92,15 +95,15 @@ class Cooling(Check):
         scene = subject.instance.scene
         laws = subject.instance.scene.all(Contact)
         if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
-            return "it is not a gas in a periodic box"
+            return "the scene is not a gas in a periodic box"
         if not are_alike(scene):
-            return "the spheres are not alike: the theory is of equal ones"
+            return "the spheres differ, and kinetic theory is for equal ones"
         if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction:
             return None
-        return "the law of contact is another"
+        return "the contact law is not linear and frictionless"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -108,9 +111,7 @@ class Cooling(Check):
         the run shows of them.
         """
         if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
-            return [
-                undecided(self.name, "temperature", "the frequency of collisions is not certified")
-            ]
+            return [undecided(self.name, "temperature", "the collision frequency is not certified")]
         gas = _gas(subject.instance.scene, subject.truth.scalars["collision_frequency"][0])
         run = runs[subject.finest].trajectory
         if (doubt := gas.doubt()) is not None:
@@ -144,12 +145,12 @@ class Cooling(Check):
             signal=np.abs(np.log(law / law[0])),
             unit="1",
             basis=(
-                f"{ERRORS:g} standard errors of the loss in the collisions so far, {THEORY:.0%} of"
-                " tau, and what contacts hold"
+                f"{ERRORS:g} standard errors of the energy lost in the collisions so far,"
+                f" {THEORY:.0%} of tau, and the energy held in contacts"
             ),
             what=(
-                "The logarithm of the temperature over"
-                f" {'that of the start' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}"
+                "The logarithm of the ratio of the temperature to"
+                f" {'its initial value' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}"
             ),
         )
 
@@ -161,7 +162,7 @@ class Cooling(Check):
             value=abs(velocity_kurtosis(run.velocity[-1])),
             bound=ERRORS * kurtosis_error(gas.n) + gas.softness,
             unit="1",
-            basis=f"{ERRORS:g} standard errors of 3 (n - 1) components",
+            basis=f"{ERRORS:g} standard errors of the kurtosis of 3 (n - 1) velocity components",
             what="The excess kurtosis of the velocities at the end",
         )
 
@@ -175,12 +176,17 @@ class Cooling(Check):
                 undecided(
                     self.name,
                     "collisions",
-                    f"{expected:.2g} collisions are expected; {FEWEST} make a mean",
+                    (
+                        f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a"
+                        " mean"
+                    ),
                 )
             ]
         allowed = ERRORS / np.sqrt(expected) + THEORY + gas.softness
-        counted = f"{seen} collisions where {expected:.5g} are expected"
-        of = f"{ERRORS:g} standard errors of a count, and {THEORY:.0%}"
+        counted = (
+            f"The relative error of the number of collisions ({seen}, expected {expected:.5g})"
+        )
+        of = f"{ERRORS:g} standard errors of the count, and {THEORY:.0%} for kinetic theory"
         more: dict[str, Any] = {
             "check": self.name,
             "unit": "1",
@@ -191,7 +197,7 @@ class Cooling(Check):
             judged(
                 quantity="collisions",
                 value=abs(seen / expected - 1),
-                what=f"{counted}: the ratio less 1",
+                what=f"{counted}",
                 **more,
             )
         ]
@@ -201,9 +207,9 @@ class Cooling(Check):
                 float(np.sum(np.diff(met) * np.sqrt(temperature[1:] * temperature[:-1]))) / expected
             )
             lost = float(np.sum(work[-1])) / (seen * given * mean)
-            what = "The energy lost in a collision, in units of (1 - e^2) T, less 1"
+            what = "The relative error of the energy lost per collision, compared with (1 - e^2) T,"
             more |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
-            more |= {"basis": f"{of}, and those collisions that are not over at the end"}
+            more |= {"basis": f"{of}, and the collisions still in progress at the end"}
             found.append(judged(quantity="loss", value=abs(lost - 1), what=what, **more))
         return found
 

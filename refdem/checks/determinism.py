@@ -17,21 +17,21 @@ DENSER = 4
 
 
 class Determinism(Check):
-    """Bit-equal on one machine."""
+    """Identical requests give bit-identical results on one machine."""
 
     name = "determinism"
     title = "Determinism"
     judges = (Problem,)
     kills = (
-        "state left over from an earlier run, uninitialised memory, output that changes the"
-        " trajectory"
+        "state left over from an earlier run, uninitialised memory, output that"
+        " changes the trajectory"
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Methods that claim it."""
+        """None if the method claims to be deterministic, else the reason why not."""
         if subject.method.deterministic:
             return None
-        return "the method does not claim it"
+        return "the method does not claim to be deterministic"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level that is not coarser than the denser output, again, and with denser
@@ -65,8 +65,8 @@ class Determinism(Check):
                 value=_difference(base, again, 1),
                 bound=0.0,
                 unit="1",
-                basis="the same request has the same answer, to the last bit",
-                what="The largest difference between two runs of one request",
+                basis="identical requests must give identical results, bit for bit",
+                what="The largest difference between two runs of the same request",
             )
         ]
         if denser and step and subject.levels[-1] <= subject.instance.problem.interval / DENSER:
@@ -77,8 +77,8 @@ class Determinism(Check):
                     value=_difference(base, denser[0], DENSER),
                     bound=0.0,
                     unit="1",
-                    basis="output is read, never written: the bits stay the same",
-                    what=f"The largest difference when {DENSER} times the samples are asked for",
+                    basis="writing output must not change the trajectory, bit for bit",
+                    what=f"The largest difference at {DENSER} times as many samples",
                 )
             )
         return found

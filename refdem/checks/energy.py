@@ -18,8 +18,8 @@ TERMS = 2.0
 """Kinetic and potential energy each err by the bound on the state."""
 
 SPRINGS = (
-    "The rise of energy above the start (the tangential contact springs hold some that no"
-    " trajectory shows)"
+    "The rise of energy above its initial value (the tangential contact"
+    " springs store an unreported part)"
 )
 
 
@@ -31,8 +31,8 @@ class Energy(Check):
     name = "energy"
     title = "Energy balance"
     kills = (
-        "a force that does not come from its potential, friction that drives, work counted twice, a"
-        " missing gyroscopic term"
+        "a force that does not derive from its potential, friction that drives,"
+        " work counted twice, a missing gyroscopic term"
     )
     synchronous = True
 
@@ -46,9 +46,11 @@ class Energy(Check):
             and method.control == "exact"
             and "energy" not in method.conserves
         ):
-            return "a drive brings energy in, and the method does not claim to keep count of it"
+            return (
+                "a drive does work on the system, and the method does not claim to account for it"
+            )
         if "contact:rigid" in subject.instance.scene.features:
-            return "rigid contacts have no potential"
+            return "rigid contacts have no potential energy"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -97,7 +99,7 @@ class Energy(Check):
         of_rods = _of_rods(subject)
         allowed = TERMS * (np.maximum(kept, rounding) + of_rods)
         coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
-        two_sided = not what.startswith(("The rise", SPRINGS))
+        two_sided = not what.startswith("The rise")
         if (
             variant == subject.finest
             and len(subject.levels) > 2
@@ -110,7 +112,9 @@ class Energy(Check):
                 rounding + of_rods + alike
             )
             if np.any(fallen < allowed):
-                basis = "what the order leaves of the change at the coarsest step"
+                basis = (
+                    "truncation error extrapolated from the coarsest step with the claimed order"
+                )
             allowed = np.minimum(allowed, fallen)
         return worst(
             check=self.name,
@@ -120,8 +124,8 @@ class Energy(Check):
             allowed=allowed,
             signal=_exchanged(subject, runs[variant]),
             unit="1",
-            basis=f"{basis}, for each of two terms",
-            what=f"{what}, in units of the energy at the start,",
+            basis=f"{basis}, times 2 for kinetic and potential energy",
+            what=f"{what}, relative to the initial energy,",
         )
 
     def _imbalance(self, subject: Subject, run: CompletedRun) -> tuple[str, Array] | str:
@@ -131,7 +135,7 @@ class Energy(Check):
         scene = subject.instance.scene
         scale = energy_scale(subject.instance)
         energy = mechanical(scene, run.trajectory)
-        what = "The change of kinetic and potential energy"
+        what = "The change of kinetic plus potential energy"
         with np.errstate(
             invalid="ignore"
         ):  # a body in the centre of attraction has no finite energy: not a number fails
@@ -139,15 +143,15 @@ class Energy(Check):
         work = _work(subject, run)
         if work is None and _stiffens(scene):
             return (
-                "a tangential spring that stiffens with its load gives and takes energy, and the"
-                " run does not show how much"
+                "a tangential spring that stiffens with its load exchanges energy, and"
+                " the run does not report how much"
             )
         if _rubs_by_springs(scene) and not _stiffens(scene):
             what = SPRINGS
             change = np.maximum(0.0, energy - energy[0]) / scale
         elif not scene.is_conservative():
             if work is None and scene.is_driven():
-                return "energy comes in from outside, and the run does not show how much"
+                return "a drive does work on the system, and the run does not report how much"
             if work is None:
                 what = "The rise of energy above any earlier value"
                 change = (energy - np.minimum.accumulate(energy)) / scale
@@ -171,10 +175,13 @@ class Energy(Check):
             values=np.maximum.accumulate(work) - work,
             allowed=TERMS * allowed,
             unit="1",
-            basis=f"what is lost stays lost: {basis}, for each of two terms",
+            basis=(
+                f"dissipated work cannot decrease: {basis}, times 2 for kinetic and"
+                " potential energy"
+            ),
             what=(
-                "The fall of the dissipated work below any earlier value, in units of the energy at"
-                " the start,"
+                "The decrease of the dissipated work below any earlier value, relative to"
+                " the initial energy,"
             ),
         )
 
@@ -195,12 +202,12 @@ class Energy(Check):
             bound=allowed,
             unit="1",
             basis=(
-                f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order},"
-                " whatever the time"
+                f"a symplectic method of order {order} keeps its energy error at"
+                f" (h/tau)^{order} for all times"
             ),
             what=(
-                "The mean energy of the last quarter of the run against that of the first, in units"
-                " of the energy at the start,"
+                "The secular energy drift (mean of the last quarter of the run less mean"
+                " of the first), relative to the initial energy,"
             ),
         )
 

@@ -22,8 +22,8 @@ class EnergyReturn(Check):
     """The gain of a run, against truth, and the gain of its way back, which undoes it."""
 
     name = "energy-return"
-    title = "Energy that appears disappears coming back"
-    kills = "a law keyed to the sign of the velocity, a field whose work is another"
+    title = "Gained energy is returned on the way back"
+    kills = "a force law that depends on the sign of the velocity, a field that does different work"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
@@ -35,7 +35,7 @@ class EnergyReturn(Check):
             return "no asymmetric force changes the kinetic energy"
         if subject.method.complete_state:
             return None
-        return "the method's end state is not complete, so it cannot go on from there"
+        return "the final state of the method is incomplete, so a run cannot be continued from it"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The finest level, there and back."""
@@ -68,8 +68,8 @@ class EnergyReturn(Check):
             value=abs(gained - true) / unit,
             bound=TERMS * allowed,
             unit="1",
-            basis="twice the bound on the velocity",
-            what="The error of the gain in kinetic energy, over m v^2,",
+            basis="twice the error bound of the velocity",
+            what="The error of the gain in kinetic energy, relative to m v^2,",
         )
         return_defect = judged(
             check=self.name,
@@ -78,11 +78,14 @@ class EnergyReturn(Check):
             bound=TERMS * back_off,
             unit="1",
             basis=(
-                "round-off there and back"
+                "round-off of the forward and the backward run"
                 if exact
-                else "twice the bound on the velocity there and back"
+                else "twice the error bound of the velocity, forward and backward"
             ),
-            what="The kinetic energy that a way there and back has gained, over m v^2,",
+            what=(
+                "The net gain in kinetic energy after running forward and backward,"
+                " relative to m v^2,"
+            ),
         )
         return [gain_error, return_defect]
 

@@ -26,7 +26,8 @@ class Equilibrium(Check):
     name = "equilibrium"
     title = "Equilibria of the pendulum"
     kills = (
-        "a top that attracts or lets nothing go, a bottom that repels, a wrong rate of departure"
+        "an unstable equilibrium that attracts or holds, a stable one that"
+        " repels, a wrong growth rate"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -38,15 +39,15 @@ class Equilibrium(Check):
             or len(scene.bodies) != 1
             or scene.all(Rod)[0].b >= 0
         ):
-            return "there is no pendulum"
+            return "the scene has no pendulum"
         if np.any(scene.bodies.velocity):
-            return "it does not start at rest"
+            return "the pendulum does not start at rest"
         if abs(_angles(scene, scene.bodies.position)[0]) <= SMALL:
             return None
-        return "it does not start next to an equilibrium"
+        return "the pendulum does not start near an equilibrium"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -84,10 +85,10 @@ class Equilibrium(Check):
             signal=np.abs(first - delta),
             unit="1",
             basis=(
-                "the term of third order of the series, and round-off and truncation that grow as"
-                " cosh"
+                "the third-order term of the series, plus round-off and truncation error"
+                " that grow as cosh"
             ),
-            what="The angle from the top less delta cosh(w0 t), in radians,",
+            what="The deviation of the angle from delta cosh(w0 t) near the top, in radians,",
         )
 
     def _at_bottom(
@@ -108,8 +109,8 @@ class Equilibrium(Check):
             allowed=allowed,
             signal=abs(delta),
             unit="1",
-            basis="energy bounds it by its start",
-            what="The angle from the bottom beyond that of the start, in radians,",
+            basis="conservation of energy limits the angle to its initial value",
+            what="The angle from the bottom in excess of its initial value, in radians,",
         )
         swing = worst(
             check=self.name,
@@ -119,8 +120,8 @@ class Equilibrium(Check):
             allowed=1.1 * third + allowed,
             signal=np.abs(first - delta),
             unit="1",
-            basis="the terms of third order of the series, and round-off and truncation",
-            what="The angle from the bottom less delta cos(w0 t), in radians,",
+            basis="the third-order terms of the series, plus round-off and truncation error",
+            what="The deviation of the angle from delta cos(w0 t) near the bottom, in radians,",
         )
         return [bounded, swing]
 

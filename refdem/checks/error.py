@@ -43,7 +43,7 @@ class Error(Check):
     name = "error"
     title = "Error against truth"
     judges = (Problem,)
-    kills = "anything that makes the motion wrong beyond the method's own truncation error"
+    kills = "any error of the motion beyond the truncation error of the method"
 
     def applies(self, subject: Subject) -> str | None:
         """Everywhere: without truth it says undecided."""
@@ -54,7 +54,7 @@ class Error(Check):
         return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding a quantity."""
+        """One finding for each quantity with certified truth."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
@@ -92,7 +92,7 @@ class Error(Check):
                 check=self.name,
                 quantity="unsaid",
                 outcome="unsupported",
-                sentence=f"The engine says nothing of {len(left)} numbers: {of}.",
+                sentence=f"The engine does not report {len(left)} of the requested numbers: {of}.",
             )
         ]
 
@@ -118,7 +118,7 @@ class Error(Check):
             return undecided(
                 self.name,
                 quantity,
-                "at every level the bound passes a tenth of the scale before the second sample",
+                "at every level the bound exceeds a tenth of the scale before the second sample",
             )
         telling = [
             level for level in bounds if not sights[level].is_blind or not ratios[level] <= 1
@@ -347,17 +347,13 @@ def _basis(subject: Subject, level: float, *, settled: bool) -> str:
     """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
     if settled and subject.method.control == "tolerance":
         return (
-            "what an error may be that falls with the tolerance if the run still changed by so"
-            " little with the last"
+            "error implied by the last change of tolerance, if the error falls in proportion to it"
         )
     if settled:
         order = subject.order
-        return (
-            f"what an error of order {order} may be if the run still changed by so little when the"
-            " step was halved"
-        )
+        return f"error implied by the change at the last halving of the step, for order {order}"
     if subject.method.control == "exact":
-        return "an exact method may be off by round-off times the sensitivity S of the motion"
+        return "round-off times the sensitivity S of the motion, for an exact method"
     if subject.method.control == "tolerance":
         factor = float(subject.truncation(level)[-1]) / level
         return (
@@ -365,7 +361,9 @@ def _basis(subject: Subject, level: float, *, settled: bool) -> str:
         )
     order = subject.order
     constant = subject.method.constant
-    return f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {constant:g}"
+    return (
+        f"claimed order {order}: |error| <= C (1 + t/tau) (h/tau)^{order} S with C = {constant:g}"
+    )
 
 
 def _what(subject: Subject, quantity: str, level: float, point: int, count: int) -> str:
@@ -377,14 +375,11 @@ def _what(subject: Subject, quantity: str, level: float, point: int, count: int)
     else:
         end = f" (scored up to the predictability horizon {when(times[count - 1])})"
     step = {
-        "step": f" at step {level:.3g} s",
-        "tolerance": f" at tolerance {level:.1g}",
+        "step": f" with step {level:.3g} s",
+        "tolerance": f" with tolerance {level:.1g}",
         "exact": "",
     }[subject.method.control]
-    return (
-        f"The error of {quantity} in units of its scale{step}, worst against its bound at"
-        f" {when(times[point])}{end},"
-    )
+    return f"The error of {quantity}{step} at {when(times[point])}{end}, relative to its scale,"
 
 
 CHECK = Error()

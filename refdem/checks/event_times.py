@@ -47,24 +47,24 @@ class EventTimes(Check):
     name = "event-times"
     title = "Times of events"
     kills = (
-        "an event told a step late, never or twice, stick for slip, the end of a contact where its"
-        " force only turns"
+        "an event reported one step late, never or twice, stick reported as slip,"
+        " a contact end where only the force changes sign"
     )
 
     def applies(self, subject: Subject) -> str | None:
         """Points that rub on a belt, shapes in touch that part, where truth has the times."""
         if not has_crossings(subject.instance.scene):
-            return "no times of events are certified for such scenes"
+            return "no event times are certified for such scenes"
         if (
             subject.truth is not None
             and certified(subject)
             and not crossings(subject, subject.truth)
         ):
-            return "truth tells no times of events"
+            return "the certified truth has no event times"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -96,7 +96,7 @@ class EventTimes(Check):
         seen = told[told <= scored.told]
         if not due and not len(seen):
             return undecided(
-                self.name, kind, scored.why or "no event is due while the motion is predictable"
+                self.name, kind, scored.why or "no event is due before the predictability horizon"
             )
         pairs = [
             (float(np.min(np.abs(told - one.time))), allowed, one.time) for one, allowed in due
@@ -106,7 +106,7 @@ class EventTimes(Check):
         if located(subject):
             stepped = ""
         else:
-            stepped = ", and a step, at whose end the method sees it"
+            stepped = ", plus one step, since the method detects events at the end of a step"
         return judged(
             check=self.name,
             quantity=kind,
@@ -115,11 +115,12 @@ class EventTimes(Check):
             sight=Sight(allowed / tau, (time - start) / tau),
             unit="1",
             basis=(
-                f"the bound on the state over the certified rate at which the event comes{stepped}"
+                "the error bound of the state divided by the certified rate of the event"
+                f" function{stepped}"
             ),
             what=(
-                f"The distance of a reported {kind} from a certified one ({len(seen)} told,"
-                f" {len(due)} due; at t = {time:.6g} s), in units of tau,"
+                f"The error of a reported {kind} time ({len(seen)} reported, {len(due)}"
+                f" expected; at t = {time:.6g} s), in units of tau,"
             ),
         )
 
@@ -172,8 +173,8 @@ def predicted(
         moved = shift(error, one)
         if moved > HORIZON * tau:
             slow = (
-                f"the event at t = {one.time:.6g} s comes so slowly that an error of {error:.2g}"
-                " moves it by more than tau/10"
+                f"event time is ill-conditioned: at t = {one.time:.6g} s a state error of"
+                f" {error:.2g} shifts it by more than tau/10"
             )
             return Predicted(events, last, last, slow)
         moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(subject, one)

@@ -29,8 +29,8 @@ class Flight(Check):
     name = "flight"
     title = "Free flight"
     kills = (
-        "places that do not follow the velocities: a gas that stands still, bodies moved twice or"
-        " by the step before"
+        "positions that do not follow from velocities: a gas that stands still,"
+        " bodies moved twice or with the previous step"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -42,15 +42,15 @@ class Flight(Check):
             "contact" not in scene.features
             or {element.kind for element in scene.elements} - BETWEEN_CONTACTS
         ):
-            return "something acts on the bodies between contacts, or they never touch"
+            return "a force acts on the bodies between contacts, or they never touch"
         if "contact:rigid" in scene.features:
-            return "rigid bodies that overlap are moved apart, whatever their velocities"
+            return "overlapping rigid bodies are pushed apart regardless of their velocities"
         if np.any(scene.bodies.velocity):
             return None
-        return "nothing flies"
+        return "every body starts at rest"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -82,12 +82,12 @@ class Flight(Check):
                 signal=np.max(np.linalg.norm(way, axis=-1) * alone, axis=1) / scales.length,
                 unit="1",
                 basis=(
-                    "nothing acts between contacts, so only round-off bends a straight line: n u"
-                    " |r| at most"
+                    "no force acts between contacts, so only round-off, at most n u |r|,"
+                    " bends a straight line"
                 ),
                 what=(
-                    "The distance of a body that nothing hit from where its velocity takes it from"
-                    " sample to sample, in units of L,"
+                    "The distance of a body in free flight from r + v dt of the previous"
+                    " sample, relative to L,"
                 ),
             )
         ]

@@ -18,18 +18,18 @@ class Flips(Check):
 
     name = "flips"
     title = "Number of flips"
-    kills = "a missing or wrong gyroscopic term, inertia axes mixed up"
+    kills = "a missing or wrong gyroscopic term, exchanged principal axes"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
         """One tumbling body without elements."""
         scene = subject.instance.scene
         if "tumbling" not in scene.features or scene.elements or len(scene.bodies) != 1:
-            return "there is no free body that tumbles"
+            return "the scene has no free tumbling body"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -49,8 +49,8 @@ class Flips(Check):
         true = _flips(truth.value(name)[:count][told])
         until = f"up to t = {subject.instance.times[count - 1]:.4g} s"
         what = (
-            f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the"
-            " difference"
+            f"The difference in the number of flips about axis {axis} (true: {true},"
+            f" run: {seen}, {until})"
         )
         return [
             judged(
@@ -60,14 +60,14 @@ class Flips(Check):
                 bound=0.0,
                 sight=Sight(0.0, float(true)),
                 unit="1",
-                basis="a number of flips is a whole number",
+                basis="the number of flips is an integer, so it must agree exactly",
                 what=what,
             )
         ]
 
 
 def _flips(omega: Array) -> int:
-    """Number of sign changes."""
+    """The number of sign changes of omega (T,); zeros are skipped."""
     signs = np.sign(omega[omega != 0])
     return int(np.count_nonzero(signs[1:] != signs[:-1]))
 

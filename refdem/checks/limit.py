@@ -32,21 +32,21 @@ class Limit(Check):
     name = "limit"
     title = "Limit of small steps"
     kills = (
-        "a constant or a clock that is wrong by less than the truncation error: motion that"
-        " converges, but elsewhere"
+        "a wrong constant or clock hidden below the truncation error: runs that"
+        " converge to another solution"
     )
 
     def applies(self, subject: Subject) -> str | None:
         """Smooth motions in steps of three sizes, with places and velocities of one time."""
         if subject.method.control != "step":
-            return f"the method is controlled by {subject.method.control}, not by a step"
+            return f"the step control of the method is {subject.method.control}, not a fixed step"
         if kinked(subject.instance):
-            return "kinks scatter the errors, so that they are no power of the step"
+            return "kinks scatter the errors, so they do not follow a power of the step"
         if subject.method.delay(subject.levels[0]) != 0:
-            return "velocities lag by a time that changes with the step"
+            return "velocities lag by a time that depends on the step"
         if len(subject.levels) > 2:
             return None
-        return "three steps are needed"
+        return "at least three steps are needed"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain runs of the three finest levels."""
@@ -66,7 +66,10 @@ class Limit(Check):
                 undecided(
                     self.name,
                     "state",
-                    "at the third finest step no more than the start can be predicted",
+                    (
+                        "the predictability horizon of the third finest step is before the second"
+                        " sample"
+                    ),
                 )
             ]
         order = subject.order
@@ -78,7 +81,7 @@ class Limit(Check):
                 undecided(
                     self.name,
                     "state",
-                    f"errors do not fall with order {order} yet, as the check order tells",
+                    f"errors do not yet fall with order {order}; see the check `order`",
                 )
             ]
         first, last = ((2**order * b - a) / (2**order - 1) for a, b in pairwise(errors))
@@ -90,12 +93,12 @@ class Limit(Check):
                 bound=float(np.max(np.abs(first - last), initial=0.0)) + floor,
                 unit="1",
                 basis=(
-                    "extrapolated errors fall by 4 or more from pair to pair, so less is left than"
-                    " they fell, and 3 times round-off"
+                    "extrapolated errors fall by a factor of 4 or more per level, so the rest"
+                    " is below their last change, plus 3 times round-off"
                 ),
                 what=(
-                    "The error extrapolated to no step at all, from the two finest of order"
-                    f" {order}, in units of each scale,"
+                    f"The error extrapolated to zero step (Richardson, order {order}, two"
+                    " finest levels), relative to each scale,"
                 ),
             )
         ]

@@ -61,8 +61,8 @@ class Lyapunov(Check):
     title = "Lyapunov exponent"
     judges = (Motion, Iteration)
     kills = (
-        "state that is rounded or snapped, so that neighbours meet; energy that is fed in, so that"
-        " they part"
+        "a state that is rounded, so that neighbouring trajectories merge; energy"
+        " that is fed in, so that they diverge"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -72,14 +72,14 @@ class Lyapunov(Check):
         scales = subject.instance.scales
         chaotic = subject.instance.case.is_chaotic(subject.instance.p)
         if chaotic is None:
-            return "nobody has said whether the motion is chaotic"
+            return "the case does not declare whether its motion is chaotic"
         if subject.method.control == "tolerance" or subject.method.precision != "double":
             return (
-                "neighbouring runs differ by the tolerance, or by single precision, as much as by"
-                " their starts"
+                "tolerances or single precision perturb neighbouring trajectories as much"
+                " as their initial separation does"
             )
         if not chaotic and scales.duration < LONG * scales.tau:
-            return f"a regular motion is told from a chaotic one after {LONG:g} tau, not before"
+            return f"a regular motion can be told from a chaotic one only after {LONG:g} tau"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -104,8 +104,8 @@ class Lyapunov(Check):
             follows = followed(subject, subject.levels[-1], run.trajectory, truth, BESIDE)
             if follows < count:
                 why = (
-                    "the true motion is unstable for a while and the run has left it, so that its"
-                    " neighbours are not those of that"
+                    "the true motion is transiently unstable and the run has left it, so the"
+                    " separation of its neighbours does not apply"
                 )
                 return undecided(self.name, "power", why)
         # Neighbours of a regular motion part as the square of time at most.
@@ -120,7 +120,9 @@ class Lyapunov(Check):
         plain, beside = self.needs(subject)
         if beside not in runs:
             return [
-                undecided(self.name, "exponent", "the code refused the start beside it when it ran")
+                undecided(
+                    self.name, "exponent", "the engine refused the perturbed start during the run"
+                )
             ]
         apart = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
         beyond = np.flatnonzero(apart > SATURATED)
@@ -129,13 +131,16 @@ class Lyapunov(Check):
         else:
             count = len(apart)
         if not apart[0] > 0:
-            return [undecided(self.name, "exponent", "the neighbour starts at the same place")]
+            return [undecided(self.name, "exponent", "the perturbed start equals the plain one")]
         if count < FEWEST:
             return [
                 undecided(
                     self.name,
                     "exponent",
-                    f"neighbours are far apart after {count} samples; ask for more of them",
+                    (
+                        f"neighbouring trajectories saturate after {count} samples; request more"
+                        " samples"
+                    ),
                 )
             ]
         t = subject.instance.times[:count]
@@ -145,7 +150,7 @@ class Lyapunov(Check):
             return [self._of_regular_motion(subject, runs[plain], apart[:count], seen)]
         if truth is None or truth.until < count:
             if truth:
-                why = f"truth is certified for {truth.until} of {count} samples"
+                why = f"truth is certified for only {truth.until} of {count} samples"
             else:
                 why = no_truth(subject)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
@@ -154,10 +159,14 @@ class Lyapunov(Check):
             until = subject.instance.problem.when(t[-1])
             size = f"{true.exponent:.2g} +- {true.error:.1g}"
             why = (
-                f"until {until} neighbours of the true motion part with the exponent {size}, the"
-                f" power {true.power:.2g}"
+                f"until {until} the neighbours of the true motion diverge with exponent"
+                f" {size} and power {true.power:.2g}"
             )
-            return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
+            return [
+                undecided(
+                    self.name, "class", f"{why}, which is not enough to call the motion chaotic"
+                )
+            ]
         return [self._positive(seen), self._against_truth(subject, seen, true, t)]
 
     def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
@@ -172,8 +181,8 @@ class Lyapunov(Check):
         if left > 0 and seen.power > bound:
             bound = seen.power + left
         basis = (
-            "a regular motion lets neighbours part as the time, or its square (1.132): its exponent"
-            " is zero"
+            "in a regular motion neighbours separate no faster than t^2 (1.132), so"
+            " the exponent is zero"
         )
         return judged(
             check=self.name,
@@ -183,28 +192,37 @@ class Lyapunov(Check):
             unit="1",
             basis=basis
             + (
-                "; so fast do those of the true motion part between these samples"
+                "; those of the true motion separate as fast between these samples"
                 if bound > LARGEST_POWER
                 else ""
             ),
             what=(
-                f"The exponent is {seen.exponent:.2g} +- {seen.error:.1g}; the power of the time"
-                " with which neighbours part at last"
+                "The power of time with which neighbours separate at the end (exponent"
+                f" {seen.exponent:.2g} +- {seen.error:.1g})"
             ),
         )
 
     def _positive(self, seen: Growth) -> Finding:
-        """Two error bars above zero, and faster than a power of the time."""
+        """The finding that the exponent is two standard errors above zero, and grows faster than
+        any power of time.
+        """
+        is_chaotic = seen.is_exponential(ERRORS)
+        if is_chaotic:
+            verdict = "is that of"
+        else:
+            verdict = "is not that of"
         return judged(
             check=self.name,
             quantity="class",
-            value=0.0 if seen.is_exponential(ERRORS) else 1.0,
+            value=0.0 if is_chaotic else 1.0,
             bound=0.0,
             unit="1",
-            basis="a chaotic motion lets neighbours part as exp(lambda t), lambda > 0 (1.133)",
-            what=(
-                f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g}, the power"
-                f" {seen.power:.3g}; what contradicts chaos"
+            basis=(
+                "in a chaotic motion neighbours separate as exp(lambda t) with lambda > 0 (1.133)"
+            ),
+            statement=(
+                f"The exponent {seen.exponent:.4g} +- {seen.error:.2g} (power of time"
+                f" {seen.power:.3g}) {verdict} a chaotic motion"
             ),
         )
 
@@ -216,18 +234,19 @@ class Lyapunov(Check):
         faster = seen.exponent > true.exponent
         bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / lasts
         basis = (
-            "three error bars of both, and a factor of 10 for the direction in which the neighbour"
-            " starts off"
+            "three standard errors of both exponents, plus ln 10 over the time for"
+            " the initial direction"
         )
         tight = float(np.log(FASTER if faster else SLOWER)) / lasts
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight
             if faster:
-                beyond = f"but for a factor of {FASTER:g}"
+                beyond = f"except for a factor of {FASTER:g}"
             else:
                 beyond = f"and few grow less by a factor of {SLOWER:g}"
             basis = (
-                f"the trajectory is that of truth, on which no start grows by more than S, {beyond}"
+                "the run follows the true trajectory, where no perturbation grows by more"
+                f" than S, {beyond}"
             )
         return judged(
             check=self.name,
@@ -237,8 +256,8 @@ class Lyapunov(Check):
             unit="1/s" if isinstance(subject.instance.problem, Motion) else "1",
             basis=basis,
             what=(
-                f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth"
-                f" {true.exponent:.4g}; the difference"
+                f"The error of the exponent ({seen.exponent:.4g} +- {seen.error:.2g}, true"
+                f" {true.exponent:.4g})"
             ),
         )
 

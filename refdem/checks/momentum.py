@@ -19,17 +19,17 @@ class Momentum(Check):
     name = "momentum"
     title = "Momentum"
     kills = (
-        "a contact force applied to one body only, a lost mass, a velocity mixed up between bodies"
+        "a contact force applied to one body only, a lost mass, velocities exchanged between bodies"
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Isolated scenes."""
+        """None for isolated scenes, else the reason why not."""
         if subject.instance.scene.is_isolated():
             return None
-        return "something acts from outside, so momentum is not kept"
+        return "an external force acts, so momentum is not conserved"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level."""
+        """The plain run at the coarsest level."""
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -47,10 +47,10 @@ class Momentum(Check):
                 signal=_exchanged(subject, run),
                 unit="1",
                 basis=(
-                    "action equals reaction at every step, so only round-off c u sqrt(n) may"
-                    " change it"
+                    "action equals reaction at every step, so only round-off, c u sqrt(n),"
+                    " may change momentum"
                 ),
-                what="The change of total momentum, in units of the sum of m|v| at the start,",
+                what="The change of total momentum, relative to the initial sum of m|v|,",
             )
         ]
 

@@ -16,6 +16,7 @@ from refdem.core.judgement import (
     errors,
     judged,
     no_truth,
+    order_statement,
     predictable,
     signed,
     undecided,
@@ -71,10 +72,10 @@ class Order(Check):
     kills = "a wrong coefficient in the integrator, a force taken at the wrong time level"
 
     def applies(self, subject: Subject) -> str | None:
-        """Methods with a fixed step."""
+        """None for methods with a fixed step, else the reason why not."""
         if subject.method.control == "step":
             return None
-        return f"the method is controlled by {subject.method.control}, not by a step"
+        return f"the step control of the method is {subject.method.control}, not a fixed step"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of every level, and of finer ones where one pair shows little."""
@@ -104,8 +105,8 @@ class Order(Check):
         if len(counting) < 3:
             levels = len(self.needs(subject))
             why = (
-                f"Only {len(counting)} of {levels} refinement levels are usable (a bound between 20"
-                " x round-off and 0.1); 3 are needed"
+                f"only {len(counting)} of {levels} refinement levels are usable (bound"
+                " between 20 x round-off and 0.1 of the scale); 3 are needed"
             )
             return undecided(self.name, "state", why)
         floor = [COUNTING_FLOOR * _floor(subject, h) for h in counting]
@@ -168,12 +169,12 @@ class Order(Check):
                 bound=0.0,
                 unit="octaves",
                 basis=(
-                    "a method converges: over three levels above round-off an error that grows as"
-                    " the step falls is none of truncation"
+                    "the error of a convergent method cannot grow over three levels above"
+                    " round-off as the step falls"
                 ),
                 what=(
-                    f"The errors from level to level, coarse to fine, are {listed}; their growth"
-                    " over the three finest"
+                    "The growth of the error over the three finest levels (errors, coarse to"
+                    f" fine: {listed})"
                 ),
             )
         ]
@@ -187,7 +188,9 @@ class Order(Check):
             value=max(seen if from_first else seen[1:]),
             bound=max(floor if from_first else floor[1:]),
             unit="1",
-            basis="20 times round-off, so there is no truncation error left to halve",
+            basis=(
+                "20 times round-off, so no truncation error is left from which to observe an order"
+            ),
             what=(
                 "The error at every level"
                 if from_first
@@ -210,23 +213,23 @@ class Order(Check):
         lacking = lack(orders, claimed)
         if len(orders) == 1 and tolerance < claimed - orders[0] < WHOLE:
             why = (
-                f"one pair of levels above round-off shows order {listed}, which may still rise to"
-                f" the claimed {claimed}"
+                f"only one pair of levels is above round-off; its observed order {listed}"
+                f" may still rise to the claimed {claimed}"
             )
             return undecided(self.name, "state", why)
         if lacking > tolerance and misfits is not None and not misfits.is_lower:
             return self._cancelled(subject, orders, misfits)
         basis = (
-            f"order {claimed} is claimed and the pairs of levels must reach it, as the step falls,"
-            " within max(0.15, 0.05 p)"
+            f"order {claimed} is claimed, and pairs of levels must reach it within"
+            " max(0.15, 0.05 p) as the step falls"
         )
         if expected < tolerance and (
             lacking <= expected or (misfits is not None and misfits.is_lower)
         ):
             tolerance = expected
             basis = (
-                f"order {claimed} is claimed, and what pairs of levels lack of it must fall with"
-                " the step"
+                f"order {claimed} is claimed, and the deficit of pairs of levels must fall with the"
+                " step"
             )
         return judged(
             check=self.name,
@@ -235,7 +238,9 @@ class Order(Check):
             bound=tolerance,
             unit="1",
             basis=basis,
-            what=f"The observed order from pair to pair is {listed}; what it lacks at the end",
+            statement=order_statement(
+                orders[-1], claimed, lacking, tolerance, f"by pairs of levels: {listed}"
+            ),
             order_seen=orders[-1],
             order_claimed=float(claimed),
         )
@@ -248,8 +253,8 @@ class Order(Check):
         listed = ", ".join(f"{order:.2f}" for order in orders)
         if misfits.claimed > CANCELLED:
             why = (
-                f"the pairs show order {listed}, and terms of order {claimed - 1:g} explain the"
-                f" errors no better than those of {claimed}"
+                f"the observed orders are {listed}, and error terms of order"
+                f" {claimed - 1:g} fit the errors as well as those of order {claimed}"
             )
             return undecided(self.name, "state", why)
         return judged(
@@ -259,12 +264,12 @@ class Order(Check):
             bound=CANCELLED,
             unit="1",
             basis=(
-                f"leading terms cancel here; terms of order {claimed - 1:g} and {claimed:g} miss"
-                f" them by {misfits.lower:.2g}"
+                f"leading terms cancel here; a fit with orders {claimed - 1:g} and"
+                f" {claimed:g} leaves {misfits.lower:.2g}"
             ),
             what=(
-                f"The observed order from pair to pair is {listed}; what a h^{claimed:g} + b"
-                f" h^{claimed + 1:g} leaves of the errors"
+                f"The relative residual of the errors after a fit of a h^{claimed:g} + b"
+                f" h^{claimed + 1:g} (observed orders {listed})"
             ),
             order_seen=orders[-1],
             order_claimed=float(claimed),
@@ -278,17 +283,17 @@ class Order(Check):
         limit = smoothness(subject.instance, subject.method)
         basis = (
             f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2,"
-            " so the mean order counts"
+            " so the mean order is compared"
         )
         if limit is not None and claimed < subject.method.order_for(
             subject.instance.problem.features
         ):
             basis = (
-                f"a force that goes as |s|^{limit.exponent:g} leaves fixed steps order {claimed:g};"
-                f" the method may declare {limit.key}"
+                f"a force that varies as |s|^{limit.exponent:g} limits fixed steps to"
+                f" order {claimed:g}; the method may declare {limit.key}"
             )
         if len(steps) < 2:
-            return undecided(self.name, "state", "one level alone is above round-off")
+            return undecided(self.name, "state", "only one level is above round-off")
         slope, deviation, shown = mean_order(steps, seen)
         lacking = claimed - slope
         sure = min(
@@ -296,8 +301,8 @@ class Order(Check):
         )
         if 0.5 < lacking <= sure:
             why = (
-                f"kinks scatter the errors; {len(steps)} levels above round-off cannot tell the"
-                f" mean order {slope:.2f} from {claimed}"
+                f"kinks scatter the errors; {len(steps)} levels above round-off cannot"
+                f" distinguish the mean order {slope:.2f} from {claimed}"
             )
             return undecided(self.name, "state", why)
         if lacking > 0.5:
@@ -309,9 +314,12 @@ class Order(Check):
             bound=0.5,
             unit="1",
             basis=basis,
-            what=(
-                f"The observed order over {len(steps)} levels is {slope:.2f} +- {deviation:.2f};"
-                " what it lacks"
+            statement=order_statement(
+                slope,
+                claimed,
+                max(0.0, lacking),
+                0.5,
+                f"mean over {len(steps)} levels, standard deviation {deviation:.2f}",
             ),
             order_seen=slope,
             order_claimed=float(claimed),
@@ -421,8 +429,8 @@ def _declared(subject: Subject) -> str:
     """
     limits = [limit for _, limit in singularities(subject.instance.scene)]
     if limits:
-        return f"if the method has a lower order there, declare {min(limits).key}"
-    return "no force of the scene excuses it"
+        return f"if the method has a lower order here, declare {min(limits).key}"
+    return "no force in the scene explains a lower order"
 
 
 def _seen(subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth) -> Seen:

@@ -36,15 +36,15 @@ class PhaseArea(Check):
     title = "Area in phase space"
     judges = (Ensemble,)
     kills = (
-        "hidden damping or driving, a volume that should be kept and is not, points that are left"
-        " behind"
+        "hidden damping or driving, phase-space volume that is not conserved,"
+        " points that are left behind"
     )
 
     def applies(self, subject: Subject) -> str | None:
         """Cases whose starts are an outline."""
         if isinstance(subject.instance.case, EnsembleCase):
             return None
-        return "the starts are no outline"
+        return "the initial states do not form an outline"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of the finest level."""
@@ -69,7 +69,9 @@ class PhaseArea(Check):
         )
         if until < MIN_SAMPLES:
             return [
-                undecided(self.name, "area", "the outline has too few points for how it stretches")
+                undecided(
+                    self.name, "area", "the outline has too few points for the way it stretches"
+                )
             ]
         error = np.abs(phase_area(x, v)[:until] - truth.value("area")[:until]) / first
         allowed = (
@@ -85,13 +87,10 @@ class PhaseArea(Check):
                 signal=1.0,
                 unit="1",
                 basis=(
-                    "round-off of the points, and what polygons of half and of a quarter of them"
-                    " show that straight sides leave out"
+                    "round-off of the points, plus the polygon error estimated from half and"
+                    " a quarter of the points"
                 ),
-                what=(
-                    "The error of the area that the outline encloses, in units of that at the"
-                    " start,"
-                ),
+                what=("The error of the enclosed phase-space area, relative to the initial area,"),
             )
         ]
 

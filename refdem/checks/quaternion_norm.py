@@ -15,18 +15,18 @@ class QuaternionNorm(Check):
 
     name = "quaternion-norm"
     title = "Quaternion norm"
-    kills = "an attitude that is integrated and never normalised"
+    kills = "an attitude quaternion that is integrated and never normalised"
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes in which something turns, and methods whose attitudes nobody has made unit
         quaternions on the way.
         """
         if "rotation" not in subject.instance.scene.features:
-            return "nothing turns"
+            return "no body rotates"
         return subject.method.derived.get("attitude")
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level."""
+        """The plain run at the coarsest level."""
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -15,23 +15,23 @@ class Rest(Check):
 
     name = "rest"
     title = "Rest stays rest"
-    kills = "sgn(0) = 0 in a friction law, contact that sinks or jitters, gravity not balanced"
+    kills = "sgn(0) = 0 in a friction law, a contact that sinks or jitters, unbalanced gravity"
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes that start at rest and, as truth says, stay there."""
         bodies = subject.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
-            return "something moves from the start"
+            return "some body moves initially"
         if subject.truth is not None and any(
             np.ptp(values[: subject.truth.until]) > 0
             for values in subject.truth.values.values()
             if values
         ):
-            return "it does not stay at rest"
+            return "the case does not stay at rest"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -57,10 +57,10 @@ class Rest(Check):
                 values=size,
                 allowed=subject.round_off(subject.levels[-1]),
                 unit="1",
-                basis="a resting body stays at rest whatever the step, to round-off c u sqrt(n)",
+                basis="a body at rest stays at rest at any step, to round-off c u sqrt(n)",
                 what=(
-                    f"The largest {name} of any body (over the second half it creeps at {creep:.2g}"
-                    " m/s), in units of its scale,"
+                    f"The largest {name} of any body (mean creep over the second half"
+                    f" {creep:.2g} m/s), relative to its scale,"
                 ),
             )
             for name, size in sizes.items()

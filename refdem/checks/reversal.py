@@ -15,6 +15,7 @@ from refdem.core.judgement import (
     judged,
     largest_so_far,
     no_truth,
+    order_statement,
     room_of,
     undecided,
 )
@@ -34,20 +35,18 @@ class Reversal(Check):
 
     name = "reversal"
     title = "Time reversal"
-    kills = (
-        "a force taken at the wrong time level, hidden dissipation, state that is not in the state"
-    )
+    kills = "a force taken at the wrong time level, hidden dissipation, hidden state"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes without a direction of time and methods whose end state is complete."""
         if not subject.instance.scene.is_reversible():
-            return "energy comes in or goes out, so time has a direction"
+            return "the system gains or loses energy, so its motion is not reversible"
         if "contact:rigid" in subject.instance.scene.features:
             return "rigid contact forces at rest are not part of the state"
         if subject.method.complete_state:
             return None
-        return "the method's end state is not complete, so it cannot go on from there"
+        return "the final state of the method is incomplete, so a run cannot be continued from it"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """A level, reversed, and backward where the method can; the two finest of the subject where
@@ -81,11 +80,13 @@ class Reversal(Check):
         level = _level(subject)
         growth = float(truth.growth()[-1])
         size = _size(subject, level)
-        basis = "the truncation error there and back, the first amplified on the way back"
+        basis = (
+            "truncation error of the forward and backward runs, the first amplified on the way back"
+        )
         if _is_exact(subject):
             basis = (
-                "a reversible method returns to round-off c u sqrt(n), there and back, times the"
-                " sensitivity S both ways"
+                "a reversible method returns to round-off, c u sqrt(n) forward and"
+                " backward, times the sensitivity S of both"
             )
         if _has_order(subject) and len(subject.levels) > 1:
             order = self._order(subject, runs, growth)
@@ -96,15 +97,17 @@ class Reversal(Check):
                 undecided(
                     self.name,
                     "return",
-                    "the bound on the return passes a tenth of the scale: predictability ends"
-                    " before",
+                    (
+                        "the bound on the return error exceeds a tenth of the scale: the run is"
+                        " longer than the predictability horizon"
+                    ),
                 )
             ]
         fallen = _fallen(subject, runs, level, growth)
         shown = _shown(subject, runs, level)
         if shown < size:
             size = shown
-            basis = "the way back adds as much as the way there is seen to be off by"
+            basis = "the backward run may add as much error as the forward run is seen to have"
         return order + [
             judged(
                 check=self.name,
@@ -115,11 +118,11 @@ class Reversal(Check):
                 basis=(
                     basis
                     if size <= fallen
-                    else "what the order leaves of the defect at a longer step"
+                    else "truncation error extrapolated from a larger step with the claimed order"
                 ),
                 what=(
-                    f"The distance from the start after the way back ({variant.change}), in units"
-                    " of each scale,"
+                    "The distance from the initial state after running forward and backward"
+                    f" ({variant.change}), relative to each scale,"
                 ),
             )
             for variant in self.needs(subject)
@@ -163,12 +166,15 @@ class Reversal(Check):
                 bound=max(0.15, 0.05 * expected),
                 unit="1",
                 basis=(
-                    f"a method of order {order} comes back with a defect of order {expected},"
+                    f"a reversible method of order {order} has a return error of order {expected},"
                     " within max(0.15, 0.05 p)"
                 ),
-                what=(
-                    f"The return defect falls with order {seen:.2f} at the finest pair of steps;"
-                    " what it lacks"
+                statement=order_statement(
+                    seen,
+                    expected,
+                    max(0.0, expected - seen),
+                    max(0.15, 0.05 * expected),
+                    "return error at the finest pair of steps",
                 ),
             )
         ]

@@ -33,8 +33,8 @@ class Roughness(Check):
     name = "roughness"
     title = "Spin of a rough gas"
     kills = (
-        "tangential springs that are lost when a neighbour list is rebuilt, torques or levers left"
-        " out, spins of one body alone"
+        "tangential springs lost when a neighbour list is rebuilt, missing"
+        " torques or lever arms, spins of only one of two bodies"
     )
     synchronous = True
 
@@ -44,9 +44,9 @@ class Roughness(Check):
         """
         scene = subject.instance.scene
         if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
-            return "it is not a gas in a periodic box"
+            return "the scene is not a gas in a periodic box"
         if not are_alike(scene):
-            return "the spheres are not alike: the theory is of equal ones"
+            return "the spheres differ, and kinetic theory is for equal ones"
         laws = scene.all(Contact)
         if (
             len(laws) != 1
@@ -54,23 +54,23 @@ class Roughness(Check):
             or laws[0].damping
             or laws[0].friction < NEVER_SLIDES
         ):
-            return "spheres are not elastic and perfectly rough"
+            return "the spheres are not both elastic and perfectly rough"
         in_tune = (
             abs(laws[0].tangential_stiffness * (1 + 1 / _inertia(scene)) / laws[0].stiffness - 1)
             < IN_TUNE
         )
         if in_tune and not scene.bodies.omega.any():
             return None
-        return "contacts do not give back their slip, or bodies spin at first"
+        return "the contacts do not reverse their slip, or bodies spin initially"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """All of the energy, and the part of it that is in spins."""
         if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
-            return [undecided(self.name, "energy", "the frequency of collisions is not certified")]
+            return [undecided(self.name, "energy", "the collision frequency is not certified")]
         scene = subject.instance.scene
         run = runs[subject.finest].trajectory
         frequency = subject.truth.scalars["collision_frequency"][0]
@@ -85,8 +85,10 @@ class Roughness(Check):
                 undecided(
                     self.name,
                     "energy",
-                    f"packing fraction {packing:.2g}, contact time times w_c {soft:.2g}: not two at"
-                    " a time",
+                    (
+                        f"collisions are not binary: the packing fraction is {packing:.2g} and"
+                        f" contact time times collision frequency is {soft:.2g}"
+                    ),
                 )
             ]
         t = run.t - run.t[0]
@@ -97,7 +99,7 @@ class Roughness(Check):
                 undecided(
                     self.name,
                     "spin",
-                    f"{met[-1]:.2g} collisions are expected; {FEWEST} make a mean",
+                    f"only {met[-1]:.2g} collisions are expected; {FEWEST} are needed for a mean",
                 )
             ]
         energy = mechanical(scene, run)
@@ -110,9 +112,11 @@ class Roughness(Check):
             values=np.abs(energy / energy[0] - 1),
             allowed=held,
             unit="1",
-            basis="what is held by contacts that last, and lost in those of three bodies:"
-            " contact time times w_c",
-            what="The energy of flight, spin and overlaps over that at the start, less 1,",
+            basis=(
+                "energy held in contacts that last, and lost in those of three bodies:"
+                " contact time times collision frequency"
+            ),
+            what="The relative change of kinetic, rotational and contact energy",
         )
         spins = worst(
             check=self.name,
@@ -121,9 +125,14 @@ class Roughness(Check):
             values=np.abs(seen - spin) / temperature,
             allowed=ERRORS * spin / temperature * np.sqrt(2 / np.maximum(met, 1)) + THEORY + held,
             unit="1",
-            basis=f"{ERRORS:g} standard errors of the gain in the collisions so far,"
-            f" {THEORY:.0%}, and what contacts hold",
-            what="The temperature of spins against kinetic theory, in units of that at the start,",
+            basis=(
+                f"{ERRORS:g} standard errors of the gain in the collisions so far,"
+                f" {THEORY:.0%} for kinetic theory, and the energy held in contacts"
+            ),
+            what=(
+                "The error of the rotational temperature against kinetic theory, relative"
+                " to the initial temperature,"
+            ),
         )
         return [energies, spins]
 

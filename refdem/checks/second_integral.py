@@ -28,7 +28,7 @@ class SecondIntegral(Check):
 
     name = "second-integral"
     title = "Second integral of the swinging machine"
-    kills = "a lost centrifugal or Coriolis term, a wheel that is left out, a string that slips"
+    kills = "a missing centrifugal or Coriolis term, an omitted wheel, a string that slips"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
@@ -38,14 +38,14 @@ class SecondIntegral(Check):
         scene = subject.instance.scene
         strings = scene.all(StringOverWheel)
         if not strings:
-            return "there is no string over a wheel"
+            return "the scene has no string over a wheel"
         pendulum, counter = scene.bodies.mass[[strings[0].a, strings[0].b]]
         if counter == 3 * pendulum and not strings[0].inertia:
             return None
         return "the machine has no second integral"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -84,13 +84,10 @@ class SecondIntegral(Check):
                 sight=Sight(bound, 1.0),
                 unit="1",
                 basis=(
-                    f"truth itself drifts by {drift:.2g}: the bound on the state, for each of"
-                    f" {TERMS:g} factors"
+                    f"the error bound of the state for each of {TERMS:g} factors (the integral"
+                    f" of the certified values drifts by {drift:.2g})"
                 ),
-                what=(
-                    "What the change of the second integral differs by from that of truth, in units"
-                    " of its terms,"
-                ),
+                what=("The error of the change of the second integral, relative to its terms,"),
             )
         ]
 

@@ -18,18 +18,18 @@ class Stop(Check):
 
     name = "stop"
     title = "Stop and sticking"
-    kills = "a wrong friction force or its sign, friction that lets a body creep, sgn(0) = 0"
+    kills = "a wrong friction force or sign, friction that lets a body creep, sgn(0) = 0"
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes with dry friction that truth says come to rest."""
         if not subject.instance.scene.all(Slider):
-            return "there is no dry friction"
+            return "the scene has no dry friction"
         if subject.truth is not None and "stop_time" not in subject.truth.scalars:
-            return "it does not stop"
+            return "the body does not stop"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level."""
+        """The plain run at the finest level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -66,10 +66,10 @@ class Stop(Check):
                 value=max(0.0, reached - radius),
                 bound=allowed,
                 unit="1",
-                basis="the bound on the state at the end of the run",
+                basis="the error bound of the state at the end of the run",
                 what=(
-                    f"The distance of the last position from the true stop at x = {place:.6g} m, in"
-                    " units of L,"
+                    f"The distance of the final position from the true stop at x = {place:.6g}"
+                    " m, relative to L,"
                 ),
             ),
             self._time(subject, run, stop, place, allowed, rounding),
@@ -79,8 +79,11 @@ class Stop(Check):
                 value=creep,
                 bound=rounding,
                 unit="1",
-                basis="Sgn(0) = [-1, 1]: what sticks stays, to round-off c u sqrt(n)",
-                what="The way crept after the stop, in units of L,",
+                basis=(
+                    "a sticking body stays where it is, since Sgn(0) = [-1, 1], to round-off"
+                    " c u sqrt(n)"
+                ),
+                what="The distance crept after the stop, relative to L,",
             ),
         ]
 
@@ -115,12 +118,12 @@ class Stop(Check):
             bound=allowed + slack / scales.tau,
             unit="1",
             basis=(
-                "the bound on the state, the interval between samples and the time in which"
-                " friction brakes the last speed seen"
+                "the error bound of the state, plus the sampling interval, plus the time"
+                " in which friction stops the smallest visible speed"
             ),
             what=(
-                "The distance of the stop time (the last sample that moves) from the true one,"
-                f" {stop:.6g} s, in units of tau,"
+                "The error of the stop time (the last moving sample, compared with"
+                f" {stop:.6g} s), in units of tau,"
             ),
         )
 

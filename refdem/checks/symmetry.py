@@ -50,15 +50,15 @@ class Symmetry(Check):
     name = "symmetry"
     title = "Symmetry"
     kills = (
-        "a frame taken for another, a hard-wired length or time, bodies treated unequally, a force"
-        " that knows the origin"
+        "confused frames of reference, a hard-wired length or time, bodies"
+        " treated unequally, a force that depends on the origin"
     )
 
     def applies(self, subject: Subject) -> str | None:
         """Scenes with some symmetry that the method can be shown."""
         if self._shown(subject):
             return None
-        return "no symmetry of the scene is one that the method can run"
+        return "the method can run no symmetry of the scene"
 
     def _shown(self, subject: Subject) -> list[str]:
         """Symmetries that the scene has and whose picture of it the method does not refuse."""
@@ -117,7 +117,7 @@ class Symmetry(Check):
                     undecided(
                         self.name,
                         variant.change,
-                        "round-off may grow past a tenth of the scale before the second sample",
+                        "round-off may exceed a tenth of the scale before the second sample",
                     )
                 )
                 continue
@@ -139,13 +139,15 @@ class Symmetry(Check):
                     unit="1",
                     basis=_basis(subject),
                     what=(
-                        f"The difference between the motion and the same {variant.change}, in units"
-                        " of each scale,"
+                        f"The difference between the motion and its {variant.change} counterpart,"
+                        " relative to each scale,"
                     ),
                 )
             )
         return found or [
-            undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")
+            undecided(
+                self.name, "any", "the engine refused every symmetry of the scene during the run"
+            )
         ]
 
     def _rotated(
@@ -175,8 +177,8 @@ class Symmetry(Check):
             falls, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
         )
         what = (
-            "The difference between the motion and the same rotated, in units of each scale, at the"
-            " finest step"
+            "The difference between the motion and its rotated counterpart at the"
+            " finest step, relative to each scale"
         )
         return worst(
             check=self.name,
@@ -186,12 +188,12 @@ class Symmetry(Check):
             allowed=(np.minimum(allowed, falling) + decided)[:count],
             unit="1",
             basis=(
-                f"it is more than round-off, so it must be a truncation error of order {order} at"
-                " both steps and fall with it"
+                "the difference exceeds round-off, so it must be truncation error of"
+                f" order {order} at both steps and fall with it"
             ),
             what=(
-                f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at"
-                f" {coarsest / finest:.0f} times the step)"
+                f"{what} ({largest:.2g}; at {coarsest / finest:.0f} times the step"
+                f" {float(np.max(coarse)):.2g}),"
             ),
         )
 
@@ -403,10 +405,9 @@ def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
 def _basis(subject: Subject) -> str:
     differs = "round-off"
     if _decides(subject):
-        differs = "round-off and what it decides in starts moved by a few roundings"
+        differs = "round-off, and discrete decisions that it flips in perturbed starts,"
     return (
-        f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion,"
-        " may differ"
+        f"the laws of mechanics are invariant, so only {differs} amplified by the motion may differ"
     )
 
 

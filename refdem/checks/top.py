@@ -30,8 +30,8 @@ class Top(Check):
     name = "top"
     title = "Top on its tip"
     kills = (
-        "a joint that opens, a torque about the vertical or about the axis of the top, space axes"
-        " taken for body axes"
+        "a joint that separates, a torque about the vertical or the symmetry"
+        " axis, space axes used as body axes"
     )
     synchronous = True
 
@@ -42,7 +42,7 @@ class Top(Check):
         joints = scene.all(BallJoint)
         if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0:
             return None
-        return "there is no top"
+        return "the scene has no top"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level, and the finest for what is held to the order only."""
@@ -71,7 +71,10 @@ class Top(Check):
                     allowed,
                     left_at_finest(subject, coarse) + COUNTING_FLOOR * subject.round_off(level),
                 )
-                basis = f"{basis}, and what the order leaves of the change at the coarsest step"
+                basis = (
+                    f"{basis}, and truncation error extrapolated from the coarsest step with"
+                    " the claimed order"
+                )
             found.append(
                 worst(
                     check=self.name,
@@ -83,8 +86,8 @@ class Top(Check):
                     unit="1",
                     basis=basis,
                     what=(
-                        f"The {'opening of the' if name.startswith('joint') else 'change of'}"
-                        f" {name}, in units of its scale,"
+                        f"The {'separation of the' if name.startswith('joint') else 'change of'}"
+                        f" {name}, relative to its scale,"
                     ),
                 )
             )

@@ -20,39 +20,52 @@ FEWEST_SPHERES = 100
 def command(
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: pendulum."),
+        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: pendulum."),
     ] = None,
     engine: Annotated[
         list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
     ] = None,
-    method: Annotated[str, typer.Option(help="Only this method of the engines; peers stay.")] = "",
+    method: Annotated[
+        str, typer.Option(help="Only this method of the engines; peers are kept.")
+    ] = "",
     set: Annotated[
         list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
     ] = None,
-    rounds: Annotated[int, typer.Option(help="Interleaved repeats of every run.", min=1)] = 5,
-    most_steps: Annotated[float, typer.Option(help="No run takes more steps.")] = 1e6,
+    rounds: Annotated[
+        int, typer.Option(help="Number of interleaved repeats of every run.", min=1)
+    ] = 5,
+    most_steps: Annotated[float, typer.Option(help="Largest number of steps of a run.")] = 1e6,
     longest: Annotated[
-        float, typer.Option(help="Refinement ends with a run that takes longer [s].")
+        float,
+        typer.Option(help="Longest run [s]; refinement ends with the first one that takes longer."),
     ] = 0.3,
     grow: Annotated[
-        list[str] | None, typer.Option(help="Time against a parameter, as samples=64,256,1024.")
+        list[str] | None,
+        typer.Option(help="Measure run time against a parameter, as samples=64,256,1024."),
     ] = None,
-    peers: Annotated[bool, typer.Option(help="With heyoka and SciPy, where installed.")] = True,
+    peers: Annotated[
+        bool, typer.Option(help="Include the peers heyoka and SciPy, where installed.")
+    ] = True,
     memory: Annotated[
-        bool, typer.Option(help="With the peak memory, in a process of its own.")
+        bool, typer.Option(help="Measure the peak memory, in a separate process.")
     ] = True,
     crowd: Annotated[
         str,
-        typer.Option(help="What a body and step cost in gases of so many spheres, as 1000,10000."),
+        typer.Option(
+            help=(
+                "Measure the cost per body and step in gases of these numbers of spheres,"
+                " as 1000,10000."
+            )
+        ),
     ] = "",
-    stability: Annotated[bool, typer.Option(help="With the largest stable step.")] = True,
+    stability: Annotated[bool, typer.Option(help="Measure the largest stable step.")] = True,
     against: Annotated[
         Path | None,
         typer.Option(
             help=(
-                "What to compare with: the Python of another installation, run in turns with this"
-                " one, or a bench.json."
+                "Compare with the Python of another installation, run in turns with this"
+                " one, or with a bench.json."
             )
         ),
     ] = None,

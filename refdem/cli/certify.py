@@ -7,28 +7,35 @@ import typer
 
 
 def command(
-    cases: Annotated[list[str] | None, typer.Argument(help="Cases; none: all.")] = None,
+    cases: Annotated[list[str] | None, typer.Argument(help="Cases; default: all.")] = None,
     folder: Annotated[
         Path | None,
-        typer.Option(help="The store: sets.toml, certified/, samples/. Its own by default."),
+        typer.Option(
+            help=(
+                "Folder of the store: sets.toml, certified/, samples/; default: the one of refdem."
+            )
+        ),
     ] = None,
     check: Annotated[
         bool,
         typer.Option(
-            "--check", help="Only check: every hash, and a sample proved and witnessed again."
+            "--check",
+            help=(
+                "Only check the store: every hash, and a sample of sets proved and witnessed again."
+            ),
         ),
     ] = False,
     each: Annotated[
         int,
         typer.Option(
-            help="With --check: sets of every case and method that are proved again.", min=0
+            help="With --check: number of sets per case and method that are proved again.", min=0
         ),
     ] = 1,
-    seed: Annotated[str, typer.Option(help="With --check: which sets.")] = "1",
+    seed: Annotated[str, typer.Option(help="With --check: seed that selects these sets.")] = "1",
     anew: Annotated[
-        bool, typer.Option("--anew", help="Prove everything, also what holds.")
+        bool, typer.Option("--anew", help="Prove all sets, including those that are up to date.")
     ] = False,
-    jobs: Annotated[int, typer.Option(help="Worker processes.", min=1)] = 2,
+    jobs: Annotated[int, typer.Option(help="Number of worker processes.", min=1)] = 2,
 ) -> None:
     """Proves every set of sets.toml whose code or parameters changed, has it witnessed, and writes
     the store; killed, it resumes.

@@ -18,9 +18,7 @@ def command(
     record: Annotated[
         str,
         typer.Argument(
-            help=(
-                "What a finding is called: `case[name=value]/engine/method`, with or without check."
-            )
+            help=("Name of a finding: `case[name=value]/engine/method`, with or without check.")
         ),
     ],
     engine: Annotated[
@@ -29,7 +27,7 @@ def command(
     level: Annotated[
         int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")
     ] = 0,
-    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Runs twins of the transparent engine, each with one known fault or another integrator, and
     names the one that comes near.
@@ -95,7 +93,9 @@ def diagnosed(
 
     claims = engine.method(method)
     if (reason := engine.unsupported(instance.problem, claims)) is not None:
-        raise UnsupportedError(f"{engine.name}/{method} cannot say {instance.label}: {reason}")
+        raise UnsupportedError(
+            f"{engine.name}/{method} does not support {instance.label}: {reason}"
+        )
     every = levels(instance, claims, 10, 1e6)
     chosen = every[min(level, len(every) - 1)]
     request = Request(

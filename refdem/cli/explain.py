@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from refdem.core.case import Instance
 
 SKIPPED = {
-    "rotation": "rotation (nothing can turn)",
-    "tumbling": "Euler's equations (every spin is about an axis that keeps it)",
-    "constraint": "the constraint solve (no constraints)",
-    "contact": "contact search (no shapes that can meet)",
+    "rotation": "rotation (no body can rotate)",
+    "tumbling": "Euler's equations (every body spins about a conserved axis)",
+    "constraint": "the constraint solver (no constraints)",
+    "contact": "contact search (no shapes that can touch)",
     "friction": "friction",
 }
 """What a scene without the feature does without."""
@@ -77,7 +77,7 @@ def asked(instance: "Instance") -> list[str]:
         return [
             *lines,
             (
-                f"  it asks for {problem.words}: {', '.join(sorted(features))}; samples up to"
+                f"  problem: {problem.words}: {', '.join(sorted(features))}; samples up to"
                 f" {problem.when(problem.times[-1])}"
             ),
         ]
@@ -86,11 +86,11 @@ def asked(instance: "Instance") -> list[str]:
         ", ".join(without for what, without in SKIPPED.items() if what not in features) or "nothing"
     )
     sizes = f"L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s"
-    needs = f"  the scene needs: {', '.join(sorted(features))}"
+    needs = f"  required features: {', '.join(sorted(features))}"
     return [
         *lines,
         needs,
-        f"  it does without: {without}",
+        f"  not needed: {without}",
         f"  motion in {dimension} of 3 dimensions; {sizes}",
     ]
 
@@ -103,7 +103,7 @@ def show(tasks: "Iterable[Task]") -> None:
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
-            print(f"{title}: refuses: {task.unsupported}")
+            print(f"{title}: not supported: {task.unsupported}")
             continue
         levels = (
             ", ".join(f"{level:.3g}" for level in task.subject.levels if level) or "one run, exact"

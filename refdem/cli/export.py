@@ -11,15 +11,16 @@ from refdem.errors import UsageError
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(help="Folder for the requests; each run gets a folder in it.")
+        Path, typer.Argument(help="Folder for the requests, with one subfolder per run.")
     ],
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases; none: those of [gate], or all that the program supports."),
+        typer.Argument(help="Cases; default: those of [gate], or all that the program supports."),
     ] = None,
     engine: Annotated[list[Path] | None, typer.Option(help="The refdem.toml of a program.")] = None,
     levels: Annotated[
-        int | None, typer.Option(help="Refinement levels; default: as [gate] says.", min=1, max=10)
+        int | None,
+        typer.Option(help="Number of refinement levels; default: that of [gate].", min=1, max=10),
     ] = None,
 ) -> None:
     """Writes requests for programs that run elsewhere, as on a batch system.

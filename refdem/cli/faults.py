@@ -13,16 +13,16 @@ def command(
         str,
         typer.Option(
             help=(
-                "An engine to spoil in place of the transparent one; only its questions and answers"
-                " are."
+                "Engine that carries the faults instead of the transparent one; only its"
+                " input and output are changed."
             )
         ),
     ] = "",
-    seeds: Annotated[int, typer.Option(help="Random parameter sets.")] = 20,
+    seeds: Annotated[int, typer.Option(help="Number of random parameter sets.")] = 20,
     fault: Annotated[
         list[str] | None, typer.Option(help="Only these faults, or all of a kind.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Everything, for programs.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Plants known faults in an engine and shows which checks see them, and that nothing is said
     against the engine without any.

@@ -8,7 +8,7 @@ import typer
 
 def command(
     figure: Annotated[
-        list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; none: all.")
+        list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; default: all.")
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the gallery.")] = Path("reports/gallery"),
 ) -> None:

@@ -18,20 +18,20 @@ def command(
         "refdem.toml"
     ),
     baseline: Annotated[
-        Path | None, typer.Option(help="The baseline; default: as refdem.toml says.")
+        Path | None, typer.Option(help="The baseline; default: that of refdem.toml.")
     ] = None,
     bless: Annotated[
         bool, typer.Option("--bless", help="Accept the findings of this run as the baseline.")
     ] = False,
-    why: Annotated[str, typer.Option(help="With --bless: why they are right.")] = "",
-    junit: Annotated[Path | None, typer.Option(help="Write JUnit XML.")] = None,
+    why: Annotated[str, typer.Option(help="With --bless: why these findings are right.")] = "",
+    junit: Annotated[Path | None, typer.Option(help="File for JUnit XML.")] = None,
     markdown: Annotated[
-        Path | None, typer.Option(help="Write Markdown for a pull request.")
+        Path | None, typer.Option(help="File for the Markdown summary of a pull request.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write the whole report into this folder.")
+    out: Annotated[Path | None, typer.Option(help="Folder for the whole report.")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Number of worker processes; default: one per core.")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
 ) -> None:
     """Runs the gate of a program: every finding against truth, and against the baseline.
 

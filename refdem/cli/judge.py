@@ -8,7 +8,7 @@ import typer
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(help="A folder that `refdem export` wrote, with trajectories in it.")
+        Path, typer.Argument(help="Folder that `refdem export` wrote, with trajectories in it.")
     ],
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
 ) -> None:

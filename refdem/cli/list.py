@@ -9,7 +9,7 @@ from refdem.errors import UsageError
 
 def command(
     what: Annotated[str, typer.Argument(help="cases, engines or checks")] = "cases",
-    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Lists cases with their parameters, engines with their methods, or checks.
 

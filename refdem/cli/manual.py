@@ -8,7 +8,10 @@ import typer
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(help="Folder of the report; the pages come into its manual/.")
+        Path,
+        typer.Argument(
+            help="Folder of the report; the pages are written to its subfolder manual/."
+        ),
     ] = Path("reports"),
 ) -> None:
     """Writes statement, method, witness, digits, checks and settled slips of every case, as

@@ -17,18 +17,19 @@ if TYPE_CHECKING:
 def command(
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: the campaign."),
+        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: those of the campaign."),
     ] = None,
     engine: Annotated[
         list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
     ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engine.")] = "",
     step: Annotated[
-        float | None, typer.Option(help="First step [s]; refinement goes on from there.")
+        float | None, typer.Option(help="Largest step [s]; refinement continues from it.")
     ] = None,
     steps_per_tau: Annotated[
-        float | None, typer.Option(help="First step as steps per shortest time.")
+        float | None,
+        typer.Option(help="Largest step, as the number of steps per shortest time tau."),
     ] = None,
     set: Annotated[
         list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
@@ -37,8 +38,8 @@ def command(
         str,
         typer.Option(
             help=(
-                "Campaign, a name or a TOML file; with cases named, those of it alone. Without"
-                " cases and name: main."
+                "Campaign, a name or a TOML file; with cases, only those of it. Default"
+                " without cases: main."
             )
         ),
     ] = "",
@@ -47,14 +48,16 @@ def command(
         typer.Option(
             "--bless",
             help=(
-                "Write what the campaign decided now down as what it must decide, and show what"
-                " changed."
+                "Write the findings decided now as those that the campaign must decide,"
+                " and show the changes."
             ),
         ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
-    no_cache: Annotated[bool, typer.Option("--no-cache", help="Read no stored runs.")] = False,
+    jobs: Annotated[
+        int | None, typer.Option(help="Number of worker processes; default: one per core.")
+    ] = None,
+    no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
 ) -> None:
     """Runs cases in engines and writes a report.
 

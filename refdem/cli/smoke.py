@@ -23,6 +23,6 @@ def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
     outcomes = {finding.outcome for finding in findings}
     if not outcomes & {"pass", "fail", "error"}:
         raise UsageError(
-            f"nothing was judged: engine {engine} can say none of the scenes that test an adapter"
+            f"nothing was judged: engine {engine} supports none of the scenes that test an adapter"
         )
     raise typer.Exit(1 if "fail" in outcomes else 3 if "error" in outcomes else 0)

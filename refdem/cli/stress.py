@@ -19,12 +19,12 @@ def command(
     case: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Only ladders on these cases, also as `pendulum[theta0=2]`; none: all."
+            help="Only ladders on these cases, also as `pendulum[theta0=2]`; default: all."
         ),
     ] = None,
     engine: Annotated[
         list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
     ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
     battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,
@@ -35,12 +35,23 @@ def command(
         ),
     ] = False,
     longest: Annotated[
-        float, typer.Option(help="No run whose time is forecast to be longer [s], for 1e8 steps.")
+        float,
+        typer.Option(
+            help="Longest forecast run time [s] (for 1e8 steps); longer rungs are not run."
+        ),
     ] = 5.0,
     timeout: Annotated[
-        float, typer.Option(help="A run that takes longer [s] is killed and costs its rung.")
+        float,
+        typer.Option(
+            help=(
+                "Time limit of a run [s]; a run that exceeds it is killed, and its rung"
+                " is an error."
+            )
+        ),
     ] = 20.0,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Number of worker processes; default: one per core.")
+    ] = None,
     out: Annotated[
         Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")
     ] = Path("refdem-stress"),
@@ -111,13 +122,13 @@ def status(record: "StressRecord") -> int:
         for engine, ladder, reason in record.refused:
             print(f"{engine}, {ladder}: {reason}", file=sys.stderr)
         raise UsageError(
-            "nothing was judged: no method of the engines climbs a rung of these ladders"
+            "nothing was judged: no method of the engines supports a rung of these ladders"
         )
     return 0
 
 
 def written(out: Path, record: "StressRecord", store: "Store | None" = None) -> None:
-    """Writes the pages."""
+    """Writes the tables, pages and JSON of a stress test."""
     from refdem.report.stress import write
     from refdem.stress.tables import introduction, summary
 

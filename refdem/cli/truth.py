@@ -19,23 +19,26 @@ DEAR = 10.0
 
 
 def command(
-    case: Annotated[str, typer.Argument(help="The case; with --list, none means all.")] = "",
+    case: Annotated[str, typer.Argument(help="The case; with --list, default: all.")] = "",
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
     at: Annotated[
         str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")
     ] = "",
     digits: Annotated[
-        int, typer.Option(help="Digits after which the radius may begin.", min=1, max=1000)
+        int, typer.Option(help="Number of digits before the radius begins.", min=1, max=1000)
     ] = 40,
-    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     list: Annotated[
         bool,
-        typer.Option("--list", help="What is certified: sets, values, digits, methods, witnesses."),
+        typer.Option(
+            "--list", help="List what is certified: sets, values, digits, methods, witnesses."
+        ),
     ] = False,
     csv: Annotated[
         bool,
         typer.Option(
-            "--csv", help="The values that come proved with refdem, of one case or of all, as CSV."
+            "--csv",
+            help=("Print the certified values that refdem ships, of one case or of all, as CSV."),
         ),
     ] = False,
 ) -> None:
@@ -153,7 +156,7 @@ def line_of(one: "CertifiedCase") -> str:
 
 
 def times_of(one: Any) -> str:
-    """The times of a set."""
+    """The times of a certified set, as printed text."""
     return (
         ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None}))
         or "no time"

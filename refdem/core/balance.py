@@ -69,7 +69,7 @@ def energy_scale(instance: Instance) -> float:
 
 
 def linear(scene: Scene, run: Trajectory) -> Array:
-    """Momentum (T, 3) [kg m/s]."""
+    """Total linear momentum (T, 3) [kg m/s]."""
     return momentum.linear(scene.bodies.mass, run.velocity)
 
 
@@ -115,20 +115,20 @@ def torque_reason(scene: Scene) -> str | None:
     for element in scene.elements:
         if isinstance(element, Contact) and element.friction > 0 and element.branch != "R-d/2":
             return (
-                f"the branch vectors {element.branch} do not sum to the centre distance, so the"
-                " contact law itself changes it"
+                f"the branch vectors {element.branch} do not sum to the centre distance,"
+                " so the contact law itself changes it"
             )
         if isinstance(element, Dashpot) and element.b >= 0:
-            return "a dashpot resists across the line of its ends as well, and so turns them"
+            return "a dashpot also resists transverse motion of its ends and so exerts a torque"
         if isinstance(element, PeriodicBox):
-            return "the force between images in a periodic box does not act along one line"
+            return "forces between periodic images do not act along one line"
         central = isinstance(element, CentralField) or (
             isinstance(element, ALONG_THE_LINE)
             and not any(element.anchor_a)
             and not (element.b < 0 and any(element.anchor_b))
         )
         if element.external and not central:
-            return f"the element {element.kind} exerts a torque from outside"
+            return f"the element {element.kind} exerts an external torque"
     if scene.bodies.fixed.any():
         return "a body is fixed"
     return None

@@ -86,7 +86,7 @@ class Canonical(ABC):
 
     @abstractmethod
     def problem(self, p: Parameters) -> Problem:
-        """What is asked."""
+        """The problem that engines are given for these parameters."""
 
     @abstractmethod
     def scales(self, p: Parameters) -> Scales:
@@ -171,10 +171,10 @@ class Case(Timed):
 
     @abstractmethod
     def scene(self, p: Parameters) -> Scene:
-        """The scene at its start."""
+        """The scene in its initial state."""
 
     def problem(self, p: Parameters) -> Motion:
-        """The motion of the scene."""
+        """The motion of the scene over the samples of the case."""
         return Motion(self.scene(p), self.times(p))
 
 
@@ -203,7 +203,7 @@ class IterationCase(Canonical):
 
     @abstractmethod
     def problem(self, p: Parameters) -> Iteration:
-        """Map, start and n."""
+        """The iteration: map, start and number of iterates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,7 +261,7 @@ class Instance:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """What is compared, by name."""
+        """The quantities that are compared, by name."""
         with within_binary64(self.label):
             return {q.name: q for q in self.case.quantities(self.p)}
 
@@ -272,7 +272,7 @@ class Instance:
 
     @cached_property
     def problem(self) -> Problem:
-        """What is asked."""
+        """The problem that engines are given."""
         with within_binary64(self.label):
             return self.case.problem(self.p)
 
@@ -288,5 +288,5 @@ class Instance:
         return self.case.observe(self.p, trajectory)
 
     def truth(self) -> Truth:
-        """The certified values."""
+        """The certified values of this instance."""
         return self.case.truth(self.p)

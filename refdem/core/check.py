@@ -78,8 +78,8 @@ class Subject:
         """
         rounding = np.full(len(self.instance.times), self.round_off(level))
         if self.method.keeps(claim, self.instance.problem.features):
-            return rounding, "the method claims to keep it to round-off, c u sqrt(n)"
-        return rounding + self.truncation(level), "the truncation error that the method may make"
+            return rounding, "the method claims to conserve it to round-off, c u sqrt(n)"
+        return rounding + self.truncation(level), "truncation error of the claimed order"
 
     @property
     def plain(self) -> tuple[Variant, ...]:
@@ -118,7 +118,7 @@ class Check(ABC):
         problem = subject.instance.problem
         if isinstance(problem, self.judges):
             return self.applies(subject)
-        return f"it does not judge {problem.words}"
+        return f"the check does not judge {problem.words}"
 
     @abstractmethod
     def needs(self, subject: Subject) -> tuple[Variant, ...]:

@@ -97,7 +97,7 @@ def case(name: str) -> "Canonical":
 
 
 def check(name: str) -> "Check":
-    """The check of that name."""
+    """The check that has the given name."""
     found: Check = _load("checks", "CHECK", name)
     return found
 

@@ -149,7 +149,7 @@ class Engine(ABC):
 
     @abstractmethod
     def version(self) -> str:
-        """The engine's own version."""
+        """The version of the engine itself, as it reports it."""
 
     @abstractmethod
     def fingerprint(self, method: Method) -> str:
@@ -167,14 +167,14 @@ class Engine(ABC):
             return self.unsupported_motion(problem, method)
         if method.knows & problem.features:
             return None
-        return f"knows nothing that is asked of {problem.words}"
+        return f"the engine supports none of the requested {problem.words}"
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs one request in the engine's native loop."""
 
     def method(self, name: str) -> Method:
-        """The method of that name."""
+        """The method that has the given name; UsageError if there is none."""
         from refdem.core.parameters import nearest
         from refdem.errors import UsageError
 
@@ -194,8 +194,8 @@ class ProgramEngine(Engine):
 
     @abstractmethod
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
-        """`run` in stages."""
+        """The run as a generator of stages, which ends with its result."""
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The result of the stages."""
+        """The trajectory and cost at the end of all stages."""
         return finished(self.stages(request))

@@ -78,11 +78,11 @@ class Ensemble(Problem):
 
     @property
     def features(self) -> frozenset[str]:
-        """Those of the scene."""
+        """The features of the scene that all motions share."""
         return self.scene.features
 
     def document(self) -> EnsembleDocument:
-        """Scene, times and starts."""
+        """The scene, times and starts, as written to JSON."""
         starts = {
             name: np.ascontiguousarray(getattr(self, name), dtype="<f8").tobytes()
             for name in ("position", "velocity")
@@ -102,11 +102,11 @@ class Ensemble(Problem):
         )
 
     def when(self, sample: float) -> str:
-        """A time."""
+        """A time [s] in words, for sentences."""
         return f"t = {sample:.4g} s"
 
     def motion(self, member: int) -> Motion:
-        """The motion of one start."""
+        """The motion that starts from one member."""
         return Motion(
             self.scene.with_state(position=self.position[member], velocity=self.velocity[member]),
             self.times,

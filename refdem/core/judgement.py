@@ -94,27 +94,21 @@ def judged(
     bound: float,
     unit: str,
     basis: str,
-    what: str,
+    what: str = "",
+    statement: str = "",
     sight: Sight | None = None,
     **more: Any,
 ) -> Finding:
-    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words
-    what was measured.
+    """The finding for `value <= bound`; a value that is not a number fails.
 
-    Where the bound is above a tenth of the signal, a value within it is undecided; one beyond it
-    fails all the same.
+    `what` names the measured value and is the subject of the sentence; `statement` replaces the
+    whole comparison where the value reads better in other words. Where the bound is above a tenth
+    of the signal, a value within it is undecided; one above it fails all the same.
     """
     holds = bool(value <= bound)
     blind = sight is not None and sight.is_blind
-    if value == 0:
-        size = "exactly 0"
-    else:
-        size = f"{value:.2g}" + (f" {unit}" if unit != "1" else "")
-    if bound == 0:
-        limit = "0"
-    else:
-        limit = f"{bound:.2g}"
-    sentence = f"{what} is {size}, {'within' if holds else 'beyond'} the bound {limit}: {basis}."
+    statement = statement or f"{what} is {_compared(value, bound, unit)}"
+    sentence = f"{statement}. Basis: {basis}."
     if holds:
         outcome: Outcome = "pass"
     else:
@@ -122,7 +116,7 @@ def judged(
     if holds and sight is not None and blind:
         outcome = "undecided"
         sentence = (
-            f"Not decided: the bound {sight.bound:.2g} is above a tenth of the motion"
+            f"Not decided: the bound {sight.bound:.2g} exceeds a tenth of the signal"
             f" {sight.signal:.2g}. {sentence}"
         )
     return Finding(
@@ -137,6 +131,42 @@ def judged(
         sharpness=None if sight is None else sight.sharpness,
         **more,
     )
+
+
+def _compared(value: float, bound: float, unit: str) -> str:
+    """The value with its unit and how it compares with the bound, as the end of a sentence."""
+    size = f"{value:.2g}"
+    limit = f"{bound:.2g}"
+    if unit != "1":
+        size = f"{size} {unit}"
+        limit = f"{limit} {unit}"
+    if value <= bound:
+        return f"{size}, within the bound {limit}"
+    if value > bound:
+        return f"{size}, above the bound {limit}"
+    return f"not a number (the bound is {limit})"
+
+
+def order_statement(
+    seen: float, claimed: float, deficit: float, tolerance: float, detail: str
+) -> str:
+    """The comparison of an observed order with the claimed one, as a sentence without its stop.
+
+    `deficit` is what decides: claimed less observed order, or its limit for small steps. `detail`
+    says from what the order was observed.
+    """
+    observed = f"Observed order {seen:.2f} ({detail})"
+    if not deficit <= tolerance:
+        return (
+            f"{observed} is below the claimed {claimed:g} by {deficit:.2g} (tolerance"
+            f" {tolerance:.2g})"
+        )
+    if claimed - seen > tolerance:
+        return (
+            f"{observed} approaches the claimed {claimed:g} (extrapolated deficit {deficit:.2g},"
+            f" tolerance {tolerance:.2g})"
+        )
+    return f"{observed} meets the claimed {claimed:g} (tolerance {tolerance:.2g})"
 
 
 def worst(
@@ -176,7 +206,7 @@ def undecided(check: str, quantity: str, why: str) -> Finding:
     )
 
 
-MIXED = "every quantity mixes places with velocities, which are half a step early"
+MIXED = "every quantity combines positions with velocities, which are half a step early"
 
 
 def certified(subject: Subject) -> SampledTruth | None:

@@ -66,7 +66,7 @@ class Slip(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class ManualPage(msgspec.Struct, frozen=True, kw_only=True):
-    """The page of one case."""
+    """The page of the manual about one case."""
 
     case: str
     title: str

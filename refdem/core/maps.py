@@ -20,7 +20,7 @@ class Map(msgspec.Struct, frozen=True, kw_only=True, tag_field="map", forbid_unk
 
     @property
     def kind(self) -> str:
-        """Its name in JSON."""
+        """The name of the map in JSON documents."""
         return str(self.__struct_config__.tag)
 
     def admitted(self, start: Array) -> Array:
@@ -34,7 +34,7 @@ class Logistic(Map, frozen=True, kw_only=True, tag="logistic"):
     eta: float
 
     def admitted(self, start: Array) -> Array:
-        """Inside [0, 1]."""
+        """The start if it is inside [0, 1]; UsageError if not."""
         return np.clip(start, 0.0, 1.0)
 
 
@@ -67,7 +67,7 @@ class Billiard(Map, frozen=True, kw_only=True):
 
 
 class RectangleBilliard(Billiard, frozen=True, kw_only=True, tag="billiard_rectangle"):
-    """Four straight walls."""
+    """A billiard table with four straight walls."""
 
 
 class StadiumBilliard(Billiard, frozen=True, kw_only=True, tag="billiard_stadium"):

@@ -66,7 +66,7 @@ class Problem(ABC):
 
     @abstractmethod
     def when(self, sample: float) -> str:
-        """A sample in words."""
+        """A sample in words, for sentences."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +96,11 @@ class Motion(Problem):
 
     @property
     def features(self) -> frozenset[str]:
-        """Those of the scene."""
+        """The features that an engine must support: those of the scene."""
         return self.scene.features
 
     def document(self) -> SceneDocument:
-        """The scene."""
+        """The scene, as written to JSON."""
         return self.scene.document()
 
     def perturbed(self, ulps: int) -> "Motion":
@@ -141,7 +141,7 @@ class Motion(Problem):
         )
 
     def when(self, sample: float) -> str:
-        """A time."""
+        """A time [s] in words, for sentences."""
         return f"t = {sample:.4g} s"
 
 
@@ -199,11 +199,11 @@ class Iteration(Problem):
 
     @property
     def features(self) -> frozenset[str]:
-        """The map's name."""
+        """The features that an engine must support: the name of the map."""
         return frozenset({f"map:{self.map.kind}"})
 
     def document(self) -> IterationDocument:
-        """Map, start and n."""
+        """The map, start and number of iterates, as written to JSON."""
         return IterationDocument(map=self.map, start=self.start.tolist(), n=self.n)  # type: ignore[arg-type]
 
     def perturbed(self, ulps: int) -> "Iteration":
@@ -216,5 +216,5 @@ class Iteration(Problem):
         )
 
     def when(self, sample: float) -> str:
-        """An iterate."""
+        """The index of an iterate in words, for sentences."""
         return f"n = {sample:.0f}"

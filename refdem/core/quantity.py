@@ -21,12 +21,12 @@ class Scales:
 
     @property
     def speed(self) -> float:
-        """L / tau [m/s]."""
+        """The speed scale L / tau [m/s]."""
         return self.length / self.tau
 
     @property
     def energy(self) -> float:
-        """m (L/tau)^2 [J]."""
+        """The energy scale m (L/tau)^2 [J]."""
         return self.mass * self.speed**2
 
 
@@ -44,5 +44,5 @@ class Quantity:
     group: str = ""
 
     def __post_init__(self) -> None:
-        """Likewise."""
+        """Raises ValueError unless the scale is finite and positive."""
         object.__setattr__(self, "scale", float(self.scale))

@@ -23,7 +23,7 @@ class Static(Problem):
 
     @property
     def times(self) -> Array:  # type: ignore[override]
-        """The only sample (1,)."""
+        """The only sample (1,), at time 0."""
         return np.zeros(1)
 
     @property
@@ -32,7 +32,7 @@ class Static(Problem):
         return 1.0
 
     def when(self, sample: float) -> str:
-        """There is no time."""
+        """An empty phrase, since the problem has no time."""
         return "once"
 
 
@@ -134,7 +134,7 @@ class SolidDocument(
     tag_field="kind",
     forbid_unknown_fields=True,
 ):
-    """Solids, each for itself."""
+    """The solids of a request, each on its own."""
 
     solids: list[Piece]
 
@@ -166,11 +166,11 @@ class Solid(Static):
         return frozenset(name for piece in self.content.solids for name in of_piece(piece))
 
     def document(self) -> SolidDocument:
-        """The content."""
+        """The solids, as written to JSON."""
         return self.content
 
     def perturbed(self, ulps: int) -> "Solid":
-        """The densities moved up."""
+        """The same solids with densities moved up by some ulps."""
         moved = [
             msgspec.structs.replace(piece, density=piece.density * (1 + ulps * 2.0**-52))
             for piece in self.content.solids
@@ -224,7 +224,7 @@ class IdentityDocument(
     tag_field="kind",
     forbid_unknown_fields=True,
 ):
-    """Operations in their order."""
+    """The operations of a request, in their order."""
 
     operations: list[Operation]
 
@@ -262,11 +262,11 @@ class Identity(Static):
         return frozenset(f"identity:{each.operation}" for each in self.content.operations)
 
     def document(self) -> IdentityDocument:
-        """The content."""
+        """The operations, as written to JSON."""
         return self.content
 
     def perturbed(self, ulps: int) -> "Identity":
-        """Every number moved up."""
+        """The same operations with every operand moved up by some ulps."""
         moved = 1 + ulps * 2.0**-52
 
         def shifted(each: Operation) -> Operation:

@@ -146,7 +146,7 @@ class Store:
         return self.read("truth", key, msgspec.msgpack.Decoder(SampledTruth).decode)
 
     def put_truth(self, key: str, truth: SampledTruth) -> None:
-        """Keeps a sampled truth."""
+        """Stores a sampled truth under its key."""
         self.put("truth", key, msgspec.msgpack.encode(truth))
 
     def close(self) -> None:
@@ -214,7 +214,7 @@ class Store:
         )
 
     def _drop(self, kind: str, key: str) -> None:
-        """Takes an entry away."""
+        """Deletes one entry from the store."""
         self._tally.damaged += 1
         if self._tally.connection is not None:
             with suppress(*FAULTS):

@@ -221,16 +221,16 @@ def broken(scene: Scene, name: str) -> str | None:
     """None if the scene has the symmetry, else what breaks it."""
     centred = any(isinstance(element, CentralField) for element in scene.elements)
     if name == "rotated" and any(isinstance(element, PeriodicBox) for element in scene.elements):
-        return "the periodic box has axes of its own"
+        return "the periodic box has fixed axes"
     if name == "relabelled" and len(scene.bodies) < 2:
-        return "there is one body"
+        return "the scene has only one body"
     if name in ("shifted", "boosted") and centred:
-        return "the central field has its own origin"
+        return "the central field fixes an origin"
     if name == "boosted" and (
         scene.bodies.fixed.any()
         or any(e.external and e.kind != "uniform_gravity" for e in scene.elements)
     ):
-        return "something stands still in space"
+        return "some part of the scene is fixed in space"
     return None
 
 

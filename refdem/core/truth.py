@@ -109,7 +109,7 @@ class Truth(ABC):
         return self
 
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at the samples of a run."""
+        """Error growth S at the samples of a run, one number each."""
         return [self.sensitivity(t) for t in times]
 
     def scalars(self) -> Mapping[str, Ball]:
@@ -150,7 +150,7 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
         return np.array(self.values[name])
 
     def radius(self, name: str) -> Array:
-        """Their radii (until,)."""
+        """Radius (until,) of the certified values of a quantity."""
         return np.array(self.radii[name])
 
     def delayed(self, delay: float) -> "SampledTruth":

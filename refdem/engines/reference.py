@@ -57,7 +57,7 @@ class Reference(Engine):
         return None
 
     def version(self) -> str:
-        """The version of refdem."""
+        """The version of refdem, which the reference shares."""
         return refdem.__version__
 
     def fingerprint(self, method: Method) -> str:

@@ -91,7 +91,7 @@ class Late:
         self.kept: list[Any] = []
 
     def __call__(self, *arguments: Any) -> Any:
-        """The answer before."""
+        """The answer of the call before this one."""
         self.kept.append(self.sound(*arguments))
         if len(self.kept) > 1:
             return self.kept.pop(0)

@@ -194,12 +194,12 @@ def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, 
 
 
 def least(found: list[tuple[Number, Change]]) -> Number:
-    """The smallest margin."""
+    """The smallest margin of all events."""
     return min((margin for margin, _ in found), default=1.0)
 
 
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
-    """Makes one change of mode."""
+    """Carries out one change of mode in place."""
     kind, number = change
     if kind == "contact":
         _, depth, _, _ = meeting(m.world, state, m.parts, number)

@@ -65,7 +65,7 @@ class Carrier(Engine):
         self.is_reference = engine.is_reference
 
     def missing(self) -> str | None:
-        """As the engine."""
+        """The reason why the carried engine is missing, or None."""
         return self.engine.missing()
 
     def version(self) -> str:
@@ -77,11 +77,11 @@ class Carrier(Engine):
         return f"{self.engine.fingerprint(method)} {self.fault.name}"
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """As the engine."""
+        """The reason why the carried engine cannot run the motion, or None."""
         return self.engine.unsupported_motion(problem, method)
 
     def unsupported(self, problem: Problem, method: Method) -> str | None:
-        """As the engine."""
+        """The reason why the carried engine cannot run the problem, or None."""
         return self.engine.unsupported(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

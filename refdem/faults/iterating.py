@@ -69,7 +69,7 @@ def settled(state: State) -> State:
 
 @dataclass(frozen=True)
 class MapParts:
-    """The parts by name."""
+    """The parts of iterated maps, by name."""
 
     logistic: Callable[..., Any] = logistic
     logistic_flow: Callable[..., Any] = logistic_flow
@@ -84,7 +84,7 @@ SOUND_MAPS = MapParts()
 
 
 def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
-    """The iterates asked for."""
+    """The requested iterates of the map, as a trajectory."""
     wanted = set(problem.times.astype(int).tolist())
     asked = problem.map
     state = tuple(problem.start.tolist())

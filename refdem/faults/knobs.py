@@ -121,7 +121,7 @@ def _column(name: str, where: Any) -> Misreading:
 
 
 def _radii(request: Request, factor: float) -> Request:
-    """All radii times a factor."""
+    """The request with all radii multiplied by a factor."""
     scene = request.problem.scene
     shapes = tuple(
         Sphere(radius=factor * shape.radius) if isinstance(shape, Sphere) else shape

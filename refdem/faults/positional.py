@@ -29,7 +29,7 @@ def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> N
 
 
 def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
-    """What the wall holds [J]."""
+    """The potential energy [J] stored in the wall."""
     if edge_first:
         return wall.quadratic * depth * depth * depth / 3
     return wall.stiffness * depth * depth / 2
@@ -39,7 +39,7 @@ SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_fo
 
 
 def pushed_by_fields(world: World, state: State, parts: Parts, force: list[Vector]) -> None:
-    """Adds the forces of fields."""
+    """Adds the forces of the fields to `force`."""
     for i, fixed in enumerate(world.fixed):
         for field in () if fixed else world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)

@@ -108,15 +108,15 @@ class Transparent(Engine):
         self.kept: dict[str, Any] = {}
 
     def missing(self) -> str | None:
-        """It is always here."""
+        """None: the transparent engine is always installed."""
         return None
 
     def version(self) -> str:
-        """Its own."""
+        """The version of the transparent engine."""
         return "1"
 
     def fingerprint(self, method: Method) -> str:
-        """Its source."""
+        """The fingerprint of the engine's source."""
         return fingerprint.of_source("faults")
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
@@ -279,7 +279,7 @@ class Recording:
         return state
 
     def trajectory(self) -> Trajectory:
-        """The whole of it."""
+        """The recorded samples as a trajectory."""
         events = tuple(Event(time=time, kind=kind, body=body) for time, kind, body in self.m.told)
         return Trajectory(t=self.t, **self.columns, channels=self.channels, events=events)
 

@@ -475,7 +475,7 @@ class Beside:
 
 
 def _engine(twin: Twin) -> Engine:
-    """The twin's engine."""
+    """The engine that runs a given twin."""
     if twin.knob is not None:
         return twin.knob.carrier(twin.amplitude)
     if twin.fault:

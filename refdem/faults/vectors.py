@@ -13,32 +13,32 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """a + b."""
+    """The sum a + b of two vectors (3)."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """a - b."""
+    """The difference a - b of two vectors (3)."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def times(factor: Number, a: Vector) -> Vector:
-    """factor a."""
+    """The vector a multiplied by a factor."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
 def moved(a: Vector, factor: Number, b: Vector) -> Vector:
-    """a + factor b."""
+    """The vector a + factor b, component by component."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 def dot(a: Vector, b: Vector) -> Number:
-    """a . b."""
+    """The dot product a . b of two vectors (3)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     ax, ay, az = a
     bx, by, bz = b
     x = ay * bz - az * by
@@ -48,7 +48,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def size(a: Vector) -> Number:
-    """|a|."""
+    """The length |a| of a vector (3)."""
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
@@ -63,12 +63,12 @@ def over_axis(a: Vector, b: Vector) -> Vector:
 
 
 def conjugate(q: Quaternion) -> Quaternion:
-    """q*."""
+    """The conjugate q* of a quaternion (4)."""
     return q[0], -q[1], -q[2], -q[3]
 
 
 def product(p: Quaternion, q: Quaternion) -> Quaternion:
-    """p q."""
+    """The product p q of two quaternions (4)."""
     pw, px, py, pz = p
     qw, qx, qy, qz = q
     # (p, a)(q, b) = (p q - a . b, p b + q a + a x b), Hamilton 1843.
@@ -89,7 +89,7 @@ def moved_turn(q: Quaternion, factor: Number, rate: Quaternion) -> Quaternion:
 
 
 def rotated(q: Quaternion, v: Vector) -> Vector:
-    """q v q*."""
+    """The vector v rotated by the quaternion q: q v q*."""
     axis = (q[1], q[2], q[3])
     twist = times(2.0, cross(axis, v))
     return plus(moved(v, q[0], twist), cross(axis, twist))
@@ -105,7 +105,7 @@ def turn_by(angles: Vector) -> Quaternion:
 
 
 def unit(q: Quaternion) -> Quaternion:
-    """q / |q|."""
+    """The unit quaternion q / |q|."""
     w, x, y, z = q
     norm = sqrt(w * w + x * x + y * y + z * z)
     return w / norm, x / norm, y / norm, z / norm

@@ -31,7 +31,7 @@ def iterates(eta: float, x0: float, counts: Any) -> Array:
 
 
 def last(eta: float, x0: float, n: int) -> float:
-    """Iterate number n of x0."""
+    """The iterate x_n of the logistic map from x0."""
     return float(iterates(eta, x0, n)[-1])
 
 

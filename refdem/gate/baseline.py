@@ -33,7 +33,7 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """First line of the file."""
+    """The first line of a baseline file."""
 
     format: int
     engine: str
@@ -142,7 +142,7 @@ def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]
 
 
 def _near(a: float | None, b: float | None) -> bool:
-    """The same to a tenth."""
+    """True if two numbers agree to a tenth."""
     return a == b or (a is not None and b is not None and abs(a - b) <= 0.1 * max(abs(a), abs(b)))
 
 

@@ -56,7 +56,7 @@ def _compared(
     if entry is None or finding.outcome == "fail":
         return finding
     if entry.outcome in DECIDED and finding.outcome not in DECIDED and finding.outcome != "error":
-        says = f"{finding.sentence} The baseline has it decided ({entry.outcome})."
+        says = f"{finding.sentence} The baseline contains a decided finding here ({entry.outcome})."
         return msgspec.structs.replace(finding, outcome="lost", sentence=says)
     now = size(finding)
     before = entry.size
@@ -66,8 +66,9 @@ def _compared(
     if now - WORSE * before <= spread:
         return finding
     says = (
-        f"{finding.sentence} It is {_times(now, before)} the accepted {before:.2g}, beyond the"
-        f" factor {WORSE:g} and beyond the noise of a start moved by some ulp ({spread:.1g})."
+        f"{finding.sentence} This is {_times(now, before)} the accepted value"
+        f" {before:.2g}, more than the factor {WORSE:g} and the spread"
+        f" {spread:.1g} of runs with perturbed starts allow."
     )
     return msgspec.structs.replace(finding, outcome="worse", sentence=says)
 

@@ -43,7 +43,7 @@ class Gate:
     _noise: dict[tuple[str, str], list[Record]] = field(default_factory=dict)
 
     def specification(self) -> Specification:
-        """What the gate runs."""
+        """The specification of the campaign that the gate runs."""
         return Specification(
             name=f"gate of {self.engine.name}",
             case=self.cases,

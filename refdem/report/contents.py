@@ -139,28 +139,28 @@ def _digest(text: str) -> str:
 
 ADVICE: dict[Outcome, str] = {
     "fail": (
-        "A measured value lies beyond its bound. Read each failed finding: its sentence names the"
-        " quantity and the basis of the bound."
+        "A measured value is above its bound. Read each failed finding: its"
+        " sentence names the quantity and the basis of the bound."
     ),
     "worse": (
-        "An error constant grew beyond what the baseline accepts. Find the change that did it, or"
-        " bless the new one with a reason."
+        "An error constant grew beyond what the baseline accepts. Find the change"
+        " that caused it, or bless the new one with a reason."
     ),
     "lost": (
-        "What the baseline, or the list of the campaign, has decided could not be decided now. Each"
-        " finding says why."
+        "Findings that the baseline or the list of the campaign contains could"
+        " not be decided in this run. Each finding says why."
     ),
     "absent": (
-        "What the baseline, or the list of the campaign, has was not found now. Restore it, or"
-        " bless its absence."
+        "Findings that the baseline or the list of the campaign contains are"
+        " missing in this run. Restore them, or bless their absence."
     ),
     "error": (
-        "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine"
-        " or its adapter, then run again."
+        "An engine crashed, hung or broke the contract. Its runs are not judged:"
+        " repair the engine or its adapter, then run again."
     ),
     "stale": (
-        "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the"
-        " list of expected deviations."
+        "An expected deviation is no longer needed: the ordinary bound holds."
+        " Delete it from the list of expected deviations."
     ),
     "undecided": (
         "Nothing failed, but some findings could not be decided; each says why. They are not"
@@ -171,8 +171,8 @@ ADVICE: dict[Outcome, str] = {
         " to do."
     ),
     "unsupported": (
-        "Everything that the engines can say holds. What they cannot say is listed with the missing"
-        " feature. Nothing to do."
+        "Everything that the engines support holds. The rest is listed with the"
+        " missing feature. Nothing to do."
     ),
     "pass": "Everything holds. Choose a step from the tolerance table below.",
 }
@@ -184,7 +184,7 @@ def advice(counts: dict[Outcome, int]) -> str:
         return "There are no findings: nothing was judged."
     if not any(outcome in counts for outcome in (*DECIDED, *BROKEN)):
         return (
-            "Nothing was judged: no engine could say what was asked, or no check could decide it."
-            " Each finding says why."
+            "Nothing was judged: no engine supports the request, or no check could"
+            " decide it. Each finding says why."
         )
     return next(ADVICE[outcome] for outcome in WORST_FIRST if outcome in counts)

@@ -29,15 +29,15 @@ MARKS = {
     "pass": "✓",
 }
 MEANINGS = {
-    "fail": "a value lies beyond its bound",
+    "fail": "a value is above its bound",
     "worse": "worse than the baseline accepts, beyond noise",
-    "lost": "decided in the baseline, not now",
-    "absent": "in the baseline, not in this run",
+    "lost": "decided in the baseline, but not in this run",
+    "absent": "in the baseline, but missing in this run",
     "error": "no usable run",
-    "stale": "an expected deviation that is not needed any more",
+    "stale": "an expected deviation that is no longer needed",
     "undecided": "could not be decided",
-    "expected": "a known deviation, inside its limits",
-    "unsupported": "the engine or method cannot say the scene",
+    "expected": "a known deviation, within its limits",
+    "unsupported": "the engine or method does not support the scene",
     "pass": "within the bound",
 }
 

@@ -60,9 +60,9 @@ def markdown(page: ManualPage) -> str:
         markdown_text(page.statement),
         f"$$\n{page.latex}\n$$",
         f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}",
-        f"It asks for {markdown_text(page.kind)}: {features}.",
+        f"Kind of problem: {markdown_text(page.kind)}: {features}.",
         "## Parameters",
-        "Exact in truth; engines run them rounded to binary64.",
+        "Truth uses the exact values; engines run with values rounded to binary64.",
         table(*parameters(page)),
         "## Quantities",
         quantities(page.quantities),
@@ -73,7 +73,7 @@ def markdown(page: ManualPage) -> str:
         "## Truth",
         truth(page),
         "## Checks",
-        "In the methods of the reference; engines have more.",
+        "With the methods of the reference; other engines may have more.",
         checks(page.checks),
     ]
     if page.slips:
@@ -103,7 +103,7 @@ def quantities(found: Sequence[QuantityLine]) -> str:
     if len(found) > FEW:
         names = ", ".join(f"`{line.name}`" for line in found)
         return f"{len(found)} values: {names}."
-    head = ["quantity", "unit", "size against which an error counts"]
+    head = ["quantity", "unit", "scale: the size relative to which an error is measured"]
     lines = [[f"`{line.name}`", markdown_text(line.unit), two(line.scale)] for line in found]
     return table(head, lines)
 

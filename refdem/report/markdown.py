@@ -70,9 +70,9 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
     if not lines:
         return ""
     note = (
-        "Errors are in units of each quantity's scale, the largest over the run and over all"
-        " quantities. A step with ≥ is the coarsest one that ran. The reference is shown as the"
-        " reference."
+        "Errors are relative to the scale of each quantity, the largest over the"
+        " run and over all quantities. A step with ≥ is the largest one that ran."
+        " The reference is shown, not ranked."
     )
     return f"## Tolerance table\n\n{note}\n\n{table(head, lines)}"
 

@@ -134,7 +134,7 @@ class Stress:
         }
         proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
         found = known | dict(zip(asked, proved, strict=True))
-        none = truths.no_truth("this measure needs no truth")
+        none = truths.no_truth("this measure does not use truth")
         return [_task(place, found.get(place.instance.label) or none) for place in places]
 
     def _run(
@@ -209,15 +209,15 @@ class Stress:
                 rung=name,
                 verdict="not run",
                 forecast=forecast,
-                sentence="The forecast of its time is beyond the budget (--longest).",
+                sentence="The forecast run time exceeds the budget (--longest).",
             )
         try:
             return rung_of(name, judging.record(task, "", runs, []))
         except (ArithmeticError, IndexError, ValueError) as error:
             # A check met what no run has shown it: one rung, and no verdict.
             told = (
-                f"a check of refdem could not judge it ({type(error).__name__}: {error}); please"
-                " report this"
+                f"a check of refdem failed to judge it ({type(error).__name__}: {error});"
+                " please report this"
             )
             return Rung(rung=name, verdict="error", quantity="run: judging", sentence=told)
 

@@ -21,13 +21,14 @@ class Table:
 def introduction(record: StressRecord) -> str:
     """What the numbers are, in words."""
     return (
-        "Scenes are made harder rung by rung. Each rung is judged as refdem run judges: against"
-        " certified truth where there is one, and by what mechanics keeps, each bound with its"
-        " reason. A method holds to the last rung before the first that it does not pass."
-        " Undecided means that the bound itself is so large there that nothing could be proved,"
-        " which is never a pass; not run, that a rung was forecast to take more than"
-        f" {record.longest:g} s. The reference promises ranges and is held to them; where another"
-        " engine breaks is information, not a mark against it."
+        "Each ladder makes a scene harder rung by rung. Each rung is judged as in"
+        " `refdem run`: against certified truth where there is one, and by"
+        " conservation laws, each bound with its basis. A method holds up to the"
+        " last rung before the first that it does not pass. Undecided means that"
+        " the bound is too large to prove anything, which is never a pass; not"
+        f" run means that a rung was forecast to take more than {record.longest:g}"
+        " s. The reference promises ranges and is held to them; the breaking"
+        " point of another engine is information, not a mark against it."
     )
 
 
@@ -45,7 +46,10 @@ def summary(record: StressRecord) -> list[Table]:
         for engine in engines:
             ranges.append(_range([climb for climb in climbs if climb.engine == engine]))
         rows.append((*ladder, *ranges))
-    title = "Each engine holds to (its methods from the first to break to the last; +: to the end)"
+    title = (
+        "Last rung that each engine holds (from its first method to break to its"
+        " last; +: to the end)"
+    )
     found = [Table(title, ("battery", "ladder", "rung", *engines), rows)]
     broken = [climb for climb in record.climbs if climb.kept is False]
     required = [climb for climb in record.climbs if climb.required is not None]
@@ -113,7 +117,7 @@ def details(record: StressRecord, battery: str) -> list[Table]:
     climbs = [climb for climb in record.climbs if climb.battery == battery]
     ladders = {climb.ladder for climb in climbs}
     refused = [(engine, ladder, why) for engine, ladder, why in record.refused if ladder in ladders]
-    header = ("ladder", "rung", "method", "holds to", "ends", "promised", "why there")
+    header = ("ladder", "rung", "method", "holds to", "ends", "promised", "reason")
     found = [
         Table("Breaking points", header, [_row(climb) for climb in climbs]),
         Table("Not supported", ("engine", "ladder", "reason"), refused),

@@ -127,7 +127,7 @@ class Cell:
 
     @property
     def middle(self) -> Fraction:
-        """Where D is evaluated."""
+        """The middle of the interval, at which D is evaluated."""
         return (self.low + self.high) / 2
 
     @property
@@ -283,7 +283,7 @@ class Tumbling(BodyGrowth):
             self.swing = self.angle(self.period, self.axes(self.period))
 
     def axes(self, t: arb) -> list[list[arb]]:
-        """m, w and b in body axes."""
+        """Unit vectors m, w and b in body axes, as three rows."""
         omega = self.body.omega(t)
         momentum = rotation.applied(self.tensor, omega)
         rate = rotation.cross(momentum, omega)
@@ -294,7 +294,7 @@ class Tumbling(BodyGrowth):
         return [along, across, beside]
 
     def across(self, t: arb) -> arb:
-        """W = |M x omega|/L."""
+        """The magnitude W = |M x omega|/L of the scaled torque."""
         omega = self.body.omega(t)
         rate = rotation.cross(rotation.applied(self.tensor, omega), omega)
         return rotation.dot(rate, rate).sqrt() / self.length
@@ -672,7 +672,7 @@ def spectral_norms(matrices: Near) -> Near:
 
 
 def scaled(matrix: Balls, factor: arb) -> list[list[arb]]:
-    """A matrix times a number."""
+    """The product of a matrix and a number, entry by entry."""
     return [[entry * factor for entry in row] for row in matrix]
 
 

@@ -92,7 +92,7 @@ class ClosedForm(GuardedTruth):
         return FIRST_BITS
 
     def most_bits(self) -> int:
-        """Where raising it ends."""
+        """The largest working precision [bits] that is tried."""
         return MOST_BITS
 
     def target(self) -> Fraction:

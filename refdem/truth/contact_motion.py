@@ -99,7 +99,7 @@ class ContactMotion(HybridMotion):
             )
 
     def name(self, phase: Phase) -> str:
-        """The mode of a phase."""
+        """The name of the mode that a phase is in."""
         return next(name for name, mode in self.modes.items() if mode is phase.mode)
 
     def place(self, t: arb) -> list[arb]:

@@ -59,7 +59,7 @@ class ContactPhases:
         self.kt = spring * self.time**2 / m
 
     def start(self) -> list[Callable[[], arb]]:
-        """The state at touch."""
+        """Functions that give the components of the state at touch."""
         pair = self.pair
 
         def part(wave: Callable[[arb], arb], sense: int) -> Callable[[], arb]:
@@ -74,19 +74,19 @@ class ContactPhases:
 
     @property
     def size(self) -> int:
-        """Of the state."""
+        """The number of components of the state."""
         return 8
 
     def overlap(self, y: State) -> Any:
-        """a."""
+        """The scaled overlap a of a state."""
         return y[0]
 
     def closing(self, y: State) -> Any:
-        """u."""
+        """The scaled closing speed u of a state."""
         return y[1]
 
     def force(self, y: State) -> Any:
-        """Normal force."""
+        """The scaled normal force in a state."""
         return y[0] * self.k + y[1] * self.c
 
     def steepening(self, y: State) -> Any:
@@ -94,12 +94,12 @@ class ContactPhases:
         return y[1] * self.k + self.falling(y) * self.c
 
     def falling(self, y: State) -> Any:
-        """u'."""
+        """The rate of change u' of the closing speed."""
         curve = 1 / (1 - y[0] * self.eps)
         return -self.force(y) - y[3] * y[3] * curve * curve * curve * self.eps
 
     def levers(self, y: State) -> list[Any]:
-        """l_i/R_i."""
+        """The lever arms l_i/R_i of both spheres."""
         return [1 - y[0] * bend for bend in self.bend]
 
     def slip(self, y: State) -> Any:
@@ -198,7 +198,7 @@ class ContactPhases:
         return Entry(SLIDES[-side], touching={"stick": 1})
 
     def sticking(self) -> Mode:
-        """The tangential spring."""
+        """The mode in which the tangential spring sticks."""
         guards = (self.slide(1, self.pull, {}), self.slide(-1, lambda y: -self.pull(y), {}))
         return Mode(self.field(lambda y: -self.pull(y), stretches=True), guards)
 
@@ -226,7 +226,7 @@ class ContactPhases:
         return self.pressing(y, rising=not self.c, side=self.side_at_touch(y))
 
     def side_at_touch(self, y: State) -> int:
-        """Sign of the slip."""
+        """The sign of the slip at touch: 1, 0 or -1."""
         exact = -self.pair.surface_spin[2]
         if self.pair.angle:
             return sign(ball(self.slip, y), "the slip at touch")

@@ -147,18 +147,18 @@ class EnergyGrowth:
         return found
 
     def read(self, since: arb) -> Array:
-        """The readings as doubles."""
+        """The readings as an array of doubles."""
         table = self.readings(self.line.state(since)).table()
         size = max(float(entry.abs_upper()) for row in table for entry in row)
         return np.array([[known(entry, size) for entry in row] for row in table])
 
     def rates(self, t: arb) -> tuple[arb, arb]:
-        """Z."""
+        """The vector Z of scaled rates (dx/dt, dv/dt) at time t."""
         x, v = self.line.state(t)
         return v / self.place, self.line.force(x) / self.speed
 
     def lead(self, t: arb) -> arb:
-        """k, up to a constant."""
+        """The lead k of a neighbour, up to a constant."""
         beside = self.line.neighbour(t)
         first, second = self.rates(t)
         across = beside.place / self.place * first + beside.speed / self.speed * second

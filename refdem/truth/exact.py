@@ -22,7 +22,7 @@ def number(p: Mapping[str, Exact], name: str) -> Fraction:
 
 
 def numbers(p: Mapping[str, Exact], *names: str) -> dict[str, Fraction]:
-    """Several of them by name."""
+    """Several parameters as exact numbers, by name."""
     return {name: number(p, name) for name in names}
 
 

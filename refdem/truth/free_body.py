@@ -144,7 +144,7 @@ class Nodal(FreeBody):
 
     @abstractmethod
     def momentum(self, t: arb) -> list[arb]:
-        """M in body axes at t."""
+        """Angular momentum M (3) in body axes at time t."""
 
     @abstractmethod
     def nodes(self, t: arb) -> acb:
@@ -363,7 +363,7 @@ def kind(inertia: Exact3, omega: Exact3) -> type[FreeBody]:
 
 
 def dot_exact(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """a . b, exact if both are."""
+    """The dot product a . b, which is exact if both are."""
     first, *rest = (x * y for x, y in zip(a, b, strict=True))
     return sum(rest, first)
 

@@ -28,7 +28,7 @@ class FromRest(SmoothFlow):
 
     @abstractmethod
     def acceleration(self, x: arb) -> arb:
-        """a(x) [m/s^2]."""
+        """The acceleration a(x) [m/s^2] at position x."""
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion from a neighbouring amplitude; ValueError for a start that is not at rest."""
@@ -42,7 +42,7 @@ class FromRest(SmoothFlow):
         return other
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """d(x, v)(t)/d v(0) [s, 1]."""
+        """The derivatives of x(t) and v(t) by v(0) [s, 1]."""
         state = self.evaluate(arb_of(t))
         first = self.acceleration(arb_of(self.amplitude))
         return state["v"] / first, self.acceleration(state["x"]) / first

@@ -68,7 +68,7 @@ class UnsharpError(UndecidedError):
 
 
 class Grows(Protocol):
-    """Whatever knows S."""
+    """Anything that can bound the growth S of an error."""
 
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; UndecidedError where it is not known at this precision."""
@@ -301,11 +301,11 @@ class Element:
         return [*cells, self.cell(begun, max(begun, now))]
 
     def from_begin(self) -> arb_mat:
-        """M(0)^-1 in balls."""
+        """The inverse M(0)^-1 of the first fundamental matrix, in balls."""
         return inverted(self.stretch.fundamental(arb(0)))
 
     def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
-        """|M X - 1|."""
+        """The norm |M X - 1|: how far X is from the inverse of M."""
         product = matrix * inverse
         count = inverse.nrows()
         apart = np.array(
@@ -544,7 +544,7 @@ class Growth:
         return self.front
 
     def nothing(self, count: int) -> Front:
-        """Before any error was made."""
+        """The state of the computation before any error was made."""
         none = np.zeros((0, count, count))
         return Front(none, self.chosen(none), np.zeros(0), none, np.zeros(0), np.eye(count), 1.0)
 
@@ -622,7 +622,7 @@ class PeriodicGrowth:
         self.wide_year: Wide | None = None
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
         turns = int(ball_of(time / self.period).mid)
         if turns == 0:
@@ -702,7 +702,7 @@ class SteadyGrowth:
         self.norms: list[float] = [1.0]
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         if self.repeat is not None:
             t = min(t, upper(self.repeat))
         while self.highs[-1] < t:
@@ -750,7 +750,7 @@ class Told:
     formula: Callable[[arb], arb]
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         return bounded(float(self.formula(arb_of(t)).upper()))
 
 
@@ -762,7 +762,7 @@ class Retimed:
     unit: Fraction
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         return self.first.at(t / self.unit)
 
 
@@ -774,7 +774,7 @@ class Times:
     factor: arb
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         return bounded(self.first.at(t) * float(upper(self.factor)))
 
 

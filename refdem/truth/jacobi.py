@@ -47,7 +47,7 @@ class Jacobi:
         return slope / value / (2 * self.k) + self.complete_e() / self.k * u
 
     def sn_cn_dn(self, u: arb) -> tuple[arb, arb, arb]:
-        """sn u, cn u, dn u."""
+        """Jacobi's elliptic functions sn u, cn u and dn u."""
         u = u - 4 * self.k * nearest_integer(u / (4 * self.k))
         one, two, three, four = (x.real for x in acb.modular_theta(acb(u / (2 * self.k)), self.tau))
         return self._sn * one / four, self._cn * two / four, self._dn * three / four

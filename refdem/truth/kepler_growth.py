@@ -63,7 +63,7 @@ class CentralGrowth:
         self.moments: dict[tuple[Fraction, Fraction], Moment] = {}
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
         turns = int(ball_of(time / self.period).mid)
         since = time - turns * self.period

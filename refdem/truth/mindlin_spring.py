@@ -46,12 +46,12 @@ class MindlinSpring:
         self.turns_at = (1 - power_five_halves(arb_of(NEAR))).sqrt()
 
     def ends(self, leg: int) -> tuple[arb, arb]:
-        """First and last x of a leg."""
+        """The first and the last x of a leg of the contact."""
         near = arb_of(NEAR)
         return ((arb(0), near), (-self.turns_at, self.turns_at), (-near, arb(0)))[leg]
 
     def place(self, leg: int, x: arb) -> tuple[arb, arb]:
-        """D and u."""
+        """The scaled overlap D and its rate u at x of a leg."""
         if leg == TURNING:
             return (1 - x * x) ** _part(2, 5), -x
         if leg == INWARD:
@@ -69,7 +69,7 @@ class MindlinSpring:
         return TURNING, -rate
 
     def time(self, leg: int, x: arb) -> arb:
-        """Since touch [s]."""
+        """The time [s] since touch at x of a leg."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
         if leg == INWARD:
@@ -84,7 +84,7 @@ class MindlinSpring:
         return 2 * self.contact.half - since
 
     def pace(self, leg: int, x: arb) -> arb:
-        """dx/dt [1/s]."""
+        """The rate dx/dt [1/s] at x of a leg."""
         depth, rate = self.place(leg, x)
         if leg == TURNING:
             return _part(5, 4) / self.contact.unit * depth * depth.sqrt()
@@ -119,7 +119,7 @@ class MindlinSpring:
         )
 
     def bent(self, leg: int, x: arb, s: arb, slope: arb) -> arb:
-        """Second derivative by x."""
+        """The second derivative of the stretch s by x."""
         if leg == TURNING:
             return (_part(6, 5) * x * slope - 4 * self.q * s) / (1 - x * x)
         depth, sense = (x, 1) if leg == INWARD else (-x, -1)
@@ -162,11 +162,11 @@ class Stretched:
         return s, slope, self.spring.bent(self.leg, x, s, slope)
 
     def rate(self, x: arb) -> arb:
-        """s' [m/s]."""
+        """The rate of stretch s' [m/s] at x."""
         return self.at(x)[1] * self.spring.pace(self.leg, x)
 
     def beyond(self) -> "Stretched":
-        """The same on the next leg."""
+        """The stretched spring, continued on the next leg."""
         last = self.spring.ends(self.leg)[1]
         first = self.spring.ends(self.leg + 1)[0]
         return started(self.spring, self.leg + 1, first, self.at(last)[0], self.rate(last))
@@ -184,7 +184,7 @@ def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stret
 
 
 def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
-    """Gauss's series."""
+    """Gauss's hypergeometric function 2F1(a, b; c; z)."""
     found: arb = z.hypgeom_2f1(a, b, c)
     return found
 
@@ -199,7 +199,7 @@ def root(x: arb) -> arb:
 
 
 def power_five_halves(x: arb) -> arb:
-    """x^(5/2) likewise."""
+    """The power x^(5/2), where x may touch zero."""
     if x.lower() > 0 or x == 0:
         return x * x * root(x)
     return arb(0).union(arb(x.upper()) ** _part(5, 2))

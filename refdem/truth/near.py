@@ -47,7 +47,7 @@ class Near:
         return Near(self.middle[key], self.off[key])
 
     def __matmul__(self, other: "Near") -> "Near":
-        """The product of matrices."""
+        """The matrix product, with a bound on its rounding."""
         count = self.middle.shape[-1]
         middle = self.middle @ other.middle
         inexact = self.off @ (other.size + other.off) + self.size @ other.off
@@ -55,7 +55,7 @@ class Near:
         return Near(middle, inexact + rounding + count * TINIEST)
 
     def __mul__(self, other: "Near") -> "Near":
-        """Entry by entry."""
+        """The product entry by entry, with a bound on its rounding."""
         middle = self.middle * other.middle
         inexact = self.off * (other.size + other.off) + self.size * other.off
         return Near(middle, inexact + UNIT * np.abs(middle) + TINIEST)

@@ -225,7 +225,7 @@ def near(value: Number) -> Fraction:
 
 
 def pi() -> Real:
-    """The number pi."""
+    """The number pi, as a real of any precision."""
     return Real(arb.pi)
 
 

@@ -11,12 +11,12 @@ Matrix = Sequence[Sequence[arb]]
 
 
 def dot(a: Vector, b: Vector) -> arb:
-    """a . b."""
+    """The dot product a . b of two vectors."""
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
 
 
 def cross(a: Vector, b: Vector) -> list[arb]:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
@@ -29,7 +29,7 @@ def times(p: Vector, q: Vector) -> list[arb]:
 
 
 def conjugate(q: Vector) -> list[arb]:
-    """The reverse rotation."""
+    """The conjugate of a quaternion: the reverse rotation."""
     return [q[0], -q[1], -q[2], -q[3]]
 
 
@@ -66,17 +66,17 @@ def quaternion(r: Matrix) -> list[arb]:
 
 
 def product(a: Matrix, b: Matrix) -> list[list[arb]]:
-    """The matrix product a b."""
+    """The product a b of two matrices, as rows."""
     return [[dot(row, column) for column in zip(*b, strict=True)] for row in a]
 
 
 def transposed(a: Matrix) -> list[list[arb]]:
-    """The transpose."""
+    """The transpose of a matrix, as rows."""
     return [list(column) for column in zip(*a, strict=True)]
 
 
 def applied(a: Matrix, v: Vector) -> list[arb]:
-    """a v."""
+    """The product a v of a matrix and a vector."""
     return [dot(row, v) for row in a]
 
 

@@ -65,7 +65,7 @@ class Sloped:
         return self.along(below * self.value, power * below)
 
     def sqrt(self) -> "Sloped":
-        """The root."""
+        """The square root, with its derivatives."""
         value = self.value.sqrt()
         return self.along(value, 1 / (2 * value))
 

@@ -42,13 +42,13 @@ class SpatialPhases(ContactPhases):
 
     @property
     def size(self) -> int:
-        """Of the state."""
+        """The number of components of the state."""
         if self.kt:
             return 16
         return 13
 
     def start(self) -> list[Callable[[], arb]]:
-        """The state at touch."""
+        """Functions that give the components of the state at touch."""
         pair = self.pair
         nothing = partial(arb_of, 0)
 
@@ -70,27 +70,27 @@ class SpatialPhases(ContactPhases):
         ]
 
     def distance(self, y: State) -> Any:
-        """|r|."""
+        """The distance |r| of the centres."""
         return dot(y[:3], y[:3]).sqrt()
 
     def normal(self, y: State) -> Vector:
-        """n."""
+        """The unit normal n (3) of the contact."""
         distance = self.distance(y)
         return [-x / distance for x in y[:3]]
 
     def overlap(self, y: State) -> Any:
-        """a."""
+        """The scaled overlap a of a state."""
         return -self.distance(y) + 1 / self.eps
 
     def closing(self, y: State) -> Any:
-        """u."""
+        """The scaled closing speed u of a state."""
         return dot(y[3:6], self.normal(y))
 
     def force(self, y: State) -> Any:
         return self.overlap(y) * self.k + self.closing(y) * self.c
 
     def falling(self, y: State) -> Any:
-        """u' = -F - (v^2 - u^2)/|r|."""
+        """The rate u' = -F - (v^2 - u^2)/|r| of the closing speed."""
         closing = self.closing(y)
         return -self.force(y) - (dot(y[3:6], y[3:6]) - closing * closing) / self.distance(y)
 
@@ -98,7 +98,7 @@ class SpatialPhases(ContactPhases):
         return self.closing(y) * self.k + self.falling(y) * self.c
 
     def turning(self, y: State) -> Vector:
-        """n'."""
+        """The rate n' (3) at which the normal turns."""
         distance = self.distance(y)
         closing = self.closing(y)
         return [(n * closing - v) / distance for n, v in zip(self.normal(y), y[3:6], strict=True)]
@@ -159,12 +159,12 @@ class SpatialPhases(ContactPhases):
         return rates
 
     def stretching(self, y: State) -> list[Any]:
-        """s'."""
+        """The rate s' (3) at which the tangential spring stretches."""
         back = dot(y[12:15], self.turning(y))
         return [w - n * back for w, n in zip(self.slip(y), self.normal(y), strict=True)]
 
     def leaning(self, y: State) -> list[Any]:
-        """e'."""
+        """The rate e' (3) of the direction of the spring at its limit."""
         slip = self.slip(y)
         e = y[12:15]
         along = dot(slip, e)
@@ -221,13 +221,13 @@ class SpatialPhases(ContactPhases):
         return [x * most for x in towards]
 
     def sliding_friction(self, y: State) -> list[Any]:
-        """Against the slip."""
+        """The friction force (3), opposite to the slip."""
         slip = self.slip(y)
         speed = dot(slip, slip).sqrt()
         return self.limit(y, [x / speed for x in slip])
 
     def spared(self, y: State) -> Any:
-        """(mu F)^2 - (Kt s)^2."""
+        """The margin (mu F)^2 - (Kt s)^2 to Coulomb's limit."""
         most = self.force(y) * self.friction
         return most * most - dot(y[12:15], y[12:15]) * (self.kt * self.kt)
 
@@ -282,7 +282,7 @@ class SpatialPhases(ContactPhases):
         return [*y[:12], 0, 0, 0, y[15]]
 
     def parting(self) -> Entry:
-        """Free flight."""
+        """The entry into free flight at the end of contact."""
         return Entry(
             "apart",
             lambda y: [*(x - v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]],
@@ -307,5 +307,5 @@ def dot(a: Vector, b: Vector) -> Any:
 
 
 def cross(a: Vector, b: Vector) -> list[Any]:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

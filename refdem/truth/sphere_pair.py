@@ -35,12 +35,12 @@ class SpherePair:
 
     @property
     def total_mass(self) -> Number:
-        """m1 + m2 [kg]."""
+        """The total mass m1 + m2 [kg] of the pair."""
         return self.masses[0] + self.masses[1]
 
     @property
     def effective_mass(self) -> Number:
-        """m1 m2/(m1 + m2) [kg]."""
+        """The effective mass m1 m2/(m1 + m2) [kg] of the pair."""
         return self.masses[0] * self.masses[1] / self.total_mass
 
     @property
@@ -50,7 +50,7 @@ class SpherePair:
 
     @property
     def half_decay(self) -> Number:
-        """b = c/(2 m_eff) [1/s]."""
+        """Half of the decay rate, b = c/(2 m_eff) [1/s]."""
         return self.damping / (2 * self.effective_mass)
 
     @property

@@ -43,7 +43,7 @@ class Span:
         return least, most(bounds) * UPWARDS
 
     def halves(self) -> list["Span"]:
-        """Both halves."""
+        """The two halves of the span, in order."""
         return [
             Span(self.low, self.middle, self.answers),
             Span(self.middle, self.high, self.answers),

@@ -29,7 +29,7 @@ class Timeless(ClosedForm):
         self.witness = witness
 
     def constants(self) -> dict[str, arb]:
-        """The values."""
+        """The values of the case, by name."""
         return dict(self.values())
 
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -41,5 +41,5 @@ class Timeless(ClosedForm):
         raise NotCertifiedError("the case has no start; its values are scalars")
 
     def growth(self) -> Grows:
-        """1: an error does not grow."""
+        """The growth S = 1: without time an error does not grow."""
         return Told(lambda t: arb(1))

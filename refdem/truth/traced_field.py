@@ -57,7 +57,7 @@ class Node:
 
     @property
     def operation(self) -> Operation:
-        """What makes it."""
+        """The operation that makes the value of the node."""
         return self.trace.operations[self.index]
 
     def exact(self) -> Number | None:

@@ -79,7 +79,7 @@ class Seen:
         self.omega = [dot(row, self.omega_body) for row in self.rows]
 
     def arm(self, corner: int) -> list[Any]:
-        """s of a corner."""
+        """The vector s (3) from the centre to a corner, in space axes."""
         half = [side(self.y[0] * 0 + square / 4) for square in self.system.squares]
         return [
             dot(row, [h * sign for h, sign in zip(half, SIGNS[corner], strict=True)])
@@ -87,7 +87,7 @@ class Seen:
         ]
 
     def turning(self) -> list[Any]:
-        """q' = q omega_body / 2."""
+        """The rate q' = q omega_body / 2 of the attitude."""
         w, x, y, z = self.y[:4]
         a, b, c = self.omega_body
         return [
@@ -98,17 +98,17 @@ class Seen:
         ]
 
     def velocity(self, corner: int) -> list[Any]:
-        """u of a corner."""
+        """The velocity u (3) of a corner in space axes."""
         return [
             v + w for v, w in zip(self.y[10:13], cross(self.omega, self.arm(corner)), strict=True)
         ]
 
     def gap(self, corner: int) -> Any:
-        """g of a corner."""
+        """The signed gap g between a corner and the plane."""
         return self.y[9] + self.arm(corner)[2]
 
     def pressure(self, corner: int) -> Any:
-        """N of a corner."""
+        """The normal force N on a corner."""
         return (
             -self.system.stiffness * self.gap(corner)
             - self.system.damping * self.velocity(corner)[2]
@@ -207,7 +207,7 @@ def dot(a: Vector, b: Vector) -> Any:
 
 
 def cross(a: Vector, b: Vector) -> list[Any]:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 

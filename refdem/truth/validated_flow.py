@@ -117,7 +117,7 @@ class ValidatedFlow(SmoothFlow):
             raise self.ended(t, error) from None
 
     def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        """The quantities of a state."""
+        """The quantities of a state, by name."""
         return dict(zip(self.names, self.values.run(y), strict=True))
 
     def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
@@ -172,7 +172,7 @@ class ValidatedFlow(SmoothFlow):
         return self.scaled_slopes_at(self.integration().at(t))
 
     def scaled_slopes_at(self, y: Sequence[arb]) -> arb_mat:
-        """The same by a state y."""
+        """Scaled derivatives of the quantities at a given state y."""
         slopes = self.slopes.run(y)
         rows = dict(
             zip(
@@ -224,7 +224,7 @@ class ValidatedFlow(SmoothFlow):
         return self.readings_at(self.integration().at(t))
 
     def readings_at(self, y: Sequence[arb]) -> arb_mat:
-        """The same by a state y."""
+        """Scaled readings of the quantities at a given state y."""
         sizes = self.sizes()
         return arb_mat(
             [[row[j] * size for j, size in sizes] for row in self.scaled_slopes_at(y).table()]

@@ -65,7 +65,7 @@ class Quadratic:
 
 
 def _convolution(a: Sequence[arb], b: Sequence[arb], n: int) -> arb:
-    """sum over i of a_i b_(n-i)."""
+    """The sum over i of a_i b_(n-i): one term of a Cauchy product."""
     return sum((x * y for x, y in zip(a[: n + 1], b[n::-1], strict=True)), arb(0))
 
 

@@ -107,7 +107,7 @@ def test_a_planted_fault_turns_the_run_red_and_is_named(copy, name, file, change
     assert done.returncode == 1, done.stdout + done.stderr
     for quantity in named:
         title = rf"FAIL +{re.escape(where[0].split('[')[0])}.*/{where[1]}/{where[2]}/{quantity}"
-        assert re.search(title + r"\n +\S.*beyond the bound", done.stdout)
+        assert re.search(title + r"\n +\S.*above the bound", done.stdout)
 
 
 def test_the_copy_is_green_when_nothing_is_planted_and_runs_again_only_what_changed(copy):

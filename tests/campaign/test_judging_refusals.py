@@ -62,7 +62,7 @@ def test_the_reference_that_refuses_while_it_runs_is_an_error() -> None:
     ((outcome, sentence),) = of_runs(judged(one, plain(one)))
     assert outcome == "error"
     assert WHY in sentence
-    assert "before it runs" in sentence
+    assert "before a run" in sentence
 
 
 def test_a_program_that_refuses_every_run_does_not_support_the_scene() -> None:
@@ -125,7 +125,7 @@ def test_a_run_that_failed_is_named_before_those_not_begun_after_it(number: int)
         if variant == cause:
             failure = Failure(kind="hang", sentence="it was still running after 1 s")
         else:
-            failure = Failure(kind="hang", sentence="it was not begun", is_begun=False)
+            failure = Failure(kind="hang", sentence="it was not started", is_begun=False)
         runs[variant] = Run(
             key="",
             request=plan.request(one, variant),

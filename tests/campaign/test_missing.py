@@ -57,9 +57,8 @@ def test_what_is_all_there_is_left_as_it_is() -> None:
 def test_a_finding_that_is_not_made_is_absent() -> None:
     found = with_missing([record(*all_but("order/state"))], IDS, "the list")
     assert outcomes(found) == {"order/state": "absent"}
-    assert (
-        "The list has this finding and this run did not make it" in found[0].findings[-1].sentence
-    )
+    sentence = found[0].findings[-1].sentence
+    assert "The list contains this finding, and this run did not produce it" in sentence
 
 
 @pytest.mark.parametrize("outcome", ["undecided", "unsupported"])

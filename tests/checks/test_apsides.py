@@ -100,7 +100,11 @@ def judged(method, orbits, **given):
     )
     task = task_of(ENGINE, method, instance, no_truth("not asked for"), 3, ("apsides",))
     (found,) = record_of(task).findings
-    return found, float(re.search(r"turn by (\S+) rad", found.sentence)[1]), task.subject.levels[-1]
+    return (
+        found,
+        float(re.search(r"precess by (\S+) rad", found.sentence)[1]),
+        task.subject.levels[-1],
+    )
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ def test_it_leaves_to_the_order_what_truth_can_show():
     assert "truth is certified to the end" in check.applies(replace(subject, truth=certified))
     assert check.applies(replace(subject, truth=type("Truth", (), {"until": count - 1})())) is None
     assert "3 are needed" in check.applies(replace(subject, levels=subject.levels[:2]))
-    assert "not by a step" in check.applies(blind_exact())
+    assert "not a fixed step" in check.applies(blind_exact())
 
 
 def blind_exact():

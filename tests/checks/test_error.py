@@ -38,4 +38,4 @@ def test_what_no_tolerance_removes_is_seen_below_a_thousand_times_the_tolerance(
     } == {}
     failed = [f for f in wrong.findings if f.check == "error" and f.outcome == "fail"]
     assert failed
-    assert "changed by so little with the last" in failed[0].sentence
+    assert "implied by the last change of tolerance" in failed[0].sentence

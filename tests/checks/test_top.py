@@ -81,5 +81,6 @@ def test_a_joint_that_is_closed_by_construction_is_not_judged():
 def test_without_a_ball_joint_it_does_not_apply():
     instance = discovery.case("pendulum").at()
     assert (
-        CHECK.applies(Subject(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"
+        CHECK.applies(Subject(instance, ENGINE.method("rattle"), (0.1,), None))
+        == "the scene has no top"
     )

@@ -40,7 +40,7 @@ def test_a_bound_above_a_tenth_of_the_motion_passes_nothing(value, signal, outco
 def test_what_is_not_decided_says_why():
     finding = judged(value=0.2, bound=0.3, sight=Sight(0.3, 0.01), **WORDS)
     assert finding.sentence.startswith(
-        "Not decided: the bound 0.3 is above a tenth of the motion 0.01."
+        "Not decided: the bound 0.3 exceeds a tenth of the signal 0.01."
     )
     assert finding.sharpness == pytest.approx(30)
 

@@ -102,7 +102,7 @@ def test_a_spoiled_program_fails_in_the_item_of_the_check_with_its_sentence(prog
     program.spoil("x += h * v", "x -= h * v")
     done = pytest_run(program.folder, "--refdem", ".")
     assert done.returncode == 1
-    assert "beyond the bound" in done.stdout
+    assert "above the bound" in done.stdout
     assert "harmonic-oscillator/spring/leapfrog/error" in done.stdout
 
 

@@ -143,7 +143,7 @@ def test_a_chaotic_motion_has_a_positive_exponent_that_of_truth_within_its_error
     found = lyapunov("driven-duffing", discovery.case("driven-duffing").chaotic_at)
     assert {name: f.outcome for name, f in found.items()} == {"class": "pass", "exponent": "pass"}
     value, error = map(
-        float, re.search(r"exponent is (\S+) \+- (\S+) and", found["exponent"].sentence).groups()
+        float, re.search(r"exponent \((\S+) \+- (\S+), true", found["exponent"].sentence).groups()
     )
     assert value > 3 * error > 0
 

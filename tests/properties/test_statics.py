@@ -100,7 +100,7 @@ def test_an_engine_that_knows_nothing_of_it_refuses():
     )
     pymunk = discovery.engine("pymunk")
     quaternions = discovery.case("quaternions").at()
-    assert "knows nothing" in pymunk.unsupported(quaternions.problem, pymunk.method("vectors"))
+    assert "supports none" in pymunk.unsupported(quaternions.problem, pymunk.method("vectors"))
 
 
 def of_tetrahedra(vertices, faces):

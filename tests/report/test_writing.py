@@ -264,7 +264,7 @@ def test_what_is_no_latex_is_shown_as_it_is():
 
 def test_a_stranger_is_told_what_the_worst_outcome_asks_for():
     assert "not passes" in advice({"undecided": 1, "pass": 7})
-    assert "beyond its bound" in advice({"fail": 1, "undecided": 1})
+    assert "above its bound" in advice({"fail": 1, "undecided": 1})
     # An error first: what follows from it is told under it.
     assert "broke the contract" in advice({"fail": 1, "error": 1})
     assert "nothing was judged" in advice({})

@@ -40,7 +40,7 @@ class Gas:
 
     @property
     def mass(self) -> float:
-        """The mass [kg] of a sphere."""
+        """The mass [kg] of one sphere of the gas."""
         return float(self.instance.scene.bodies.mass[0])
 
     @property

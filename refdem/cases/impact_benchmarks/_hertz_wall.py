@@ -41,7 +41,7 @@ class HertzWall(Wall):
         return of_impact(v, tau=lasts / np.pi, lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """The truth in closed form."""
+        """The closed-form truth of the member."""
         from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
 
         numbers = {

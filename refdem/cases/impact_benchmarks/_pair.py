@@ -59,7 +59,7 @@ class HertzPair(Member):
         return {"overlap": 2 * float(v.radius) - distance, "v": u[:, 0] - u[:, 1]}
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """The truth in closed form."""
+        """The closed-form truth of the member."""
         from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
 
         return HertzSpheres(scale, v.effective, v.hertz, v.speed)

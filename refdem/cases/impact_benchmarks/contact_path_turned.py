@@ -12,7 +12,7 @@ THIRD = Fraction(1, 3)
 
 
 class TurnedPath(Path):
-    """Its axes are the columns."""
+    """The contact path in rotated axes, which are the columns of TURN."""
 
     frame: Any = tuple(
         tuple(THIRD * x for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2))

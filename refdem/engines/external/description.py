@@ -140,7 +140,7 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The whole file."""
+    """The contents of a refdem.toml file."""
 
     engine: EngineTable
     gate: GateTable = GateTable()

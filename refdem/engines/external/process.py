@@ -122,7 +122,7 @@ class Supervised:
             self.socket.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
-        """Ends it, and what it runs."""
+        """Ends the supervisor and the processes that it runs."""
         self.stop()
         self.said.close()
         self.socket.close()
@@ -169,13 +169,13 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
     if found.status == NOT_SUPPORTED:
         raise UnsupportedError(
-            one_line(says[-1]) if says else "the program says it cannot (exit 77)"
+            one_line(says[-1])
+            if says
+            else "the program reports that the scene is not supported (exit status 77)"
         )
     if found.status != 0:
         told = one_line(" / ".join(says))[-SHOWN:]
-        raise EngineError(
-            f"{name} ended with {_status(found.status)}: {told or 'it said nothing on stderr'}"
-        )
+        raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'stderr is empty'}")
     if found.left:
         raise EngineError(
             f"{name} ended and left {found.left} of its processes running, which were ended; "

@@ -102,7 +102,7 @@ def _of_support(engine: EngineTable) -> Iterator[Fault]:
 
 
 def _of_limits(engine: EngineTable) -> Iterator[Fault]:
-    """Seconds and gigabytes."""
+    """Faults in the limits on time [s] and memory [GB]."""
     for name, limit in (("timeout", engine.timeout), ("budget", engine.budget)):
         if not 0 < limit <= YEAR:
             yield f"engine.{name}", limit, "seconds > 0, at most a year"
@@ -111,7 +111,7 @@ def _of_limits(engine: EngineTable) -> Iterator[Fault]:
 
 
 def _of_gate(gate: GateTable) -> Iterator[Fault]:
-    """Levels and cases."""
+    """Faults in the levels and cases of the gate."""
     if not 1 <= gate.levels <= MOST_LEVELS:
         expected = f"a number of refinement levels, 1 to {MOST_LEVELS}"
         yield "gate.levels", gate.levels, expected

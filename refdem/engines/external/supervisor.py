@@ -90,7 +90,7 @@ class Supervisor:
         return request, descriptors
 
     def answer(self, request: "dict[str, Any]", descriptors: "list[int]") -> "dict[str, Any]":
-        """How a run ended."""
+        """The answer that describes how a run ended."""
         began = time.monotonic()
         program, problem = started(request, descriptors)
         for descriptor in descriptors:

@@ -35,7 +35,7 @@ class Mujoco(Engine):
         return "pip install refdem[mujoco]"
 
     def version(self) -> str:
-        """The installed version."""
+        """The version of the installed package."""
         return version("mujoco")
 
     def fingerprint(self, method: Method) -> str:

@@ -61,9 +61,9 @@ def of_ball_joints(scene: Scene) -> str | None:
     if not joints:
         return None
     if any(element.kind not in ("ball_joint", "uniform_gravity") for element in scene.elements):
-        return "this adapter says ball joints beside gravity only"
+        return "the adapter supports ball joints with gravity only"
     if any(joint.b >= 0 for joint in joints) or len({joint.a for joint in joints}) < len(joints):
-        return "this adapter says ball joints of the world only, one a body"
+        return "the adapter supports ball joints to the world only, one per body"
     for joint in joints:
         body = scene.bodies.single()[joint.a]
         arm = rotated(np.array(body.attitude), -np.array(joint.anchor_a))
@@ -72,9 +72,9 @@ def of_ball_joints(scene: Scene) -> str | None:
         slip = np.subtract(body.velocity, np.cross(omega, arm))
         size = float(np.linalg.norm(arm))
         if body.fixed or not any(body.inertia):
-            return "a ball joint on a body that does not turn"
+            return "a ball joint on a body without rotation"
         if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(
             slip
         ) > FITS * size * np.linalg.norm(omega):
-            return "a start with the joint open: a ball joint cannot show it"
+            return "an initially open joint, which a ball joint cannot represent"
     return None

@@ -29,12 +29,12 @@ ALGEBRA = frozenset(
 
 COORDINATES = {
     "rod": (
-        "MuJoCo's coordinate is the angle of a hinge, and the adapter puts the point at the rod's"
-        " length from it"
+        "the coordinate is the hinge angle, and the adapter computes the point at"
+        " the rod's length from it"
     ),
     "ball_joint": (
-        "MuJoCo's coordinate is the attitude about the joint, and the adapter puts the centre at"
-        " the arm's end"
+        "the coordinate is the attitude about the joint, and the adapter computes"
+        " the centre at the arm's end"
     ),
 }
 METHODS = (

@@ -34,7 +34,7 @@ def driving(mujoco: Any, scene: Scene, places: Sequence[list[int]]) -> Iterator[
 
 
 def _passive(pushes: Sequence[Push]) -> Any:
-    """The callback."""
+    """The callback that applies the periodic forces."""
 
     def passive(model: Any, data: Any) -> None:
         time = data.time
@@ -52,16 +52,16 @@ def of_forces(scene: Scene) -> str | None:
     for force in scene.all(Force):
         if force.b >= 0 or any(force.anchor_a):
             return (
-                "this adapter says periodic forces on the centre of one body only, not between"
-                " bodies"
+                "the adapter supports periodic forces on the centre of one body only, not"
+                " between bodies"
             )
         if scene.bodies.fixed[force.a]:
-            return "a force on a body that is fixed"
+            return "a force on a fixed body"
     if scene.all(Force) and any(
         element.kind in ("rod", "ball_joint") for element in scene.elements
     ):
         return (
-            "this adapter says periodic forces on bodies that nothing holds: coordinates of joints"
-            " that turn are no places"
+            "the adapter supports periodic forces on free bodies only: coordinates of"
+            " rotating joints are not positions"
         )
     return None

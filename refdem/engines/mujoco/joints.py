@@ -63,7 +63,7 @@ class Freedom(ABC):
 
 @dataclass(frozen=True)
 class Fixed(Freedom):
-    """A part of the world."""
+    """A body that is fixed to the world."""
 
     body: Body
     nq = 0

@@ -17,16 +17,16 @@ def of_springs(scene: Scene) -> str | None:
     for spring in scene.all(Spring):
         if spring.exponent not in (1, 3):
             return (
-                f"no spring of exponent {spring.exponent:g}: its force is a polynomial, linear or"
-                " cubic where it is odd"
+                f"a spring of exponent {spring.exponent:g}: MuJoCo's spring force is a"
+                " polynomial, linear or odd and cubic"
             )
         if spring.quadratic:
             return (
-                "no spring with a square: even powers of its polynomial take the sign of the"
-                " stretch"
+                "a spring with a quadratic term: even powers of MuJoCo's polynomial"
+                " change sign with the stretch"
             )
         if rods & {spring.a, spring.b}:
-            return "this adapter says no spring on a body that hangs on a rod"
+            return "the adapter does not support a spring on a body that hangs on a rod"
     return None
 
 
@@ -35,12 +35,12 @@ def of_dashpots(scene: Scene) -> str | None:
     ends = [dashpot.a for dashpot in scene.all(Dashpot)]
     for dashpot in scene.all(Dashpot):
         if dashpot.van_der_pol or dashpot.damping < 0:
-            return "no damping that depends on the place, and none below zero"
+            return "damping that depends on position or is negative"
         if dashpot.b >= 0 or ends.count(dashpot.a) > 1:
-            return "this adapter says one dashpot a body, against the world only"
+            return "the adapter supports one dashpot per body, against the world only"
         turns = "rotation" in scene.features and scene.bodies.inertia[dashpot.a].any()
         if turns or any(rod.a == dashpot.a for rod in scene.all(Rod)):
-            return "this adapter says no dashpot on a body that turns or hangs on a rod"
+            return "the adapter does not support a dashpot on a body that rotates or hangs on a rod"
     return None
 
 
@@ -48,22 +48,22 @@ def of_sliders(scene: Scene) -> str | None:
     """None if every one of the sliders can be said."""
     for slider in scene.all(Slider):
         if slider.b >= 0:
-            return "this adapter says dry friction against the world only"
+            return "the adapter supports dry friction against the world only"
         if slider.law != "coulomb":
             return (
-                "no dry friction that depends on the speed: frictionloss and contacts (surfacevel)"
-                " have one coefficient"
+                "dry friction that depends on speed: frictionloss and contacts"
+                " (surfacevel) have one coefficient"
             )
         if sorted(np.abs(slider.axis)) != [0, 0, 1]:
-            return "this adapter says dry friction along x, y or z only"
+            return "the adapter supports dry friction along x, y or z only"
         if "rotation" in scene.features and scene.bodies.inertia[slider.a].any():
-            return "no dry friction along an axis on a free joint"
+            return "dry friction along an axis on a free joint"
         if any(rod.a == slider.a for rod in scene.all(Rod)):
-            return "this adapter says no dry friction on a body that hangs on a rod"
+            return "the adapter does not support dry friction on a body that hangs on a rod"
         if slider.belt_velocity and (
             abs(slider.axis[0]) < 1 or "dimension:1" not in scene.features
         ):
-            return "this adapter says a belt for motion along x only"
+            return "the adapter supports a belt for motion along x only"
     return None
 
 
@@ -72,26 +72,26 @@ def of_rods(scene: Scene) -> str | None:
     rods = scene.all(Rod)
     if rods and "dimension:3" in scene.features:
         return (
-            "this adapter says a rod in a plane only (as a hinge); else it would be a soft"
-            " constraint"
+            "the adapter supports a rod in a plane only (as a hinge); otherwise it"
+            " would be a soft constraint"
         )
     above = {rod.a: rod.b for rod in rods}
     if len(above) < len(rods) or not all(_reaches_the_world(above, rod.a) for rod in rods):
         return (
-            "this adapter says rods that hang from the world, or one below the other, only; else"
-            " they would be soft constraints"
+            "the adapter supports only rods that hang from the world or one below the"
+            " other; others would be soft constraints"
         )
     place = scene.bodies.position
     velocity = scene.bodies.velocity
     for rod in rods:
         if any(rod.anchor_a) or (rod.b >= 0 and any(rod.anchor_b)) or scene.bodies.fixed[rod.a]:
-            return "this adapter says a rod to a body's centre only"
+            return "the adapter supports a rod to the centre of a body only"
         arm = place[rod.a] - (place[rod.b] if rod.b >= 0 else np.array(rod.anchor_b))
         slip = abs(arm @ (velocity[rod.a] - (velocity[rod.b] if rod.b >= 0 else 0.0)))
         if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (
             1 + slip
         ):
-            return "a start off the rod: a hinge cannot show it"
+            return "a start off the rod, which a hinge cannot represent"
     return None
 
 

@@ -70,7 +70,7 @@ def _hinge(scene: Scene, rod: Rod) -> Hinge:
 
 
 def _freedom(scene: Scene, number: int, step: float) -> Freedom:
-    """How body `number` moves."""
+    """The degrees of freedom of body `number` in the model."""
     body = scene.bodies.single()[number]
     if body.fixed:
         return Fixed(body)

@@ -27,15 +27,15 @@ SAID = {
     "uniform_gravity",
 }
 UNSAID = {
-    "central_field": "no central field: gravity is uniform",
+    "central_field": "a central field: gravity is uniform",
     "moving_anchor": (
-        "no joint that follows a law of time: a mocap body is put in place between steps and has no"
-        " velocity"
+        "a joint that follows a function of time: a mocap body is moved between"
+        " steps and has no velocity"
     ),
-    "string_over_wheel": "no taut string: a tendon holds its length as a soft constraint",
+    "string_over_wheel": "a taut string: a tendon holds its length as a soft constraint",
     "catch": (
-        "no constraint that begins at closest approach: one is switched between steps only, and is"
-        " soft"
+        "a constraint that begins at closest approach: constraints are switched"
+        " between steps only, and are soft"
     ),
 }
 SMALLEST = 1e-15
@@ -57,7 +57,7 @@ def unsupported(problem: Motion) -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
     if problem.interval < 0:
-        return "negative steps: MuJoCo takes them but does not document what they mean"
+        return "negative time steps: MuJoCo accepts them but does not document their meaning"
     for element in scene.elements:
         if element.kind not in SAID:
             return UNSAID.get(element.kind, f"no element {element.kind}")
@@ -84,7 +84,7 @@ def _of_bodies(scene: Scene) -> str | None:
         return f"a mass below {SMALLEST:g} kg"
     solid = bodies.inertia[moving & bodies.inertia.any(axis=1)]
     if "rotation" in scene.features and np.any(solid < SMALLEST):
-        return "a turning body without inertia about one axis"
+        return "a rotating body with zero inertia about one axis"
     return None
 
 
@@ -93,22 +93,22 @@ def _of_contact(scene: Scene) -> str | None:
     if not found or not scene.has_shapes():
         return None
     if len(found) > 1:
-        return "this adapter says one contact law a scene"
+        return "the adapter supports one contact law per scene"
     law = found[0]
     if law.law == "rigid":
         return _of_rigid_contact(scene, law)
     if law.law == "linear":
         return _of_linear_contact(scene, law)
-    return f"no contact law {law.law}: its contacts are springs and dampers in the acceleration"
+    return f"contact law {law.law}: MuJoCo's contacts are springs and dampers in the acceleration"
 
 
 def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
     """MuJoCo keeps bodies apart; it has no law of how they rebound."""
     if law.restitution > 0:
-        return "no coefficient of restitution"
+        return "a coefficient of restitution"
     solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
     if any(box_sides(solid) is None for solid in solids):
-        return "this adapter says boxes only, no other polyhedra"
+        return "the adapter supports boxes only, no other polyhedra"
     return None
 
 
@@ -117,21 +117,21 @@ def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
     more.
     """
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
-        return "no linear contact law for polyhedra"
+        return "a linear contact law for polyhedra"
     if law.friction > 0:
         return (
-            "no tangential contact spring with a Coulomb limit: its friction is a velocity"
-            " constraint"
+            "a tangential contact spring with a Coulomb limit: MuJoCo's friction is a"
+            " velocity constraint"
         )
     if law.damping > 0 and law.cutoff == "zero_overlap":
-        return "no contact force that pulls: it ends when it would, before the overlap does"
+        return "an attractive contact force: MuJoCo's force ends before the overlap does"
     if len(list(islice(pairs(scene), 2))) > 1:
         return (
-            "a linear contact law holds for one pair only: where contacts share a body they change"
-            " each other"
+            "a linear contact law for more than one pair: contacts that share a body"
+            " change each other"
         )
     if scene.elements and {e.kind for e in scene.elements} - {"contact", "plane"}:
-        return "its linear contact law holds in the absence of other forces only"
+        return "a linear contact law beside other forces"
     return None
 
 
@@ -147,7 +147,8 @@ def _of_soft_constraints(scene: Scene) -> str | None:
     for impedance, mass in softened:
         if mass > heaviest(impedance):
             return (
-                f"a contact or dry friction of more than {heaviest(impedance):.0e} kg: MuJoCo"
-                f" softens every constraint by at least mjMINVAL = {SMALLEST:g} per kg"
+                f"a contact or dry friction with more than {heaviest(impedance):.0e} kg:"
+                f" MuJoCo softens every constraint by at least mjMINVAL = {SMALLEST:g} per"
+                " kg"
             )
     return None

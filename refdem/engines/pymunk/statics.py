@@ -37,7 +37,7 @@ def of_plate(piece: Piece) -> dict[str, float] | None:
 
 
 def _is_convex(polygon: Polygon) -> bool:
-    """Every corner turns left."""
+    """True if the polygon turns left at every corner."""
     corners = np.array(polygon.vertices)
     sides = np.roll(corners, -1, axis=0) - corners
     after = np.roll(sides, -1, axis=0)

@@ -15,12 +15,12 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 UNKNOWN = {
     "moving_anchor": (
-        "a pivot that follows a law of time (a kinematic body keeps the velocity that it was given)"
+        "a pivot that follows a function of time (a kinematic body keeps its velocity)"
     ),
     "string_over_wheel": "a string over a wheel (no pulley among the joints)",
     "catch": (
-        "a hook that begins to hold at closest approach (joints hold from the start, or are added"
-        " between steps)"
+        "a hook that catches at closest approach (joints hold from the start, or"
+        " are added between steps)"
     ),
 }
 KNOWN = (Contact, Dashpot, Force, Plane, Rod, Slider, Spring, UniformGravity)
@@ -37,8 +37,10 @@ def reason(problem: Motion) -> str | None:
         if not isinstance(element, KNOWN):
             return UNKNOWN.get(
                 element.kind,
-                f"{element.kind} (no such element, and a force field would have to be programmed"
-                " into it)",
+                (
+                    f"{element.kind} (Chipmunk has no such element; a user would program it as"
+                    " a force)"
+                ),
             )
     return _element_reason(scene) or _contact_reason(scene)
 
@@ -48,13 +50,13 @@ def _element_reason(scene: Scene) -> str | None:
     if any(
         spring.exponent != 1 or spring.quadratic or spring.cubic for spring in scene.all(Spring)
     ):
-        return "a spring whose force is not linear"
+        return "a spring with a nonlinear force"
     if scene.all(Dashpot) and fading(scene) is None:
-        return "damping that is not one rate of all bodies against the world (Space.damping)"
+        return "damping other than one rate of all bodies against the world (Space.damping)"
     if any(force.b >= 0 or scene.bodies.fixed[force.a] for force in scene.all(Force)):
-        return "a force between bodies, or on one that is fixed (a body's force acts from outside)"
+        return "a force between bodies or on a fixed body (Chipmunk applies forces from outside)"
     if scene.all(Slider) and "dimension:1" not in scene.features:
-        return "dry friction along one axis of a motion in the plane"
+        return "dry friction along one axis of a planar motion"
     return None
 
 
@@ -95,7 +97,7 @@ def _contact_reason(scene: Scene) -> str | None:
         ):
             return "contact forces that turn a body without a moment of inertia"
         if isinstance(shape, Polyhedron) and outline(shape) is None:
-            return "a polyhedron that is no prism along z"
+            return "a polyhedron that is not a prism along z"
     return None
 
 

@@ -97,8 +97,8 @@ def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> N
     except RuntimeError as error:
         raise EngineError(f"rebound, {request.method}: {error}") from None
     if failed:
-        where = f"status {sim._status} on the way to sample {failed - 1}, at t = {sim.t!r} s"
-        raise EngineError(f"rebound, {request.method}: gave up with {where}")
+        where = f"with status {sim._status} before sample {failed - 1}, at t = {sim.t} s"
+        raise EngineError(f"rebound, {request.method}: stopped {where}")
 
 
 def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def run(request: Request) -> tuple[Trajectory, Cost]:
-    """The results of operations."""
+    """The results of the operations, and the time they took."""
     problem = request.problem
     started = perf_counter()
     assert isinstance(problem, Identity)
@@ -32,7 +32,7 @@ def rotation(q: Array) -> Any:
 
 
 def numbers(found: Any) -> list[float]:
-    """(w, x, y, z)."""
+    """A rotation of REBOUND as the quaternion (w, x, y, z)."""
     return [found.r, found.ix, found.iy, found.iz]
 
 

@@ -23,10 +23,11 @@ UNKNOWN = {
     "plane": "walls",
     "ball_joint": "a ball joint (particles have no attitude)",
     "moving_anchor": (
-        "a pivot that follows a law of time (a rod's force needs a point at rest or a particle)"
+        "a pivot that follows a function of time (a rod's force needs a point at"
+        " rest or a particle)"
     ),
     "string_over_wheel": "a string over a wheel (no constraint solver)",
-    "catch": "a hook (no event that begins a constraint)",
+    "catch": "a hook (no event starts a constraint)",
 }
 
 
@@ -59,7 +60,10 @@ def _link_reason(scene: Scene) -> str | None:
         columns = scene.bodies
         gap = float(rod.distance(columns.position[None], columns.attitude[None])[0])
         if abs(gap - rod.length) > FIT * rod.length:
-            return "a rod that does not fit at the start (its length is kept, not set)"
+            return (
+                "a rod whose length differs from the initial distance (the length is"
+                " conserved, not set)"
+            )
         if all(end < 0 or columns.fixed[end] for end in (rod.a, rod.b)):
             return "a rod between bodies that do not move"
     return None
@@ -76,7 +80,7 @@ def _method_reason(scene: Scene, method: str) -> str | None:
         return "a spinning body with a moment of inertia that is zero"
     for kind in {"rod", "dashpot"} & scene.features if method.startswith("leapfrog") else ():
         return (
-            f"a {kind} (its force depends on velocities, which leapfrog has only at the other time)"
+            f"a {kind} (its force depends on velocities, which leapfrog has only half a step apart)"
         )
     if method in ("leapfrog-8", "ias15") and any(
         spring.exponent % 2 != 1 for spring in scene.all(Spring)
@@ -88,5 +92,5 @@ def _method_reason(scene: Scene, method: str) -> str | None:
     if method == "whfast" and not (
         scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
     ):
-        return "anything but one attracting centre"
+        return "a field other than one attracting centre"
     return None

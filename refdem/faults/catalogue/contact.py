@@ -68,7 +68,7 @@ def _hertz(p: Parts) -> dict[str, Any]:
 
 
 def _larger(request: Request) -> Request:
-    """Radii 1 % larger."""
+    """The request with all radii 1 % larger."""
     return _reshaped(
         request, lambda shapes: tuple(Sphere(radius=1.01 * shape.radius) for shape in shapes)
     )

@@ -41,7 +41,7 @@ def _softened(length: float) -> Any:
 
 
 def _clamped(fastest: float) -> Any:
-    """Velocities are cut off."""
+    """A change that limits velocities to `fastest`."""
 
     def part(p: Any) -> Any:
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:

@@ -60,7 +60,7 @@ def _lopsided(p: Parts) -> Any:
 
 
 def _every_other(sound: Any) -> Any:
-    """Nothing every other time."""
+    """A change that skips every second call."""
     kept = [0]
 
     def part(*arguments: Any) -> Any:

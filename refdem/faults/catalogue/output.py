@@ -53,7 +53,7 @@ def _drawn_out(run: Trajectory, factor: float) -> Trajectory:
 
 
 def _short(request: Request, run: Trajectory) -> Trajectory:
-    """The last row is missing."""
+    """The trajectory without its last row."""
     columns = {
         name: getattr(run, name)[:-1] for name in ("t", "position", "velocity", "attitude", "omega")
     }

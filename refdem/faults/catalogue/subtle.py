@@ -82,7 +82,7 @@ def _work_late(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _channel(name: str, factor: float) -> Any:
-    """A channel times a factor."""
+    """A change that multiplies one channel by a factor."""
     return lambda request, run: replace(
         run, channels={**run.channels, name: factor * run.channels[name]}
     )

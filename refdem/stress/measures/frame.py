@@ -56,7 +56,7 @@ class Frame(Measure):
         shows it.
         """
         if not isinstance(instance.problem, Motion):
-            return f"{instance.problem.words} has no frame"
+            return f"{instance.problem.words} does not have a frame of reference"
         broken = symmetry.broken(instance.scene, self.change)
         shown = self.show(instance, float(x))
         return (
@@ -95,8 +95,8 @@ class Seen(Check):
     name = "frame"
     title = "Frame"
     kills = (
-        "precision lost far from the origin, an absolute threshold, a force that knows the origin,"
-        " single precision inside"
+        "precision lost far from the origin, an absolute threshold, a force that"
+        " depends on the origin, internal single precision"
     )
 
     def __init__(self, change: Change, view: Symmetry, part: float | None) -> None:
@@ -123,7 +123,9 @@ class Seen(Check):
             runs[variant].trajectory if variant in runs else None for variant in self.needs(subject)
         )
         if plain is None or seen is None:
-            return [undecided(self.name, self.change, "the code refused the scene when it ran")]
+            return [
+                undecided(self.name, self.change, "the engine refused the scene during the run")
+            ]
         grown = growth_of(subject, moved or plain, plain)
         bounds = allowed(subject, self.view, grown) * self._denormal(subject)
         count = scored(bounds)
@@ -134,7 +136,7 @@ class Seen(Check):
                 count = 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
-            why = "round-off alone may be as large as what would have to be seen"
+            why = "round-off alone may be as large as the difference to be resolved"
             return [undecided(self.name, self.change, why)]
         with np.errstate(all="ignore"):
             apart = distances(subject.instance, self.view.undone(seen), plain)
@@ -147,20 +149,22 @@ class Seen(Check):
                 allowed=bounds[:count],
                 unit="1",
                 basis=self._basis(),
-                what="The difference between the motion and the same in this frame,"
-                " in units of each scale,",
+                what=(
+                    "The difference between the motion and its counterpart in this frame,"
+                    " relative to each scale,"
+                ),
             )
         ]
 
     def _basis(self) -> str:
         if self.part is not None:
             return (
-                "starts that differ by a part x make motions that differ by it, and a tenth of it"
-                " must be seen"
+                "starts that differ by x lead to motions that differ by x, and a tenth of"
+                " that must be resolved"
             )
         return (
-            "mechanics is the same there, so only round-off of numbers of that size, as it grows in"
-            " this motion, may differ"
+            "the laws of mechanics are invariant, so only round-off of numbers of"
+            " that size, amplified by the motion, may differ"
         )
 
     def _denormal(self, subject: Subject) -> float:

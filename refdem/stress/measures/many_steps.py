@@ -61,7 +61,7 @@ class Drift(Check):
 
     name = "drift"
     title = "Drift"
-    kills = "energy that creeps, round-off that is biased, time that is summed"
+    kills = "energy drift, biased round-off, accumulated error of the clock"
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
@@ -69,7 +69,7 @@ class Drift(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The run at the only level."""
+        """The plain run at the only level."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -82,13 +82,17 @@ class Drift(Check):
         terms = np.stack([x * x, x * v, v * v], axis=1)
         first = terms[: len(terms) // 4]
         if not np.all(np.isfinite(terms)) or np.linalg.cond(first) > ILL:
-            return [undecided(self.name, "form", "the samples show too little of the motion")]
+            return [undecided(self.name, "form", "the samples cover too little of the motion")]
         # a, b, c of a x^2 + b x v + c v^2 = 1, fitted to the first quarter.
         coefficients, *_ = np.linalg.lstsq(first, np.ones(len(first)), rcond=None)
         form = terms @ coefficients
         allowed, basis = bound(subject, level)
         if allowed[-1] > HORIZON:
-            return [undecided(self.name, "form", "truncation may change it by more than a tenth")]
+            return [
+                undecided(
+                    self.name, "form", "truncation error may exceed a tenth of the quadratic form"
+                )
+            ]
         return [
             worst(
                 check=self.name,
@@ -98,8 +102,10 @@ class Drift(Check):
                 allowed=allowed,
                 unit="1",
                 basis=basis,
-                what="The change of the quadratic form that the run keeps in its"
-                " first quarter, in units of itself,",
+                what=(
+                    "The relative change of the quadratic form that is conserved in the first"
+                    " quarter of the run"
+                ),
             )
         ]
 
@@ -121,11 +127,11 @@ def bound(subject: Subject, level: float) -> tuple[Array, str]:
         return (
             rounding,
             (
-                "a symplectic step keeps a quadratic form, so that only round-off, c u sqrt(n) in x"
-                " and in v, may change it"
+                "a symplectic step conserves a quadratic form, so only round-off, c u"
+                " sqrt(n) in x and in v, may change it"
             ),
         )
     return (
         rounding + 2 * subject.truncation(level),
-        "the truncation error that the method may make, in x and in v",
+        "truncation error of the claimed order, in x and in v",
     )

@@ -35,9 +35,9 @@ class StepLimit(Measure):
     ) -> str | None:
         """What has no step has no limit."""
         if method.control != "step":
-            return "the method has no fixed step"
+            return "the method does not have a fixed step"
         if not isinstance(instance.problem, Motion):
-            return f"{instance.problem.words} has no step"
+            return f"{instance.problem.words} does not have a step"
         return engine.unsupported(stability.probe(instance, float(x)), method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
@@ -58,7 +58,7 @@ class Bounded(Check):
 
     name = "bounded"
     title = "Bounded"
-    kills = "a method whose stability limit is below that of the scheme that it claims to be"
+    kills = "a method whose stability limit is below that of the scheme it claims to implement"
 
     def applies(self, subject: Subject) -> str | None:
         """None: the check applies to everything that has a step."""
@@ -78,8 +78,10 @@ class Bounded(Check):
                 value=stability.excess(subject.instance, trajectory),
                 bound=stability.BEYOND,
                 unit="1",
-                basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, "
-                "and one that is too long by a part in a thousand does not",
-                what="The largest place, velocity or spin, in units of its scale,",
+                basis=(
+                    f"below the stability limit the motion stays bounded for {stability.STEPS}"
+                    " steps; a step larger by 1/1000 does not"
+                ),
+                what=("The largest position, velocity or angular velocity, relative to its scale,"),
             )
         ]

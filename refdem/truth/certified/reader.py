@@ -66,7 +66,7 @@ class Value:
 
     @property
     def interval(self) -> tuple[Fraction, Fraction]:
-        """The ends, exactly."""
+        """The exact ends of the ball, midpoint minus and plus radius."""
         mid = Fraction(self.mid)
         radius = Fraction(self.radius)
         return mid - radius, mid + radius

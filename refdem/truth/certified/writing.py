@@ -42,7 +42,7 @@ def rows(truth: Truth, times: Sequence[Fraction]) -> tuple[Rows, dict[str, str]]
 def row(
     t: Fraction | None, quantity: str, ball: Ball
 ) -> tuple[str | None, str, str, str, str | None]:
-    """One line of the store."""
+    """One row of the store: time, quantity, midpoint, radius, exact double."""
     mid, radius = ball.decimals(PLACES)
     if radius == "0" and "." in mid:
         mid = mid.rstrip("0").rstrip(".")
@@ -86,7 +86,7 @@ def sealed(lines: Sequence[str]) -> list[str]:
 
 
 def file_text(case: str, blocks: Sequence[Sequence[str]]) -> str:
-    """The file of a case."""
+    """The text of a case's file, a header and one line per value."""
     head = {"format": FORMAT, "case": case, "sets": len(blocks), "columns": COLUMNS, "sha256": ""}
     return "".join(sealed([compact(head), *(line for lines in blocks for line in lines)]))
 
@@ -112,5 +112,5 @@ def sums(files: Mapping[str, str]) -> str:
 
 
 def compact(value: Any) -> str:
-    """One line of JSON."""
+    """A value as JSON on one line, without spaces."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")) + "\n"

@@ -156,7 +156,7 @@ class AsymmetricField(SmoothFlow):
         )
 
     def lag(self, eta: Fraction, start: Start) -> arb:
-        """delta."""
+        """The phase delta by which the motion lags, for a given eta."""
         swing = start.sense * arb_of(start.square / self.fall).sqrt()
         return arb.pi() + arb.atan2(swing, arb_of(-eta))
 

@@ -61,7 +61,7 @@ class Slide(ClosedForm):
         return SteadyGrowth(partial(linear, arb(0), 0, ratio), Norm([1, 1]), narrow(1 / ratio))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Way and speed at t."""
+        """Position and velocity of the block along the slope at time t."""
         if self.angle is not None:
             sine, cosine = arb_of(self.angle).sin_cos()
         else:

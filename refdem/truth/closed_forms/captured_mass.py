@@ -60,7 +60,7 @@ class CapturedMass(ClosedForm):
         return {name: value.union(both[1][name]) for name, value in both[0].items()}
 
     def flight(self, t: arb) -> dict[str, arb]:
-        """The straight line."""
+        """The state on the straight line at t, before the catch."""
         x, y, vx, vy = (arb_of(value) for value in self.start)
         return dict(zip(self.state, (x + vx * t, y + vy * t, vx, vy), strict=True))
 

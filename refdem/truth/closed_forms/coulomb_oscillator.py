@@ -112,7 +112,7 @@ class CoulombOscillator(ClosedForm):
         return {**stop, "half_cycles": arb(halves + (self.v0 != 0))}
 
     def rate(self) -> arb:
-        """w = sqrt(k/m) [rad/s]."""
+        """The angular frequency w = sqrt(k/m) [rad/s]."""
         return arb_of(self.stiffness / self.mass).sqrt()
 
     @per_precision

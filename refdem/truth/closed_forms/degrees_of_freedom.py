@@ -17,7 +17,7 @@ Point = Sequence[Fraction]
 
 
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
-    """The exact rank."""
+    """The rank of a matrix of exact numbers."""
     entries = [[fmpq(x.numerator, x.denominator) for x in row] for row in rows]
     if entries:
         return int(fmpq_mat(entries).rref()[1])
@@ -49,7 +49,7 @@ def finite(points: Sequence[Point]) -> int:
 
 
 def counts(p: Parameters) -> dict[str, int]:
-    """Every row of the case."""
+    """Every row of the case as an integer, by name."""
     numbers = vector(p, "points")
     space = [numbers[3 * i : 3 * i + 3] for i in range(5)]
     every = {size: [point[:size] for point in space] for size in (2, 3)}

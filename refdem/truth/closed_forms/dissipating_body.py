@@ -25,7 +25,7 @@ NAMES = ("omega_body.x", "omega_body.y", "omega_body.z")
 
 
 class DissipatingBody(ValidatedFlow):
-    """omega_body [rad/s]."""
+    """Angular velocity omega_body [rad/s] of a body with internal damping."""
 
     witness = (
         "another multiprecision integration, of L in place of omega; |L| is kept, and the energy"
@@ -76,7 +76,7 @@ class DissipatingBody(ValidatedFlow):
 
 
 def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
-    """The rates of omega_body."""
+    """The time derivative of omega_body [rad/s^2]."""
 
     def crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
         return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]

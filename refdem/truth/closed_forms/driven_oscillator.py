@@ -53,7 +53,7 @@ class DrivenOscillator(SmoothFlow):
 
     @property
     def gap(self) -> Fraction:
-        """w0^2 - delta^2."""
+        """The difference w0^2 - delta^2 of squared frequencies [1/s^2]."""
         return self.square - self.delta**2
 
     @property

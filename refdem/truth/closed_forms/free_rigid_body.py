@@ -72,7 +72,7 @@ class FreeRigidBody(SmoothFlow):
         return rotation.times(self.start(), self.body().turn(t))
 
     def spin(self, t: arb) -> list[arb]:
-        """omega_body at t."""
+        """Angular velocity omega_body (3) [rad/s] at time t."""
         if t.is_zero():
             return [arb_of(w) for w in self.omega]
         return self.body().omega(t)

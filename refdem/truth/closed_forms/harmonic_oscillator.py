@@ -78,7 +78,7 @@ class HarmonicOscillator(SmoothFlow):
         return SteadyGrowth(propagator, Norm([1, 1]), narrow(rate), self.constants()["period"])
 
     def constants(self) -> dict[str, arb]:
-        """The period [s]."""
+        """The scalar constants of the motion: the period [s]."""
         return {"period": 2 * arb.pi() * arb_of(self.mass / self.stiffness).sqrt()}
 
 

@@ -70,7 +70,7 @@ class HeavyTop(ValidatedFlow):
         )
 
     def vertical(self) -> arb:
-        """L_z at the start."""
+        """The vertical angular momentum L_z, which is conserved."""
         p = self.p
         sine, cosine = arb_of(p["theta0"]).sin_cos()
         return arb_of(p["j1"] * p["phidot0"]) * sine * sine + arb_of(p["j3"] * p["spin"]) * cosine

@@ -44,7 +44,7 @@ class Means:
 
 
 def matrix(entry: Callable[[int, int], Fraction]) -> Matrix:
-    """The matrix of its entries."""
+    """The symmetric matrix that has these entries."""
     rows = [(entry(i, 0), entry(i, 1), entry(i, 2)) for i in range(3)]
     return rows[0], rows[1], rows[2]
 

@@ -64,7 +64,7 @@ class Uniform(ClosedForm):
         return other
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Every quantity at t."""
+        """Every quantity of the uniform motion at time t."""
         start = [arb_of(x) for x in self.start]
         now = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)] + start[3:]
         return dict(zip((*self.state, *ATTITUDE), now + self._turned(t), strict=True))
@@ -130,7 +130,7 @@ class Still(GuardedTruth):
         self.quantities = tuple(quantities)
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        """Zeros."""
+        """The value zero, with radius zero, for every quantity."""
         return {name: Ball(Fraction(0), Fraction(0)) for name in self.quantities}
 
     def sensitivity(self, t: Fraction) -> float:

@@ -116,7 +116,7 @@ class PhaseFlow(GuardedTruth):
         return sum((a[0] * b[1] - b[0] * a[1] for a, b in self.sides()), Fraction(0)) / 2
 
     def sides(self) -> list[tuple[Corner, Corner]]:
-        """From corner to corner."""
+        """The sides of the outline, each as its two corners."""
         return list(zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True))
 
     def area(self, t: arb) -> arb:

@@ -42,7 +42,7 @@ class PowerOscillator(FromRest):
 
     @property
     def p(self) -> arb:
-        """n + 1."""
+        """The exponent p = n + 1 of the potential."""
         return arb_of(self.exponent + 1)
 
     def acceleration(self, x: arb) -> arb:
@@ -54,7 +54,7 @@ class PowerOscillator(FromRest):
         return size.union(-size)
 
     def rate(self) -> arb:
-        """u/A [1/s]."""
+        """The rate u/A [1/s] of the motion."""
         reach = arb_of(abs(self.amplitude))
         return (2 * arb_of(self.ratio) / self.p).sqrt() * reach ** ((arb_of(self.exponent) - 1) / 2)
 
@@ -65,12 +65,12 @@ class PowerOscillator(FromRest):
         return arb.pi().sqrt() * (1 + share).gamma() / (arb(0.5) + share).gamma()
 
     def from_centre(self, y: arb) -> arb:
-        """q(y) for an exact y."""
+        """The integral q(y) from the centre, for an exact y."""
         share = 1 / self.p
         return y * magnitude(y, self.p).hypgeom_2f1(arb(0.5), share, 1 + share)
 
     def from_turning(self, w: arb) -> arb:
-        """s(w)."""
+        """The integral s(w) from the turning point."""
         return 2 / self.p * w * (w * w).hypgeom_2f1(arb(0.5), 1 - 1 / self.p, arb(1.5))
 
     def place(self, s: arb) -> tuple[arb, arb]:

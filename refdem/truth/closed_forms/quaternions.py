@@ -24,7 +24,7 @@ def of_numbers(q: Sequence[Fraction]) -> acb_mat:
 
 
 def numbers_of(m: acb_mat) -> list[arb]:
-    """(w, x, y, z) of a matrix."""
+    """The quaternion (w, x, y, z) of a complex 2 x 2 matrix."""
     return [m[0, 0].real, -m[1, 0].imag, m[1, 0].real, -m[0, 0].imag]
 
 
@@ -39,7 +39,7 @@ def absolute(m: acb_mat) -> arb:
 
 
 def turned(u: acb_mat, v: acb_mat) -> list[arb]:
-    """The vector u v u*."""
+    """The vector v rotated by the quaternion u: u v u*."""
     return numbers_of(u * v * conjugated(u))[1:]
 
 
@@ -66,7 +66,7 @@ def wrapped(angle: arb) -> arb:
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """Every row of the case."""
+    """The components of every row of the case, by name."""
     a, b, c, v, omega, rise = (
         of_numbers(vector(p, name)) for name in ("p", "q", "r", "vector", "omega", "rise")
     )

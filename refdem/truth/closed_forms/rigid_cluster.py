@@ -172,7 +172,7 @@ class RigidCluster(FreeRigidBody):
 
     @per_precision
     def body(self) -> FreeBody:
-        """The motion in those axes."""
+        """The motion of the free body in its principal axes."""
         omega = [arb_of(w) for w in self.omega]
         moments = [moment for moment, _ in self.moments()]
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
@@ -264,7 +264,7 @@ class RigidCluster(FreeRigidBody):
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-    """a x b of exact vectors."""
+    """The cross product a x b of exact vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 

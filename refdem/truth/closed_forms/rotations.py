@@ -51,7 +51,7 @@ def rates(phi: arb, theta: arb, omega: tuple[arb, arb, arb]) -> list[arb]:
 
 
 def quaternion(phi: arb, theta: arb, psi: arb) -> list[arb]:
-    """(1.76) to (1.79)."""
+    """The quaternion (w, x, y, z) of Euler angles, by (1.76) to (1.79)."""
     c = (theta / 2).cos()
     s = (theta / 2).sin()
     total = (phi + psi) / 2
@@ -76,7 +76,7 @@ def euler_matrix(phi: arb, theta: arb, psi: arb) -> list[arb]:
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """Every row of the case."""
+    """The components of every row of the case, by name."""
     angle, near, frequency = (arb_of(number(p, name)) for name in ("angle", "near", "frequency"))
     v = acb(*(arb_of(x) for x in vector(p, "vector")))
     phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))

@@ -50,7 +50,7 @@ class StickSlip:
     law: str
 
     def friction(self, speed: Any) -> Any:
-        """a mu(w) of a speed w >= 0."""
+        """The friction a mu(w) at a relative speed w >= 0."""
         if self.law == "quadratic":
             last = speed * speed
         else:
@@ -65,11 +65,11 @@ class StickSlip:
         return self.a * self.mu0
 
     def pull(self, y: Any) -> Any:
-        """P of a state."""
+        """The force P that friction must balance in a state."""
         return self.gamma * (self.eta * y[2]).cos() - y[0] - self.friction(abs(self.belt))
 
     def modes(self) -> dict[str, Mode]:
-        """The three modes."""
+        """The three modes of the motion, by name."""
         limit = self.limit
         forward, backward = (
             Guard("stop", lambda y: y[1], self.landing),

@@ -81,7 +81,7 @@ class Orbit(SmoothFlow):
         return [part + arb_of(off) for part, off in zip(start, self.offset, strict=True)]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """The state at t."""
+        """The position and velocity of the orbit at time t."""
         start = self.start()
         if self.stiffness is None:
             now = kepler(arb_of(self.gm), start, t)
@@ -120,7 +120,7 @@ class Orbit(SmoothFlow):
         return [bits for bits in super().growth_bits() if bits >= LOSSES * (digits - 1)]
 
     def constants(self) -> dict[str, arb]:
-        """The period [s]."""
+        """The scalar constants of the motion: the period [s]."""
         if self.stiffness is None:
             squared = self.semi_major**3 / self.gm
         else:

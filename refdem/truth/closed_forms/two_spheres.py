@@ -142,7 +142,7 @@ class TwoSpheres(HybridFlow):
         return dict(zip(NAMES, values, strict=True))
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
-        """The honest end."""
+        """The error that reports why certification ends, and where."""
         if not error.state:
             return NotCertifiedError(f"two-spheres {what}: {error.code}: {error}", code=error.code)
         place = self.kept["traced"].place("contact", error.state)
@@ -264,7 +264,7 @@ class TwoSpheres(HybridFlow):
         return range(len(self.counted()))
 
     def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
-        """The quantities themselves."""
+        """The matrix that reads the quantities themselves."""
         count = len(self.own_scales())
         return arb_mat([[arb(int(i == j)) for j in range(count)] for i in self.struck()])
 

@@ -52,7 +52,7 @@ class WedgeCollision(SmoothFlow):
 
     @per_precision
     def rate(self) -> arb:
-        """w on the way out [1/s]."""
+        """The angular frequency w [1/s] of the way out."""
         return arb_of(self.exact["k1"] / self.exact["mass"]).sqrt()
 
     def evaluate(self, t: arb) -> dict[str, arb]:

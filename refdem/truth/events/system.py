@@ -89,7 +89,7 @@ class Traced:
         }
 
     def guard(self, name: str) -> Guard:
-        """The guard of that name."""
+        """The guard that has the given name."""
         return next(guard for guard in self.mode.guards if guard.name == name)
 
     @staticmethod

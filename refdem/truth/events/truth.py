@@ -101,7 +101,7 @@ class HybridFlow(ClosedForm):
         return found
 
     def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        """The quantities of a state."""
+        """The quantities of a state, by name."""
         return dict(zip(self.names, self.values.run(y), strict=True))
 
     def at(self, t: Fraction) -> dict[str, Ball]:
@@ -228,7 +228,7 @@ class HybridFlow(ClosedForm):
         return work()
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
-        """The honest end."""
+        """The error that reports why certification ends, and where."""
         if error.state:
             state = {name: ball_of(value) for name, value in self.named(error.state).items()}
         else:
@@ -276,7 +276,7 @@ class HybridFlow(ClosedForm):
             yield from self.pieces_of(motion, number)
 
     def pieces_of(self, motion: HybridMotion, number: int) -> Iterator[Stretch]:
-        """The pieces of a phase."""
+        """The Taylor pieces of a phase, one after the other."""
         phase = motion.phases[number]
         for index in count():
             while index >= len(phase.pieces):

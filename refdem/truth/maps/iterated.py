@@ -77,7 +77,7 @@ class Iterated(GuardedTruth):
 
     @abstractmethod
     def values(self, state: Any) -> dict[str, arb]:
-        """The quantities of a state."""
+        """The quantities of a state, by name."""
 
     def refined(self, digits: int) -> Self:
         """The same truth with radii of at most 10^-digits."""
@@ -211,5 +211,5 @@ def whole(t: Fraction) -> int:
 
 
 def vector(values: Sequence[arb]) -> arb_mat:
-    """A column."""
+    """A column vector of the given values."""
     return arb_mat(len(values), 1, list(values))

@@ -27,7 +27,7 @@ FLOW_BITS = 1024
 
 
 class LogisticMap(Iterated):
-    """y_n = x_n - 1/2 in balls."""
+    """The iterates y_n = x_n - 1/2 of the logistic map, in balls."""
 
     method = "the map in balls about 1/2, precision raised by the bits that its slope takes away"
     witness = (

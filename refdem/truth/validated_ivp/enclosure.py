@@ -53,7 +53,7 @@ class Disc:
 
     @property
     def radius(self) -> arb:
-        """R, exact."""
+        """The exact radius R of the disc."""
         return self.rings[-1][0]
 
     def sides(self, size: arb) -> list[arb]:

@@ -44,7 +44,7 @@ class Spread:
 
 
 def identity(size: int) -> arb_mat:
-    """The unit matrix."""
+    """The unit matrix of the given size."""
     return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
 
 

@@ -35,7 +35,7 @@ class Product:
         self.known: Series = []
 
     def next(self) -> arb:
-        """The next coefficient."""
+        """The next Taylor coefficient of the product."""
         x = self.x
         y = self.y
         k = self.k
@@ -108,20 +108,20 @@ arguments have theirs.
 
 
 def constant(_: Series, ball: arb) -> Rule:
-    """c, 0, 0, ..."""
+    """The Taylor coefficients c, 0, 0, ... of a constant."""
     yield ball
     yield from repeat(arb(0))
 
 
 def product(_: Series, __: arb, a: Series, b: Series) -> Rule:
-    """[a b]_n."""
+    """The Taylor coefficients [a b]_n of a product."""
     whole = Product(a, b)
     while True:
         yield whole.next()
 
 
 def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
-    """q b_0 = a - q (b - b_0)."""
+    """The coefficients of a quotient, by q b_0 = a - q (b - b_0)."""
     later: Series = []
     whole = Product(q, later)
     yield a[0] / b[0]

@@ -144,7 +144,7 @@ class Spheres:
         return {"caught": back, ("free" if self.pulls else "apart"): self.force}
 
     def begin(self, s: Sequence[arb]) -> str:
-        """The phase at touch."""
+        """The name of the phase that begins at touch."""
         slip = self.slip(s)
         force = self.force(s)
         if not self.mu > 0:
@@ -262,7 +262,7 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
 
 
 def flown(s: Sequence[arb], t: arb) -> list[arb]:
-    """Free flight."""
+    """The state after a free flight of time t."""
     return [s[0] + s[2] * t, s[1] + s[3] * t, *s[2:]]
 
 
@@ -381,7 +381,7 @@ def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
 
 
 def flank(slope: arb, root: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """x'' = slope (x - root)."""
+    """The rates of (x, v) for x'' = slope (x - root)."""
     return [y[1], slope * (y[0] - root)]
 
 

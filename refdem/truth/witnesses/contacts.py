@@ -86,7 +86,7 @@ def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def falling(pull: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """A constant acceleration."""
+    """The rates of (x, v) under a constant acceleration."""
     return [y[1], pull]
 
 
@@ -122,7 +122,7 @@ def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> 
 
 
 def pressed(ratio: arb, s: Any, y: Sequence[Any]) -> list[Any]:
-    """Rates of w, v and t in s."""
+    """The rates of w, v and t by the variable s."""
     w, v, _ = y
     squared = w * w
     return [v / 2, -ratio * squared * squared, w]

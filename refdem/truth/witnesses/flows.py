@@ -50,7 +50,7 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 def moved(
     p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]
 ) -> Said:
-    """One corner."""
+    """The motion of one corner of the outline."""
     if p["flow"] == "pendulum":
         return points.pendulum({**p, "theta0": corner[0], "thetadot0": corner[1]}, times, {})
     start = {**p, "gravity": Fraction(0), "x0": corner[0], "v0": corner[1]}

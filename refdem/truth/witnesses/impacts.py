@@ -73,7 +73,7 @@ class Struck(Spheres):
 
 
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The linear law."""
+    """The impact on a wall under the linear contact law."""
     ball = Struck(p)
     nothing = arb(0)
     start = [
@@ -231,7 +231,7 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
 
 
 def falling(gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """y'' = -g."""
+    """The rates of (y, v) for y'' = -g."""
     return [s[1], s[1] * 0 - gravity]
 
 

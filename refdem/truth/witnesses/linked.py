@@ -268,7 +268,7 @@ def _moment(
 
 
 def rotation(q: Sequence[Any]) -> list[list[Any]]:
-    """Body to space."""
+    """The rotation matrix of q, from body to space axes."""
     w, x, y, z = q
     return [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -280,7 +280,7 @@ def rotation(q: Sequence[Any]) -> list[list[Any]]:
 def spun(
     momentum: Sequence[arb], inverse: Sequence[Sequence[arb]], t: Any, q: Sequence[Any]
 ) -> list[Any]:
-    """Rates of q."""
+    """The rate of change of the attitude q (4)."""
     turned = rotation(q)
     body = [sum((turned[k][i] * momentum[k] for k in range(3)), arb(0)) for i in range(3)]
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))

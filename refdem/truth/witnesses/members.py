@@ -400,7 +400,7 @@ class Passing(Spheres):
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
-    """A rational rotation."""
+    """A rotation matrix with rational entries."""
     return [[Fraction(x, part) for x in row] for row in rows]
 
 
@@ -441,5 +441,5 @@ def passing(
 
 
 def total(row: Sequence[Fraction], vector: Sequence[arb]) -> arb:
-    """A component in space."""
+    """The component of a vector along one axis of space."""
     return sum((arb_of(Fraction(a)) * b for a, b in zip(row, vector, strict=True)), arb(0))

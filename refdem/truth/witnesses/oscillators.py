@@ -82,7 +82,7 @@ def driven(p: dict[str, arb]) -> Force:
 
 
 def duffing(p: dict[str, arb]) -> Force:
-    """x'' = -alpha x - beta x^3."""
+    """The force of x'' = -alpha x - beta x^3."""
     return lambda t, x, v: -p["alpha"] * x - p["beta"] * x * x * x
 
 

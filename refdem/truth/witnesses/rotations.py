@@ -66,7 +66,7 @@ def seen(y: Sequence[arb]) -> dict[str, arb]:
 def tumbling(
     p: Mapping[str, Exact], omega: Sequence[arb], times: Sequence[Fraction], claimed: Claimed
 ) -> Said:
-    """A body from these rates."""
+    """The motion of a free body with these initial rates."""
     q = [arb_of(part) for part in vector(p, "attitude")]
     size = sum((part * part for part in q), arb(0)).sqrt()
     found = Solution(
@@ -93,7 +93,7 @@ def returned(found: Solution, claimed: Claimed) -> dict[str, arb]:
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """From omega_body."""
+    """The motion of a free body from omega_body of the case."""
     return tumbling(p, [arb_of(part) for part in vector(p, "omega_body")], times, claimed)
 
 

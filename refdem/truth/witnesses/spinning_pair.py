@@ -23,17 +23,17 @@ Vector = Sequence[Any]
 
 
 def dot(a: Vector, b: Vector) -> Any:
-    """a . b."""
+    """The dot product a . b of two vectors."""
     return sum((x * y for x, y in zip(a[1:], b[1:], strict=True)), a[0] * b[0])
 
 
 def crossed(a: Vector, b: Vector) -> list[Any]:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 
 def plus(a: Vector, b: Vector, factor: Any = 1) -> list[Any]:
-    """a + factor b."""
+    """The vector a + factor b, component by component."""
     return [x + y * factor for x, y in zip(a, b, strict=True)]
 
 
@@ -52,7 +52,7 @@ class Moment:
 
     @cached_property
     def force(self) -> Any:
-        """Normal force."""
+        """The normal force between the two spheres."""
         return self.its.k * self.overlap + self.its.c * self.along
 
     @cached_property
@@ -158,7 +158,7 @@ class Bodies:
         return Moment(self, s).overlap
 
     def force(self, s: Vector) -> Any:
-        """Normal force."""
+        """The normal force between the spheres in state s."""
         return Moment(self, s).force
 
     def rates(self, phase: str, t: Any, s: Vector) -> list[Any]:
@@ -259,7 +259,7 @@ def switch(
 
 
 def flown(s: Sequence[arb], t: arb) -> list[arb]:
-    """Free flight of both."""
+    """The state of both bodies after a free flight."""
     moved = list(s)
     for i in (0, 9):
         moved[i : i + 3] = plus(s[i : i + 3], s[i + 3 : i + 6], t)

@@ -120,7 +120,7 @@ def ellipsoid(a: Any, b: Any, c: Any) -> Rule:
 
 
 def without(whole: Rule, part: Rule) -> Rule:
-    """One solid less another."""
+    """The solid `whole` with the solid `part` removed."""
     yield from whole
     yield from ((-weight, place) for weight, place in part)
 
@@ -218,7 +218,7 @@ def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
 
 
 def hamilton(a: Point, b: Point) -> list[Any]:
-    """Hamilton's product."""
+    """Hamilton's product of two quaternions."""
     w, x, y, z = a
     s, t, u, v = b
     return [
@@ -230,7 +230,7 @@ def hamilton(a: Point, b: Point) -> list[Any]:
 
 
 def matrix_of(q: Point) -> list[list[Any]]:
-    """1 + 2 w [v] + 2 [v]^2."""
+    """The rotation matrix 1 + 2 w [v] + 2 [v]^2 of a quaternion."""
     w = q[0]
     (x, y, z) = q[1:]
     skew = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
@@ -253,7 +253,7 @@ def listed(found: Mapping[str, Sequence[Any]]) -> dict[str, arb]:
 
 
 def conjugate(q: Point) -> list[Any]:
-    """w, -x, -y, -z."""
+    """The conjugate (w, -x, -y, -z) of a quaternion."""
     return [q[0], -q[1], -q[2], -q[3]]
 
 

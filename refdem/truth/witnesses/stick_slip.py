@@ -64,7 +64,7 @@ class Law:
         self.linear = linear
 
     def coefficient(self, u: Any) -> Any:
-        """mu at a speed u >= 0."""
+        """The coefficient of friction mu at a speed u >= 0."""
         e = self.e
         return (
             (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1)
@@ -92,7 +92,7 @@ class Law:
         return 0
 
     def rates(self, side: int, t: Any, y: Sequence[Any]) -> list[Any]:
-        """x' and v'."""
+        """The rates x' and v' while the body slips to one side."""
         if side == 0:
             return [self.e["belt"], arb(0)]
         return [
@@ -116,7 +116,7 @@ class Law:
         return None
 
     def strain(self, phase: Solution, t: arb) -> arb:
-        """|P| - a mu0."""
+        """The excess |P| - a mu0 over static friction."""
         size: arb = abs(self.pull(t, phase.at(t)[0])) - self.e["a"] * self.e["mu0"]
         return size
 

@@ -80,7 +80,7 @@ class Solution:
         return b
 
     def _advance(self) -> None:
-        """One step further."""
+        """Integrates the solution one step further."""
         begin, start = self.next
         series = self._series(begin, start)
         size = max(float(abs(value).mid()) for value in start) or 1.0

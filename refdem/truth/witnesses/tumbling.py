@@ -71,7 +71,7 @@ class Box:
         ]
 
     def start(self) -> list[arb]:
-        """The start."""
+        """The initial state: matrix, rates, position and velocity."""
         turned = rotations.seen([arb(0)] * 3 + self.unit())
         place = [arb(0), arb(0), self.e["height"]]
         rows = [turned[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
@@ -83,7 +83,7 @@ class Box:
         ]
 
     def unit(self) -> list[arb]:
-        """The attitude made unit."""
+        """The initial attitude (4), normalised."""
         q = [arb_of(x) for x in vector(self.p, "attitude")]
         size = sum((x * x for x in q), arb(0)).sqrt()
         return [x / size for x in q]
@@ -174,12 +174,12 @@ class Box:
 
 
 def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """a . b."""
+    """The dot product a . b of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-    """a x b."""
+    """The cross product a x b of two vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 

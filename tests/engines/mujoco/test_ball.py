@@ -69,8 +69,8 @@ def test_motion_is_that_of_the_reference(engine):
             Scene(top().bodies, (*top().elements, Rod(a=0, length=0.5, anchor_b=(1.0, 2.0, 3.0)))),
             "plane only",
         ),
-        (Scene(top().bodies, (*top().elements, top().elements[0])), "one a body"),
-        (Scene.of([*PAIR], [BallJoint(a=1, b=0, anchor_a=(-1.0, 0.0, 0.0))]), "of the world only"),
+        (Scene(top().bodies, (*top().elements, top().elements[0])), "one per body"),
+        (Scene.of([*PAIR], [BallJoint(a=1, b=0, anchor_a=(-1.0, 0.0, 0.0))]), "to the world only"),
     ],
 )
 def test_what_is_no_top_is_refused(scene, reason):

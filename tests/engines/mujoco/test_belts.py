@@ -50,7 +50,7 @@ def test_it_is_carried_at_the_speed_of_the_belt(played, axis):
         (
             [Body(mass=1.0)],
             [Slider(a=0, normal_force=1.0, law="stribeck", mu0=0.4)],
-            "depends on the speed",
+            "depends on speed",
         ),
         (
             [Body(mass=1.0, velocity=(0.0, 1.0, 0.0))],

@@ -42,7 +42,7 @@ REFUSED = {
     "no inertia about one axis": (
         [Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 1.0, 0.0))],
         [],
-        "without inertia",
+        "zero inertia",
     ),
     "friction on a slant": (
         [POINT],
@@ -85,12 +85,12 @@ REFUSED = {
         [Contact(**SOFT, friction=0.5, tangential_stiffness=50.0)],
         "tangential",
     ),
-    "contact that pulls": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, damping=1.0)], "that pulls"),
-    "soft pairs": ([ball(-1.0), ball(0.0), ball(1.0)], [Contact(**SOFT)], "one pair only"),
+    "contact that pulls": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, damping=1.0)], "attractive"),
+    "soft pairs": ([ball(-1.0), ball(0.0), ball(1.0)], [Contact(**SOFT)], "more than one pair"),
     "soft pair in gravity": (
         [ball(-0.5), ball(0.5)],
         [Contact(**SOFT), DOWN],
-        "absence of other forces",
+        "beside other forces",
     ),
     "restitution": (
         [ball(0.0)],
@@ -114,7 +114,7 @@ def test_what_mujoco_cannot_say_is_refused_with_a_reason(engine, name):
 
 
 def test_backward_motion_is_refused(engine):
-    assert "negative steps" in engine.unsupported_motion(
+    assert "negative time steps" in engine.unsupported_motion(
         Motion(Scene.of([POINT]), -TIMES), engine.methods[0]
     )
 

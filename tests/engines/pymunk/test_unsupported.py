@@ -31,7 +31,7 @@ FLAT = Body(mass=1.0, position=(0.0, 0.5, 0.0), shape=box(1.0, 1.0, 1.0))
         ),
         (Scene.of([POINT], [CentralField(gm=1.0)]), "central_field"),
         (Scene.of([BALL], [Contact(law="linear", stiffness=10.0)]), "no contact stiffness"),
-        (Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=3.0)]), "not linear"),
+        (Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=3.0)]), "nonlinear"),
         (
             Scene.of([SLOPED], [Slider(a=0, friction=0.1, normal_force=1.0)]),
             "dry friction along one axis",

@@ -99,7 +99,7 @@ TIMES = {
 
 REFUSALS = {
     "refuses": "no springs on Saturdays",
-    "refuses-in-silence": "the program says it cannot",
+    "refuses-in-silence": "the program reports that the scene is not supported",
 }
 """Not an error: the program cannot say the scene."""
 

@@ -61,17 +61,17 @@ class Place:
 
     @property
     def distance(self) -> Any:
-        """D."""
+        """The distance D between the centres."""
         return (self.x * self.x + self.b * self.b).sqrt()
 
     @property
     def angle(self) -> Any:
-        """A."""
+        """The angle A = asinh(x/b) along the path."""
         return (self.x / self.b).asinh()
 
     @property
     def area(self) -> Any:
-        """The integral of D over x."""
+        """The integral of the distance D over x."""
         return (self.x * self.distance + self.b * self.b * self.angle) / 2
 
 
@@ -137,11 +137,11 @@ class ContactPath(ClosedForm):
 
     @property
     def reach(self) -> arb:
-        """D0."""
+        """The distance D0 between the centres at touch, the sum of radii."""
         return arb_of(sum(self.path.radii, Fraction(0)))
 
     def place(self, x: arb) -> Place:
-        """The place at x."""
+        """The point of the path with coordinate x."""
         return Place(x, self.numbers()["b"])
 
     def constant_side(self, piece: Piece) -> int:
@@ -164,7 +164,7 @@ class ContactPath(ClosedForm):
         return n["g"] * at.angle + n["a"] * at.x + n["e"] * at.x * at.distance
 
     def slack(self) -> arb:
-        """mu k/k_t."""
+        """The ratio mu k/k_t, the spring stretch at the limit per overlap."""
         p = self.path
         return arb_of(p.friction * p.stiffness / p.tangential_stiffness)
 
@@ -202,7 +202,7 @@ class ContactPath(ClosedForm):
 
     @per_precision
     def pieces(self) -> list[Piece]:
-        """Every piece from touch on."""
+        """All pieces of the motion, from touch on, in order of time."""
         x = -self.ends()
         end = self.ends()
         slip = self.slip(x, 0)
@@ -230,7 +230,7 @@ class ContactPath(ClosedForm):
         raise SwitchError("end", "the contact has more pieces than are followed", 0.0)
 
     def after(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
-        """What follows a piece."""
+        """The piece that follows a piece; None after the last one."""
         if last.side:
             rates: list[Along] = [partial(self.surplus, last.side, order) for order in (0, 1)]
             caught = earliest([Watched("caught", rates)], last.begin, end)
@@ -390,7 +390,7 @@ class PathGrowth:
         ]
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
         number = self.number(time)
         now = self.legs[number]
@@ -528,7 +528,7 @@ class PathGrowth:
         return arb_mat(rows)
 
     def place(self, time: arb) -> list[arb]:
-        """Of body 2 in the plane."""
+        """The position (2) of body 2 in the plane at a time."""
         x, y, u, v = self.start
         return [x + u * time, y + v * time]
 

@@ -27,7 +27,7 @@ from refdem.truth.reals import Number, near, pi, root
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """Numbers in SI units."""
+    """Parameters of a sphere above a floor, in SI units."""
 
     mass: Number
     radius: Fraction
@@ -50,7 +50,7 @@ class OnFloor(HybridFlow):
     spheres: Sequence[str] = ("",)
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        """Every quantity."""
+        """Every quantity of the case at time t, as balls."""
         if t < 0:
             raise NotCertifiedError("impact-benchmarks: t < 0 is before the start")
         still = (
@@ -92,7 +92,7 @@ class Bounce(OnFloor):
 
     @staticmethod
     def modes_of(floor: Floor) -> dict[str, Mode]:
-        """Flight and contact."""
+        """The two modes of the motion, flight and contact, by name."""
         k = floor.stiffness / floor.mass
         c = floor.damping / floor.mass
         g = floor.gravity
@@ -147,7 +147,7 @@ def on_floor(y: Any) -> list[Any]:
 
 
 def falls(g: Fraction, y: State) -> tuple[str, arb]:
-    """When a flight ends."""
+    """The event that ends a flight, and the time [s] until it."""
     return "land", (y[1] + (y[1] * y[1] + 2 * arb_of(g) * y[0]).sqrt()) / arb_of(g)
 
 

@@ -162,11 +162,11 @@ class MindlinWallImpact(HertzWallImpact):
         raise SwitchError("end", "the contact has more phases than are followed", 0.0)
 
     def slack(self) -> arb:
-        """g."""
+        """The ratio g of friction to the stiffness ratio."""
         return arb_of(self.friction / self.stiffness_ratio)
 
     def sliding(self, spring: MindlinSpring, side: int, leg: int, x: arb, slip: arb) -> Sliding:
-        """At the limit."""
+        """A sliding phase, in which friction is at Coulomb's limit."""
         return Sliding(spring, side, leg, x, slip, arb_of(Fraction(7, 2) * self.friction))
 
     def caught(self, last: Phase) -> tuple[Phase, arb, int] | None:
@@ -275,7 +275,7 @@ class MindlinWallImpact(HertzWallImpact):
         return leg, (depth, -rate, -depth)[leg]
 
     def phase(self, since: arb) -> Phase:
-        """The one at a time."""
+        """The phase of the contact that is under way at a time."""
         found = None
         for phase in self.phases():
             if since >= phase.begin:

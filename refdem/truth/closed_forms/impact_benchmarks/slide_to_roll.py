@@ -116,7 +116,7 @@ class SlideToRoll(ClosedForm):
         )
 
     def overlap(self, t: arb) -> tuple[arb, arb]:
-        """d and d'."""
+        """The overlap d and its rate d' at time t."""
         rate = arb_of(self.rate2).sqrt()
         off = arb_of(-self.begin[1])
         speed = arb_of(-self.begin[3])

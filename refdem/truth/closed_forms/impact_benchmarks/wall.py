@@ -49,7 +49,7 @@ class WallPair:
 
     @property
     def effective_mass(self) -> Number:
-        """That of the sphere [kg]."""
+        """The effective mass [kg] of the pair: that of the sphere."""
         return self.mass
 
     @property
@@ -91,7 +91,7 @@ class WallPhases(ContactPhases):
         self.kt = spring * self.time**2 / m
 
     def start(self) -> list[Callable[[], arb]]:
-        """The state at touch."""
+        """Functions that give the components of the state at touch."""
         pair = self.pair
         v = self.speed
         exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
@@ -163,7 +163,7 @@ class WallImpact(TwoSpheres):
         }
 
     def drifting(self) -> Sequence[int]:
-        """None: the wall stays."""
+        """Indices of drifting components: none, since the wall is fixed."""
         return ()
 
     def bodies(self) -> arb_mat:
