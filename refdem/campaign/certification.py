@@ -22,6 +22,7 @@ from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.problem import Motion
 from refdem.core.run import Failure
+from refdem.core.selection import Selection
 from refdem.core.store import Store
 from refdem.errors import UNREADABLE, NotCertifiedError, StoreError, UsageError
 from refdem.truth.certified import samples
@@ -38,6 +39,8 @@ prove. The others are proved each time.
 WRITERS = tuple(
     ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples")
 )
+EVERY = "every-case"
+"""In sets.toml: true if a case that has no sets there is proved at its defaults."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -55,10 +58,12 @@ class Wanted:
 
 
 def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
-    """The sets that sets.toml names, of these cases or of all; raises UsageError."""
+    """The sets that sets.toml asks for, of these cases or of all; raises UsageError."""
     path = folder / "sets.toml"
     document = document_of(path)
     document.pop(SAMPLED, None)
+    if document.pop(EVERY, False):
+        document |= default_sets(set(document))
     only = set(cases)
     found = []
     for unknown in only - set(document):
@@ -70,6 +75,25 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
             )
             found += [Wanted(discovery.case(case).at(**given), times) for given in group["sets"]]
     _refuse_twins(found, path)
+    return found
+
+
+def default_sets(named: set[str]) -> dict[str, list[dict[str, Any]]]:
+    """One set of each case in refdem/cases that is not named, in the form of sets.toml: a motion
+    after one sample, in the middle and at its end.
+    """
+    found = {}
+    for name in discovery.own_names("cases"):
+        case = discovery.case(name)
+        if name in named or isinstance(case, Selection):
+            continue
+        instance = case.at()
+        times = ""
+        if isinstance(instance.problem, Motion):
+            count = len(instance.times)
+            chosen = [instance.times[number] for number in (1, count // 2, count - 1)]
+            times = ", ".join(str(Fraction(float(t))) for t in chosen)
+        found[name] = [{"times": times, "sets": [{}]}]
     return found
 
 

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import msgspec
 
+from refdem.core import discovery
 from refdem.core.outside import one_line
 from refdem.core.parameters import nearest
 from refdem.core.reading import is_file, toml_as
+from refdem.core.selection import Selection
 from refdem.errors import OutOfRangeError, UsageError
 
 YEAR = 366 * 86400.0
@@ -38,6 +40,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     `perturbed_ulps` moves every start by so many units in the last place, to see how much of a
     value is noise. `required` is the folder with the lists of findings that it must make, "" for
     none; `is_part` says that only some of its cases were asked for.
+    `every_case` adds those of refdem's own cases that no entry names, each at its defaults.
     `include` names campaigns, in the same folder, whose cases come before its own.
     """
 
@@ -53,6 +56,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     steps_per_tau: float | None = None
     perturbed_ulps: int = 0
     include: list[str] = []
+    every_case: bool = False
     required: str = ""
     is_part: bool = False
 
@@ -98,6 +102,13 @@ def validation_folder() -> Path:
     return _HERE.parent / "validation"
 
 
+def unnamed_cases(entries: list[Entry]) -> list[Entry]:
+    """The cases in refdem/cases that no entry names, at their defaults; no selection of others."""
+    told = {entry.id for entry in entries}
+    left = [name for name in discovery.own_names("cases") if name not in told]
+    return [Entry(name) for name in left if not isinstance(discovery.case(name), Selection)]
+
+
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
     """The campaign `name` of validation/campaigns, or that of a .toml file; raises UsageError if it
     is not there or not well formed.
@@ -123,6 +134,8 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
         beside = path.with_name(f"{part}.toml")
         inside += named(str(beside), above=(*above, path)).case
     entries = inside + [entry for entry in found.case if entry not in inside]
+    if found.every_case:
+        entries += unnamed_cases(entries)
     if not entries:
         raise UsageError(f"{path} has no case; expected at least one [[case]] with an id")
     return msgspec.structs.replace(

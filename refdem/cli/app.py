@@ -16,7 +16,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-_FRAME = ("__init__", "app", "outputs", "progress", "summary")
+_FRAME = ("__init__", "app", "outputs", "progress", "skeleton", "summary")
 
 for _path in sorted(Path(__file__).parent.glob("*.py")):
     if _path.stem not in _FRAME:

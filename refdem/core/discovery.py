@@ -75,6 +75,11 @@ def names(folder: str) -> list[str]:
     return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others(folder)})
 
 
+def own_names(folder: str) -> list[str]:
+    """Ids of the `cases`, `checks` or `engines` that are files of refdem itself."""
+    return sorted(module.replace("_", "-") for module in _names(folder))
+
+
 def has_others(folder: str) -> bool:
     """True if another package brings cases, checks or engines."""
     return bool(_others(folder))

@@ -26,15 +26,11 @@ class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One check: what it judges and kills;
-
-    `left_out` says why it is not for this case at its defaults.
-    """
+    """One check that applies to the case at its defaults: what it judges and kills."""
 
     name: str
     title: str
     kills: str
-    left_out: str = ""
 
 
 class TruthLine(msgspec.Struct, frozen=True, kw_only=True):

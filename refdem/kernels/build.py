@@ -1,5 +1,7 @@
-"""Writes the cffi glue of one kernel family: `build.py FAMILY kernels.h OUTPUT.c`, called by
-meson.
+"""Which kernel families there are, and the cffi glue of each; called by meson.
+
+`build.py` alone prints the families: every C file of this folder is one. `build.py FAMILY OUTPUT.c`
+writes the glue of one.
 """
 
 import re
@@ -8,25 +10,52 @@ from pathlib import Path
 
 from cffi import FFI
 
+FOLDER = Path(__file__).parent
+SHARED = "kernels.h"
+"""Holds the declarations of most families; one that has a header of its own keeps them there."""
 
-def declarations(header: str, family: str) -> str:
-    """The part of the header between `/* == family == */` and the next such line, without
-    comments.
+
+def families() -> list[str]:
+    """The names of all families, sorted."""
+    return sorted(path.stem for path in FOLDER.glob("*.c"))
+
+
+def sections(header: Path) -> dict[str, str]:
+    """The parts of a header by family: each goes from `/* == family == */` to the next such line.
+
+    Comments and lines of the preprocessor are left out; a header that is not there has no parts.
     """
-    parts = re.split(r"/\* == (\w+) == \*/", header)
-    sections = dict(zip(parts[1::2], parts[2::2], strict=True))
-    if family not in sections:
-        raise SystemExit(f"kernels.h has no section {family!r}; it has {', '.join(sections)}")
-    return re.sub(r"/\*.*?\*/|^#.*?$", "", sections[family], flags=re.S | re.M)
+    if not header.is_file():
+        return {}
+    parts = re.split(r"/\* == (\w+) == \*/", header.read_text())
+    named = zip(parts[1::2], parts[2::2], strict=True)
+    return {name: re.sub(r"/\*.*?\*/|^#.*?$", "", text, flags=re.S | re.M) for name, text in named}
 
 
-def main(family: str, header: str, output: str) -> None:
+def declared(family: str) -> tuple[str, str]:
+    """The header that declares a family, and its declarations; ends the program if none does."""
+    own = f"{family}_kernel.h"
+    for name in (SHARED, own):
+        found = sections(FOLDER / name)
+        if family in found:
+            return name, found[family]
+    raise SystemExit(
+        f"{family}.c is a kernel family that no header declares; write its functions below the line"
+        f" '/* == {family} == */' in {own}"
+    )
+
+
+def write_glue(family: str, output: str) -> None:
     """Writes the C source of the extension `refdem.kernels._<family>`."""
+    header, declarations = declared(family)
     ffi = FFI()
-    ffi.cdef(declarations(Path(header).read_text(), family))
-    ffi.set_source(f"refdem.kernels._{family}", '#include "kernels.h"')
+    ffi.cdef(declarations)
+    ffi.set_source(f"refdem.kernels._{family}", f'#include "{header}"')
     ffi.emit_c_code(output)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if sys.argv[1:]:
+        write_glue(*sys.argv[1:])
+    else:
+        print("\n".join(families()))

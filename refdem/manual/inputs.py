@@ -7,6 +7,7 @@ from pathlib import Path
 
 from refdem.core import discovery
 from refdem.core.selection import Selection
+from refdem.manual.pages import checks
 from refdem.truth.certified.sources import ROOT, closure, digest_of, digest_of_files
 from refdem.truth.witnesses.testimony import witness_files, witnesses
 
@@ -22,15 +23,15 @@ WRITERS = (
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """sha256 by case of the code behind its truth and its witness, its certified values, what
-    checks say of themselves, and the writers.
+    """sha256 by case of the code behind its truth and its witness, its certified values, what the
+    checks that apply to it say of themselves, and the writers.
     """
-    checks = [discovery.check(name) for name in discovery.names("checks")]
-    said = [(check.name, check.title, check.kills) for check in checks]
     writers = digest_of_files({ROOT / name for name in WRITERS})
     found = {}
     for name in discovery.names("cases"):
-        if not isinstance(discovery.case(name), Selection):
+        case = discovery.case(name)
+        if not isinstance(case, Selection):
+            said = list(checks(case.at()))
             told = f"{writers}{said}{_own(name, folder)}"
             found[name] = hashlib.sha256(told.encode()).hexdigest()
     return found

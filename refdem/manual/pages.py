@@ -105,24 +105,20 @@ def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> Truth
 
 
 def checks(instance: Instance) -> Iterator[CheckLine]:
-    """Every check; one is for this case if it applies in some method of the reference that can run
-    it.
+    """The checks that apply in some method of the reference that can run the case, by name.
+
+    Others are left out, so that a new check changes the pages of the cases that it judges alone.
     """
     specification = Specification(name="manual", case=[], engines=["reference"])
     reference = discovery.engine("reference")
-    planned = plan.tasks(specification, instance, (), reference, None)
-    tasks = [task for task in planned if task.unsupported is None]
-    applied: set[str] = set()
-    for task in tasks:
-        applied |= {check.name for check in task.checks}
-    for name in discovery.names("checks"):
-        check = discovery.check(name)
-        left_out = ""
-        if name not in applied:
-            # Each reason once, in the order of the methods.
-            reasons = dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out)
-            left_out = "; ".join(reasons) or "no method of the reference runs it"
-        yield CheckLine(name=name, title=check.title, kills=check.kills, left_out=left_out)
+    applied = {
+        check.name: check
+        for task in plan.tasks(specification, instance, (), reference, None)
+        if task.unsupported is None
+        for check in task.checks
+    }
+    for name, check in sorted(applied.items()):
+        yield CheckLine(name=name, title=check.title, kills=check.kills)
 
 
 def certified_time(instance: Instance) -> str:

@@ -73,7 +73,7 @@ def markdown(page: ManualPage) -> str:
         "## Truth",
         truth(page),
         "## Checks",
-        "With the methods of the reference; other engines may have more.",
+        "The checks that apply at the defaults in the methods of the reference.",
         checks(page.checks),
     ]
     if page.slips:
@@ -146,19 +146,12 @@ def truth(page: ManualPage) -> str:
 
 
 def checks(found: Sequence[CheckLine]) -> str:
-    """Those that apply with what they kill, then those that do not with the reason."""
+    """A table of what they judge and kill."""
     lines = []
-    others = []
     for line in found:
-        name = markdown_text(line.name)
-        if line.left_out:
-            others.append(f"- {name}: {markdown_text(line.left_out)}")
-        else:
-            lines.append([name, markdown_text(line.title), markdown_text(line.kills)])
-    parts = [table(["check", "what it judges", "what it kills"], lines)]
-    if others:
-        parts += ["Not for this case at its defaults:", "\n".join(others)]
-    return "\n\n".join(parts)
+        told = (line.name, line.title, line.kills)
+        lines.append([markdown_text(text) for text in told])
+    return table(["check", "what it judges", "what it kills"], lines)
 
 
 def slips(page: ManualPage) -> list[str]:

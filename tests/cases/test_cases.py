@@ -3,12 +3,14 @@ of known motions.
 """
 
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from refdem.core import discovery
 from refdem.core.case import Instance
+from refdem.core.problem import Motion
 from refdem.core.trajectory import Trajectory
 from refdem.errors import NotCertifiedError, UsageError
 from refdem.scene import Scene
@@ -113,7 +115,13 @@ CATALOGUE["impact-benchmarks"] = (
     ),
     [f"{kind}.{a}" for kind in ("r", "v", "omega") for a in AXES],
 )
-STARTS = [
+LISTED = {*CATALOGUE, *TIMELESS, *CARRIED, *SELECTIONS}
+OTHERS = sorted(set(discovery.own_names("cases")) - LISTED)
+"""Cases whose names are in a test of their own."""
+STARTS: list[tuple[str, dict[str, str]]] = [
+    (name, {}) for name in OTHERS if isinstance(discovery.case(name).at().problem, Motion)
+]
+STARTS += [
     ("free-rigid-body", {}),
     ("free-rigid-body", {"inertia": "2,2,3", "attitude": "1,2,3,4"}),
     ("intermediate-axis", {}),
@@ -256,7 +264,11 @@ def at_rest(instance: Instance) -> Trajectory:
 
 
 def test_the_catalogue_has_these_cases() -> None:
-    assert set(discovery.names("cases")) == {*CATALOGUE, *TIMELESS, *CARRIED, *SELECTIONS}
+    """Those that are listed here, and those that have a file of tests named for them."""
+    assert set(discovery.names("cases")) >= LISTED
+    for name in OTHERS:
+        own = Path(__file__).with_name(f"test_{name.replace('-', '_')}.py")
+        assert own.is_file(), f"case {name} has no tests: {own} is not there"
 
 
 @pytest.mark.parametrize("name", CARRIED)

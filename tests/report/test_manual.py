@@ -38,7 +38,7 @@ PAGE = ManualPage(
     truth=TRUTH,
     checks=(
         CheckLine(name="error", title="Error", kills=NASTY),
-        CheckLine(name="stop", title="Stop", kills="k", left_out=NASTY),
+        CheckLine(name="stop", title=NASTY, kills="k"),
     ),
     slips=(Slip(where="(1.1)", says=NASTY, holds="h", measured=((NASTY, "1"),)),),
     reproduce=("refdem truth top",),

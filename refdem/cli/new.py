@@ -1,0 +1,26 @@
+"""refdem new: writes the files of a new case, check, engine or kernel."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    kind: Annotated[str, typer.Argument(help="case, check, engine or kernel")],
+    name: Annotated[str, typer.Argument(help="Small letters, words joined by hyphens.")],
+    package: Annotated[
+        Path, typer.Option(help="Root of the tree of refdem that gets the files.")
+    ] = Path("."),
+) -> None:
+    """Writes a small one that works, with its tests, to be changed into the one that is wanted.
+
+    Example: refdem new case bouncing-ball
+    """
+    from refdem.cli.skeleton import next_commands, written
+
+    for path in written(kind, name, package):
+        print(f"wrote {path}")
+    print("It works as it stands. Change it, and then run:")
+    for line in next_commands(kind, name):
+        print(f"    {line}")
