@@ -2,9 +2,9 @@
 unawares would be missed by nobody.
 
 A wrong formula can make a method refuse its own scene; another method then answers, and every
-verdict is green. So the answers are kept beside this test. After a change that is meant: `python
-tests/engines/test_reference_answers.py`, and commit answers.csv. A problem or a method that is new, and
-so not in that file, is in the tests of its own: of it, it is asked here that somebody answers.
+verdict is green. So the answers are kept beside this test. After a change that is meant, run
+`python tests/engines/test_reference_answers.py` and commit answers.csv. A problem or a method that
+is not in that file is new and has tests of its own; here only some method must answer it.
 """
 
 import csv
