@@ -15,6 +15,8 @@ from refdem.scene import Scene
 from refdem.scene.element import Element
 
 Array = NDArray[np.float64]
+Inside = Callable[[Any], dict[str, Any]]
+"""The faulty parts by name, from the sound ones: Parts, or a record of some of them."""
 
 
 def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request]:
@@ -108,19 +110,60 @@ def forgetting(p: Parts, part: Late, **parts: Any) -> dict[str, Any]:
     return {"fresh": fresh, **parts}
 
 
-def late(p: Parts, name: str) -> dict[str, Any]:
+def late(name: str) -> Inside:
     """The part of that name, late."""
-    part = Late(getattr(p, name))
-    return forgetting(p, part, **{name: part})
+
+    def inside(p: Parts) -> dict[str, Any]:
+        part = Late(getattr(p, name))
+        return forgetting(p, part, **{name: part})
+
+    return inside
 
 
-def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:
-    """A part whose numbers go through single precision."""
+def of_parts(**parts: Any) -> Inside:
+    """Parts replaced by other functions or numbers."""
+    return lambda p: parts
 
-    def part(*arguments: Any) -> Any:
-        found = sound(*arguments)
-        if isinstance(found, tuple):
-            return tuple(float(np.float32(x)) for x in found)
-        return float(np.float32(found))
 
-    return part
+def of_results(**change: Callable[[Any], Any]) -> Inside:
+    """Parts whose results are changed."""
+
+    def changed(sound: Callable[..., Any], make: Callable[[Any], Any]) -> Callable[..., Any]:
+        return lambda *arguments: make(sound(*arguments))
+
+    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+
+
+def of_arguments(**change: Callable[..., tuple[Any, ...]]) -> Inside:
+    """Parts that are called with other arguments, all of which `change` gives."""
+
+    def changed(sound: Callable[..., Any], make: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: sound(*make(*arguments))
+
+    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+
+
+def within(record: str, inside: Inside) -> Inside:
+    """Parts of one record of parts changed, as those of `maps` or of `holding`."""
+
+    def changed(p: Parts) -> dict[str, Any]:
+        sound = getattr(p, record)
+        return {record: replace(sound, **inside(sound))}
+
+    return changed
+
+
+def of_pace(pace: float, *names: str) -> Inside:
+    """Parts whose step, the last of their arguments, is longer by a factor."""
+
+    def longer(sound: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: sound(*arguments[:-1], pace * arguments[-1])
+
+    return lambda p: {name: longer(getattr(p, name)) for name in names}
+
+
+def rounded(found: Any) -> Any:
+    """A number, or a tuple of numbers, that went through single precision."""
+    if isinstance(found, tuple):
+        return tuple(float(np.float32(x)) for x in found)
+    return float(np.float32(found))

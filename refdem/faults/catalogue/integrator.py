@@ -4,7 +4,16 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import Late, forgetting, late, of_elements, scaled
+from refdem.faults.change import (
+    Late,
+    forgetting,
+    late,
+    of_elements,
+    of_pace,
+    of_parts,
+    of_results,
+    scaled,
+)
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.faults.sound import S4
@@ -31,11 +40,6 @@ def _first_kick_twice(p: Parts) -> dict[str, Any]:
         return p.kicked(v, force, mass, factor * h)
 
     return {"kicked": kicked, "fresh": fresh}
-
-
-def _late_loads(p: Parts) -> dict[str, Any]:
-    """All forces are those of the step before."""
-    return late(p, "loads")
 
 
 def _old_velocity(p: Parts) -> dict[str, Any]:
@@ -88,7 +92,7 @@ FAULTS = (
         sentence="A coefficient of the composition is off, though they add up to 1.",
         method="suzuki",
         sees=ORDER,
-        inside=lambda p: {"suzuki": (S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)},
+        inside=of_parts(suzuki=(S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)),
     ),
     integrator(
         name="suzuki-third-digit",
@@ -96,14 +100,14 @@ FAULTS = (
         method="suzuki",
         sees=ORDER,
         levels=6,
-        inside=lambda p: {"suzuki": (0.414, 0.414, -0.656, 0.414, 0.414)},
+        inside=of_parts(suzuki=(0.414, 0.414, -0.656, 0.414, 0.414)),
     ),
     integrator(
         name="suzuki-sign",
         sentence="The sign of the middle coefficient is wrong (Principia 578).",
         method="suzuki",
         sees=("error", "x"),
-        inside=lambda p: {"suzuki": (S4, S4, 4.0 * S4 - 1.0, S4, S4)},
+        inside=of_parts(suzuki=(S4, S4, 4.0 * S4 - 1.0, S4, S4)),
     ),
     integrator(
         name="suzuki-misses",
@@ -111,21 +115,21 @@ FAULTS = (
         method="suzuki",
         sees=("error", "v"),
         levels=4,
-        inside=lambda p: {"suzuki": (S4, S4, 1.0 - 4.0 * S4, S4, S4 + 1e-3)},
+        inside=of_parts(suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4 + 0.001)),
     ),
     integrator(
         name="rk4-weights",
         sentence="Two weights of Runge-Kutta are swapped.",
         method="rk4",
         sees=ORDER,
-        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+        inside=of_parts(rk4_weights=(1 / 3, 1 / 6, 1 / 6, 1 / 3)),
     ),
     integrator(
         name="rk4-weight-typo",
         sentence="The weights of Runge-Kutta add up to 5/6.",
         method="rk4",
         sees=("error", "x"),
-        inside=lambda p: {"rk4_weights": (1 / 6, 1 / 3, 1 / 6, 1 / 6)},
+        inside=of_parts(rk4_weights=(1 / 6, 1 / 3, 1 / 6, 1 / 6)),
     ),
     integrator(
         name="rk4-node",
@@ -133,7 +137,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("orbit",),
-        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+        inside=of_parts(rk4_nodes=(0.5, 1 / 3, 1.0)),
     ),
     integrator(
         name="rk4-node-turning",
@@ -141,7 +145,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
-        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+        inside=of_parts(rk4_nodes=(0.5, 1 / 3, 1.0)),
     ),
     integrator(
         name="rk4-weights-turning",
@@ -149,7 +153,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
-        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+        inside=of_parts(rk4_weights=(1 / 3, 1 / 6, 1 / 6, 1 / 3)),
     ),
     integrator(
         name="step-by-a-hair",
@@ -157,10 +161,7 @@ FAULTS = (
         sees=("limit", "state"),
         on=("oscillator", "orbit", "hardening"),
         levels=5,
-        inside=lambda p: {
-            "kicked": lambda v, force, mass, h: p.kicked(v, force, mass, h * (1 + 1e-7)),
-            "drifted": lambda r, v, h: p.drifted(r, v, h * (1 + 1e-7)),
-        },
+        inside=of_pace(1 + 1e-7, "kicked", "drifted"),
     ),
     integrator(
         name="stiffness-by-a-hair",
@@ -176,31 +177,27 @@ FAULTS = (
         sees=("limit", "state"),
         on=("tumbler",),
         levels=5,
-        inside=lambda p: {
-            "axis_turn": lambda axis, inertia, omega, q, h: p.axis_turn(
-                axis, inertia, omega, q, h * (1 + 1e-6)
-            )
-        },
+        inside=of_pace(1 + 1e-6, "axis_turn"),
     ),
     integrator(
         name="rk4-last-stage",
         sentence="The last stage is taken at the middle.",
         method="rk4",
         sees=ORDER,
-        inside=lambda p: {"rk4_nodes": (0.5, 0.5, 0.5)},
+        inside=of_parts(rk4_nodes=(0.5, 0.5, 0.5)),
     ),
     integrator(
         name="one-sided-kick",
         sentence="One whole kick in place of two halves.",
         sees=ORDER,
-        inside=lambda p: {"verlet_kicks": (1.0, 0.0)},
+        inside=of_parts(verlet_kicks=(1.0, 0.0)),
     ),
     integrator(
         name="kick-too-short",
         sentence="The second kick is 1 % too short.",
         sees=("error", "v"),
         levels=4,
-        inside=lambda p: {"verlet_kicks": (0.5, 0.495)},
+        inside=of_parts(verlet_kicks=(0.5, 0.495)),
     ),
     integrator(
         name="first-kick-whole",
@@ -212,7 +209,7 @@ FAULTS = (
         name="loads-late",
         sentence="All forces are those of the step before.",
         sees=ORDER,
-        inside=_late_loads,
+        inside=late("loads"),
     ),
     integrator(
         name="drift-with-old-velocity",
@@ -224,13 +221,13 @@ FAULTS = (
         name="kick-reversed",
         sentence="The second kick has the other sign.",
         sees=("error", "v"),
-        inside=lambda p: {"verlet_kicks": (0.5, -0.5)},
+        inside=of_parts(verlet_kicks=(0.5, -0.5)),
     ),
     integrator(
         name="drift-double",
         sentence="Positions move by two steps.",
         sees=("error", "x"),
-        inside=lambda p: {"drifted": lambda r, v, h: p.drifted(r, v, 2 * h)},
+        inside=of_pace(2.0, "drifted"),
     ),
     integrator(
         name="step-one-part-in-thousand",
@@ -238,10 +235,7 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=lambda p: {
-            "drifted": lambda r, v, h: p.drifted(r, v, 1.001 * h),
-            "kicked": lambda v, f, m, h: p.kicked(v, f, m, 1.001 * h),
-        },
+        inside=of_pace(1.001, "drifted", "kicked"),
     ),
     integrator(
         name="axis-order",
@@ -272,8 +266,6 @@ FAULTS = (
         name="reversal-broken",
         sentence="Each kick rounds towards zero by one part in 1e11.",
         sees=("reversal", "reversed"),
-        inside=lambda p: {
-            "kicked": lambda v, force, mass, h: vec.times(1 - 1e-11, p.kicked(v, force, mass, h))
-        },
+        inside=of_results(kicked=scaled(1 - 1e-11)),
     ),
 )
