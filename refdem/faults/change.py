@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import msgspec
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults.parts import Parts
+from refdem.faults.vectors import ZERO
 from refdem.scene import Scene
 from refdem.scene.element import Element
 
@@ -66,9 +68,9 @@ def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Traject
     return after
 
 
-def digits(count: int) -> Callable[[Array], Array]:
-    """Numbers with so many significant digits, as a text file of `%.{count}g` keeps them."""
-    return lambda values: np.vectorize(lambda value: float(f"{value:.{count}g}"))(values)
+def digits(number: int) -> Callable[[Array], Array]:
+    """Numbers with so many significant digits, as a text file of `%.{number}g` keeps them."""
+    return lambda values: np.vectorize(lambda value: float(f"{value:.{number}g}"))(values)
 
 
 def single(values: Array) -> Array:
@@ -100,11 +102,11 @@ class Late:
         return self.kept[0]
 
 
-def forgetting(p: Parts, part: Late, **parts: Any) -> dict[str, Any]:
-    """Faulty parts of which one is late, with what makes it forget the run before."""
+def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
+    """Faulty parts that remember, with what is done with their memory when a run begins."""
 
     def fresh(kept: dict[str, Any]) -> None:
-        part.kept.clear()
+        forget()
         p.fresh(kept)
 
     return {"fresh": fresh, **parts}
@@ -115,7 +117,18 @@ def late(name: str) -> Inside:
 
     def inside(p: Parts) -> dict[str, Any]:
         part = Late(getattr(p, name))
-        return forgetting(p, part, **{name: part})
+        return forgetting(p, part.kept.clear, **{name: part})
+
+    return inside
+
+
+def every_other(name: str) -> Inside:
+    """A part that gives a vector, and nothing every second time."""
+
+    def inside(p: Parts) -> dict[str, Any]:
+        sound = getattr(p, name)
+        turns = count(1)
+        return {name: lambda *arguments: sound(*arguments) if next(turns) % 2 else ZERO}
 
     return inside
 

@@ -58,8 +58,9 @@ def _last_rod(request: Request, factor: float) -> Request:
     """The last rod longer by a factor."""
     scene = request.problem.scene
     made = list(scene.elements)
-    last = max(number for number, element in enumerate(made) if isinstance(element, Rod))
-    made[last] = msgspec.structs.replace(made[last], length=factor * made[last].length)
+    rods = {number: element for number, element in enumerate(made) if isinstance(element, Rod)}
+    last = max(rods)
+    made[last] = msgspec.structs.replace(rods[last], length=factor * rods[last].length)
     return request.with_scene(Scene(scene.bodies, tuple(made)))
 
 

@@ -1,11 +1,13 @@
 """Integrators: coefficients, time levels, first and last steps."""
 
 from functools import partial
+from itertools import count
 from typing import Any
 
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Late,
+    every_other,
     forgetting,
     late,
     of_elements,
@@ -25,55 +27,32 @@ ORDER = ("order", "state")
 
 def _first_kick_twice(p: Parts) -> dict[str, Any]:
     """The first kick of a run is a whole one, as if the velocity were half a step behind."""
-    kept = {"first": True}
-
-    def fresh(memory: Any) -> None:
-        kept["first"] = True
-        p.fresh(memory)
+    kept: dict[str, float] = {}
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        if kept["first"]:
-            factor = 2.0
-        else:
-            factor = 1.0
-        kept["first"] = False
-        return p.kicked(v, force, mass, factor * h)
+        return p.kicked(v, force, mass, kept.pop("factor", 1.0) * h)
 
-    return {"kicked": kicked, "fresh": fresh}
+    return forgetting(p, lambda: kept.update(factor=2.0), kicked=kicked)
 
 
 def _old_velocity(p: Parts) -> dict[str, Any]:
     """The drift goes with the velocity that the step before drifted with."""
     previous = Late(lambda v: v)
-    return forgetting(p, previous, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
+    return forgetting(p, previous.kept.clear, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
 
 
-def _lopsided(p: Parts) -> Any:
+def _lopsided(p: Parts) -> dict[str, Any]:
     """All of a turn about axis 1 at once, and none of it at the end."""
-    kept = [0]
+    turns = count(1)
 
     def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
         if axis != 0:
             return p.axis_turn(axis, inertia, omega, q, h)
-        kept[0] += 1
-        if kept[0] % 2:
+        if next(turns) % 2:
             return p.axis_turn(axis, inertia, omega, q, 2 * h)
-        return (omega, q)
+        return omega, q
 
-    return axis_turn
-
-
-def _every_other(sound: Any) -> Any:
-    """Nothing every other time."""
-    kept = [0]
-
-    def part(*arguments: Any) -> Any:
-        kept[0] += 1
-        if kept[0] % 2:
-            return sound(*arguments)
-        return vec.ZERO
-
-    return part
+    return {"axis_turn": axis_turn}
 
 
 def _averaged(p: Parts) -> dict[str, Any]:
@@ -83,7 +62,7 @@ def _averaged(p: Parts) -> dict[str, Any]:
     def central_force(*arguments: Any) -> Any:
         return vec.times(0.5, vec.plus(p.central_force(*arguments), previous(*arguments)))
 
-    return forgetting(p, previous, central_force=central_force)
+    return forgetting(p, previous.kept.clear, central_force=central_force)
 
 
 FAULTS = (
@@ -245,14 +224,14 @@ FAULTS = (
         ),
         on=("tumbler",),
         sees=ORDER,
-        inside=lambda p: {"axis_turn": _lopsided(p)},
+        inside=_lopsided,
     ),
     integrator(
         name="kick-forgets-gravity",
         sentence="Gravity acts in the first kick only.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=lambda p: {"weight": _every_other(p.weight)},
+        inside=every_other("weight"),
     ),
     integrator(
         name="force-at-the-middle",

@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_arguments, of_elements, of_results, scaled
+from refdem.faults.change import every_other, of_arguments, of_elements, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.contact import Contact
@@ -27,19 +27,6 @@ def _one_lever(p: Parts) -> dict[str, Any]:
         return kept[0]
 
     return {"lever": lever}
-
-
-def _torque_once(p: Parts) -> dict[str, Any]:
-    """The second body gets no torque."""
-    kept = [False]
-
-    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
-        kept[0] = not kept[0]
-        if kept[0]:
-            return p.torque_on(arm, normal, force)
-        return vec.ZERO
-
-    return {"torque_on": torque_on}
 
 
 def _spinless(p: Parts) -> dict[str, Any]:
@@ -87,7 +74,7 @@ FAULTS = (
         sentence="Only one body gets a torque.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
-        inside=_torque_once,
+        inside=every_other("torque_on"),
     ),
     contact(
         name="torque-sign",

@@ -11,7 +11,7 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_bodies, of_columns, of_pace, of_parts, of_results
+from refdem.faults.change import forgetting, of_bodies, of_columns, of_pace, of_parts, of_results
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 
@@ -20,20 +20,16 @@ subtle = partial(Fault, kind="subtle")
 
 def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
     """A part that is right for so many calls in a run and spoiled from then on."""
-    seen = [0]
+    seen: list[None] = []
     sound = getattr(p, name)
 
-    def fresh(kept: dict[str, Any]) -> None:
-        seen[0] = 0
-        p.fresh(kept)
-
     def part(*arguments: Any) -> Any:
-        seen[0] += 1
-        if seen[0] <= calls:
+        seen.append(None)
+        if len(seen) <= calls:
             return sound(*arguments)
         return spoiled(*arguments)
 
-    return {"fresh": fresh, name: part}
+    return forgetting(p, seen.clear, **{name: part})
 
 
 def _row(count: int, value: float) -> Any:
@@ -58,14 +54,10 @@ def _first_radius(p: Parts) -> dict[str, Any]:
     """The first radius of a run serves for all levers."""
     kept: dict[str, Any] = {}
 
-    def fresh(memory: dict[str, Any]) -> None:
-        kept.clear()
-        p.fresh(memory)
+    def lever(law: Any, radius: Any, depth: Any) -> Any:
+        return p.lever(law, kept.setdefault("radius", radius), depth)
 
-    return {
-        "fresh": fresh,
-        "lever": lambda law, radius, depth: p.lever(law, kept.setdefault("radius", radius), depth),
-    }
+    return forgetting(p, kept.clear, lever=lever)
 
 
 def _work_late(request: Request, run: Trajectory) -> Trajectory:
