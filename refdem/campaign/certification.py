@@ -16,7 +16,7 @@ import msgspec
 
 from refdem.campaign import plan
 from refdem.campaign.kept_truth import samples_key
-from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.schedule import Job, Progress, Schedule
 from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -38,7 +38,6 @@ prove. The others are proved each time.
 WRITERS = tuple(
     ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples")
 )
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
