@@ -16,7 +16,7 @@ import msgspec
 
 from refdem.campaign import plan
 from refdem.campaign.kept_truth import samples_key
-from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.schedule import Job, Progress, Schedule
 from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -41,7 +41,6 @@ WRITERS = tuple(
 )
 EVERY = "every-case"
 """In sets.toml: true if a case that has no sets there is proved at its defaults."""
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)

@@ -74,18 +74,22 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
                     f"{method.name} {_miscount(late, asked.stride)}, with steps of"
                     f" {asked.signed_step!r} s: {COUNT}"
                 )
-    if worst <= BOUND:
-        outcome: Outcome = "pass"
-    else:
-        outcome = "fail"
+    return bounded(QUANTITY, worst, BOUND, BASIS, says)
+
+
+def bounded(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
+    """A finding of the smoke test: a pass if the value is within the bound."""
+    outcome: Outcome = "fail"
+    if value <= bound:
+        outcome = "pass"
     return Finding(
         check="smoke",
-        quantity=QUANTITY,
+        quantity=quantity,
         outcome=outcome,
         sentence=says,
-        value=worst,
-        bound=BOUND,
-        basis=BASIS,
+        value=value,
+        bound=bound,
+        basis=basis,
     )
 
 

@@ -3,7 +3,6 @@ record; nothing is stored.
 """
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import msgspec
 
@@ -12,14 +11,12 @@ from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.plan import Task
 from refdem.campaign.specification import Specification
 from refdem.core.case import Instance
-from refdem.core.engine import Engine
+from refdem.core.engine import Engine, finished
 from refdem.core.finding import Record
 from refdem.core.problem import Request
-from refdem.core.run import Failure, Run
-from refdem.core.trajectory import Trajectory
+from refdem.core.run import Run
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
-from refdem.errors import RefdemError, UnsupportedError
 
 
 def truth_of(instance: Instance) -> SampledTruth:
@@ -59,30 +56,26 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
     else:
         runs = known
     for variant in task.variants if task.unsupported is None else ():
-        if variant in runs:
-            continue
+        base = None
         if variant.goes_on:
             base = runs[variant.base].trajectory
-        else:
-            base = None
-        if not variant.goes_on or base is not None:
+        is_possible = base is not None or not variant.goes_on
+        if is_possible and variant not in runs:
             runs[variant] = run_of(task.engine, plan.request(task, variant, base))
     return judging.record(task, task.engine.version(), runs, [])
 
 
 def run_of(engine: Engine, request: Request) -> Run:
     """One run; whatever an engine raises becomes a Failure."""
-    plain = Run(key="", request=request, engine=engine.name, version="")
-    try:
-        trajectory, cost = engine.run(Request.unpacked(request.packed()))  # as a worker gets it
-        request.refuse_misaligned(trajectory.t, engine.method(request.method).round_off)
-        return replace(plain, trajectory=Trajectory.from_bytes(trajectory.to_bytes()), cost=cost)
-    except UnsupportedError as error:
-        failure = Failure(kind="unsupported", sentence=str(error))
-    except RefdemError as error:
-        failure = Failure(kind="contract", sentence=str(error))
-    except Exception as error:
-        failure = Failure(
-            kind="exception", sentence=f"{engine.name} raised {type(error).__name__}: {error}"
-        )
-    return replace(plain, failure=failure)
+    # As a worker gets it.
+    asked = Request.unpacked(request.packed())
+    reply = finished(worker.reply_of(engine.name, asked, engine))
+    return Run(
+        key="",
+        request=request,
+        engine=engine.name,
+        version="",
+        trajectory=reply.unpacked(),
+        failure=reply.failure,
+        cost=reply.cost,
+    )

@@ -2,7 +2,7 @@
 a correct engine raises.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -10,6 +10,8 @@ from itertools import product
 import msgspec
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.campaign.schedule import Progress
+from refdem.campaign.worker import no_truth
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
@@ -28,17 +30,7 @@ FEWEST = 3
 on.
 """
 ORDERS = ("order", "convergence", "limit")
-WITHHELD = SampledTruth(
-    t=[],
-    values={},
-    radii={},
-    sensitivity=[],
-    scalars={},
-    method="not certified",
-    witness="",
-    until=0,
-    reason="truth is withheld",
-)
+WITHHELD = no_truth("truth is withheld")
 """For settings that are judged as if nobody could prove anything about them."""
 
 
@@ -106,7 +98,7 @@ class FaultTrial:
     first: int = 0
     chosen: tuple[Fault, ...] = ()
     whole: bool = True
-    progress: Callable[[str, int, int], None] = lambda stage, done, total: None
+    progress: Progress = lambda stage, done, total: None
     _truths: dict[tuple[str, int], tuple[Instance, SampledTruth]] = field(default_factory=dict)
 
     @property

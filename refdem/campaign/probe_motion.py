@@ -95,14 +95,11 @@ def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque
     arm_a = rotated(attitude[spring.a], np.array(spring.anchor_a))
     end_a = position[spring.a] + arm_a
     joins_two = spring.b >= 0
+    end_b = np.array(spring.anchor_b)
+    arm_b = np.zeros(3)
     if joins_two:
-        arm_b = rotated(attitude[spring.b], np.array(spring.anchor_b))
-    else:
-        arm_b = np.zeros(3)
-    if joins_two:
+        arm_b = rotated(attitude[spring.b], end_b)
         end_b = position[spring.b] + arm_b
-    else:
-        end_b = np.array(spring.anchor_b)
     apart = end_b - end_a
     distance = float(np.linalg.norm(apart))
     # F = k (d - length) along the line from a to b.

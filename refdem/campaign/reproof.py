@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from refdem.campaign.certification import proved_set
-from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.schedule import Job, Progress, Schedule
 from refdem.core import discovery
 from refdem.core.run import Failure
 from refdem.errors import StoreError
@@ -20,7 +20,6 @@ EARLIEST = 2
 """
 LONGEST = 100.0
 """Seconds for one set of the sample."""
-Progress = Callable[[str, int, int], None]
 
 
 def damaged(folder: Path) -> list[str]:

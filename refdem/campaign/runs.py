@@ -201,9 +201,7 @@ class Runner:
 def answer_of(data: bytes) -> Answer:
     """The reply of a worker and its trajectory; raises ValueError for bytes that are neither."""
     reply = msgspec.msgpack.decode(data, type=worker.Reply)
-    if reply.failure is not None:
-        return reply, None
-    return reply, Trajectory.from_bytes(reply.trajectory)
+    return reply, reply.unpacked()
 
 
 def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
@@ -211,23 +209,40 @@ def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
     that go on from the end of another.
     """
     fingerprints = fingerprints_of(tasks)
-    first = []
-    for place, task, variant in _places(tasks, goes_on=False):
-        request = plan.request(task, variant, ulps=ulps)
-        first.append(_asked(place, task, request, fingerprints))
-    started = runner.runs(first, "runs")
-    later = []
-    for place, task, variant in _places(tasks, goes_on=True):
-        base = started.by_place[place[0], variant.base].trajectory
-        if base is not None:
-            request = plan.request(task, variant, base)
-            later.append(_asked(place, task, request, fingerprints))
-    gone_on = runner.runs(later, "runs that go on")
+    first = runner.runs(_asked(tasks, fingerprints, ulps), "runs")
+    later = runner.runs(_asked(tasks, fingerprints, 0, first), "runs that go on")
     return Runs(
-        by_place={**started.by_place, **gone_on.by_place},
-        made=started.made + gone_on.made,
-        read=started.read + gone_on.read,
+        by_place={**first.by_place, **later.by_place},
+        made=first.made + later.made,
+        read=first.read + later.read,
     )
+
+
+def _asked(
+    tasks: list[Task],
+    fingerprints: Mapping[tuple[str, str], str],
+    ulps: int,
+    first: Runs | None = None,
+) -> list[Asked]:
+    """The runs that tasks need from the start, or those that go on from the end of a `first`
+    one.
+    """
+    found = []
+    for number, task in enumerate(tasks):
+        for variant in task.variants:
+            if variant.goes_on != (first is not None):
+                continue
+            base = None
+            if first is not None:
+                base = first.by_place[number, variant.base].trajectory
+            # There is no end to go on from where the first run failed.
+            if variant.goes_on and base is None:
+                continue
+            request = plan.request(task, variant, base, ulps=ulps)
+            engine = task.engine.name
+            key = request.key(engine, fingerprints[engine, task.method.name])
+            found.append(Asked(place=(number, variant), task=task, request=request, key=key))
+    return found
 
 
 def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:
@@ -236,22 +251,3 @@ def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:
     """
     methods = {(task.engine.name, task.method.name): task for task in tasks if task.variants}
     return {key: task.engine.fingerprint(task.method) for key, task in methods.items()}
-
-
-def _places(tasks: list[Task], *, goes_on: bool) -> list[tuple[Place, Task, Variant]]:
-    """The runs of all tasks that go on from another, or those that do not."""
-    found = []
-    for number, task in enumerate(tasks):
-        for variant in task.variants:
-            if variant.goes_on == goes_on:
-                found.append(((number, variant), task, variant))
-    return found
-
-
-def _asked(
-    place: Place, task: Task, request: Request, fingerprints: Mapping[tuple[str, str], str]
-) -> Asked:
-    """A run with the key of all that it follows from."""
-    engine = task.engine.name
-    key = request.key(engine, fingerprints[engine, task.method.name])
-    return Asked(place=place, task=task, request=request, key=key)

@@ -18,8 +18,12 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
     """Statement, parameters, scene, scales and how truth was proved."""
     case = instance.case
     scales = instance.scales
+    lengths = {"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass}
+    units = {parameter.name: parameter.unit for parameter in instance.p.declared.values()}
+    quantities = {quantity.name: quantity.unit for quantity in instance.quantities.values()}
     settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
-    scene = _shown(msgspec.json.decode(encoded(instance.problem.document())))
+    document = msgspec.json.decode(encoded(instance.problem.document()))
+    scene = msgspec.json.format(msgspec.json.encode(_shown(document))).decode()
     return CaseSheet(
         case=case.id,
         label=instance.label,
@@ -28,10 +32,10 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         latex=case.latex,
         source=case.source,
         parameters=instance.p.texts(),
-        units={p.name: p.unit for p in instance.p.declared.values()},
-        scene=msgspec.json.format(msgspec.json.encode(scene)).decode(),
-        scales={"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass},
-        quantities={q.name: q.unit for q in instance.quantities.values()},
+        units=units,
+        scene=scene,
+        scales=lengths,
+        quantities=quantities,
         truth_method=truth.method,
         truth_witness=truth.witness,
         truth_scalars=truth.printed,

@@ -9,13 +9,13 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.campaign.clock import counted, refuse_other_shape
+from refdem.campaign.clock import bounded, counted, refuse_other_shape
 from refdem.campaign.force_probes import force_probes
 from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
 from refdem.core.engine import Engine, Method
-from refdem.core.finding import Finding, Outcome
+from refdem.core.finding import Finding
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.errors import UnsupportedError
@@ -145,7 +145,7 @@ def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Metho
     times = request.problem.times
     off = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
     says = f"{request.method}: the relative error of the clock at the last sample is {off:.2g}"
-    return _finding(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
+    return bounded(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
 
 
 def _first_sample(
@@ -167,7 +167,7 @@ def _first_sample(
         f"{request.method}: the first sample differs from the initial state of the"
         f" scene by {off:.2g} of its scale, in {name}"
     )
-    return _finding(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
+    return bounded(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
 
 
 def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
@@ -218,24 +218,7 @@ def _compared(
         suspected = suspicion(right, came, name, probe.times - probe.start)
         hint = suspected or f"check how the adapter converts {probe.shows}"
         says += f"; {hint}"
-    return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
-
-
-def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
-    """The finding of the smoke test: a pass if the value is within the bound."""
-    if value <= bound:
-        outcome: Outcome = "pass"
-    else:
-        outcome = "fail"
-    return Finding(
-        check="smoke",
-        quantity=quantity,
-        outcome=outcome,
-        sentence=says,
-        value=value,
-        bound=bound,
-        basis=basis,
-    )
+    return bounded(f"{probe.name}: {name}", off, BOUND, BASIS, says)
 
 
 def _text(values: Array) -> str:

@@ -50,7 +50,7 @@ def sampled_truths(
         if known is None and not delays:
             known = kept_truth(instance)
         if known is None and not is_judged(instance):
-            known = no_truth(UNASKED)
+            known = worker.no_truth(UNASKED)
         if known is None:
             missing[key] = (instance, delays)
         else:
@@ -63,7 +63,7 @@ def sampled_truths(
         ]
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             if isinstance(result, Failure):
-                found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
+                found[job.key] = worker.no_truth(f"{FAILED}{result.kind}: {result.sentence}")
             else:
                 found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
                 store.put_truth(job.key, found[job.key])
@@ -144,18 +144,3 @@ def _of_case(instance: Instance) -> str:
     if package:
         digest += fingerprint.of_package(package)
     return digest
-
-
-def no_truth(reason: str) -> SampledTruth:
-    """What stands in for a truth that could not be made."""
-    return SampledTruth(
-        t=[],
-        values={},
-        radii={},
-        sensitivity=[],
-        scalars={},
-        method="not certified",
-        witness="",
-        until=0,
-        reason=reason,
-    )

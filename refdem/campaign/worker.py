@@ -8,21 +8,17 @@ import os
 import time
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import msgspec
 
 from refdem.core import discovery
-from refdem.core.engine import ProgramEngine, Stages, finished
+from refdem.core.engine import Engine, ProgramEngine, Stages, finished
 from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.run import Failure
-from refdem.core.trajectory import Cost
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.truth import Ball, SampledTruth, Truth
 from refdem.errors import HangError, NotCertifiedError, RefdemError, UnsupportedError
-
-if TYPE_CHECKING:
-    from refdem.core.truth import Truth
-
 
 COUNT_BYTES = 4
 """Of a number of certified times."""
@@ -34,6 +30,12 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True):
     trajectory: bytes = b""
     cost: Cost | None = None
     failure: Failure | None = None
+
+    def unpacked(self) -> Trajectory | None:
+        """The trajectory, unless the run failed; raises ValueError for bytes that are none."""
+        if self.failure is not None:
+            return None
+        return Trajectory.from_bytes(self.trajectory)
 
 
 def sampled_truth(
@@ -49,7 +51,6 @@ def sampled_truth(
     until = 0 and a reason if there is none. With `most` only so many samples, and no scalars.
     `told` is a file and a row of it, which tell how far a proof came that was killed.
     """
-    from refdem.core.truth import Ball, SampledTruth
     from refdem.truth.balls import UndecidedError
     from refdem.truth.sampled import sampled
 
@@ -66,22 +67,27 @@ def sampled_truth(
             truth = sampled(proof, times[:most], delays)
         truth = msgspec.structs.replace(truth, t=times)
     except (NotCertifiedError, UndecidedError) as error:
-        truth = SampledTruth(
-            t=[],
-            values={},
-            radii={},
-            sensitivity=[],
-            scalars={},
-            method="not certified",
-            witness="",
-            until=0,
-            reason=str(error),
-        )
+        truth = no_truth(str(error))
     return msgspec.msgpack.encode(truth)
 
 
+def no_truth(reason: str) -> SampledTruth:
+    """What stands in for a truth that could not be made."""
+    return SampledTruth(
+        t=[],
+        values={},
+        radii={},
+        sensitivity=[],
+        scalars={},
+        method="not certified",
+        witness="",
+        until=0,
+        reason=reason,
+    )
+
+
 @contextlib.contextmanager
-def telling(proof: "Truth", place: str, row: int) -> Iterator[None]:
+def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
     """Keeps the number of times that are certified so far in a row of a file, of COUNT_BYTES."""
     try:
         file = os.open(place, os.O_WRONLY)
@@ -128,20 +134,19 @@ def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[by
             ),
         )
         return msgspec.msgpack.encode(Reply(failure=failure))
-    return msgspec.msgpack.encode((yield from _reply(engine, Request.unpacked(request))))
+    return msgspec.msgpack.encode((yield from reply_of(engine, Request.unpacked(request))))
 
 
-def _reply(engine: str, request: Request) -> Stages[Reply]:
+def reply_of(address: str, request: Request, engine: Engine | None = None) -> Stages[Reply]:
     """Runs the request; the one place where an engine's exceptions, whatever they are, become a
-    Failure.
+    Failure. An `engine` that is handed in need not be discovered.
     """
     try:
-        found = discovery.engine(engine)
-        trajectory, cost = (
-            (yield from found.stages(request))
-            if isinstance(found, ProgramEngine)
-            else found.run(request)
-        )
+        found = engine or discovery.engine(address)
+        if isinstance(found, ProgramEngine):
+            trajectory, cost = yield from found.stages(request)
+        else:
+            trajectory, cost = found.run(request)
         request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))
@@ -150,6 +155,6 @@ def _reply(engine: str, request: Request) -> Stages[Reply]:
     except RefdemError as error:
         return Reply(failure=Failure(kind="contract", sentence=one_line(str(error))))
     except Exception as error:
-        told = one_line(f"{engine} raised {type(error).__name__}: {error}")
+        told = one_line(f"{address} raised {type(error).__name__}: {error}")
         return Reply(failure=Failure(kind="exception", sentence=told))
     return Reply(trajectory=trajectory.to_bytes(), cost=cost)

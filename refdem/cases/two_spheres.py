@@ -75,7 +75,7 @@ class TwoSpheres(Case):
 
     def truth(self, p: Parameters) -> Truth:
         """Damped sine along the normal; sticking and gross sliding across it."""
-        from refdem.truth.closed_forms.two_spheres import truth
+        from refdem.truth.closed_forms.spinning_spheres import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})
 

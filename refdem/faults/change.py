@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import msgspec
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults.parts import Parts
+from refdem.faults.vectors import ZERO
 from refdem.scene import Scene
 from refdem.scene.element import Element
 
 Array = NDArray[np.float64]
+Inside = Callable[[Any], dict[str, Any]]
+"""The faulty parts by name, from the sound ones: Parts, or a record of some of them."""
 
 
 def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request]:
@@ -64,9 +68,9 @@ def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Traject
     return after
 
 
-def digits(count: int) -> Callable[[Array], Array]:
-    """Numbers with so many significant digits, as a text file of `%.{count}g` keeps them."""
-    return lambda values: np.vectorize(lambda value: float(f"{value:.{count}g}"))(values)
+def digits(number: int) -> Callable[[Array], Array]:
+    """Numbers with so many significant digits, as a text file of `%.{number}g` keeps them."""
+    return lambda values: np.vectorize(lambda value: float(f"{value:.{number}g}"))(values)
 
 
 def single(values: Array) -> Array:
@@ -98,29 +102,81 @@ class Late:
         return self.kept[0]
 
 
-def forgetting(p: Parts, part: Late, **parts: Any) -> dict[str, Any]:
-    """Faulty parts of which one is late, with what makes it forget the run before."""
+def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
+    """Faulty parts that remember, with what is done with their memory when a run begins."""
 
     def fresh(kept: dict[str, Any]) -> None:
-        part.kept.clear()
+        forget()
         p.fresh(kept)
 
     return {"fresh": fresh, **parts}
 
 
-def late(p: Parts, name: str) -> dict[str, Any]:
+def late(name: str) -> Inside:
     """The part of that name, late."""
-    part = Late(getattr(p, name))
-    return forgetting(p, part, **{name: part})
+
+    def inside(p: Parts) -> dict[str, Any]:
+        part = Late(getattr(p, name))
+        return forgetting(p, part.kept.clear, **{name: part})
+
+    return inside
 
 
-def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:
-    """A part whose numbers go through single precision."""
+def every_other(name: str) -> Inside:
+    """A part that gives a vector, and nothing every second time."""
 
-    def part(*arguments: Any) -> Any:
-        found = sound(*arguments)
-        if isinstance(found, tuple):
-            return tuple(float(np.float32(x)) for x in found)
-        return float(np.float32(found))
+    def inside(p: Parts) -> dict[str, Any]:
+        sound = getattr(p, name)
+        turns = count(1)
+        return {name: lambda *arguments: sound(*arguments) if next(turns) % 2 else ZERO}
 
-    return part
+    return inside
+
+
+def of_parts(**parts: Any) -> Inside:
+    """Parts replaced by other functions or numbers."""
+    return lambda p: parts
+
+
+def of_results(**change: Callable[[Any], Any]) -> Inside:
+    """Parts whose results are changed."""
+
+    def changed(sound: Callable[..., Any], make: Callable[[Any], Any]) -> Callable[..., Any]:
+        return lambda *arguments: make(sound(*arguments))
+
+    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+
+
+def of_arguments(**change: Callable[..., tuple[Any, ...]]) -> Inside:
+    """Parts that are called with other arguments, all of which `change` gives."""
+
+    def changed(sound: Callable[..., Any], make: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: sound(*make(*arguments))
+
+    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+
+
+def within(record: str, inside: Inside) -> Inside:
+    """Parts of one record of parts changed, as those of `maps` or of `holding`."""
+
+    def changed(p: Parts) -> dict[str, Any]:
+        sound = getattr(p, record)
+        return {record: replace(sound, **inside(sound))}
+
+    return changed
+
+
+def of_pace(pace: float, *names: str) -> Inside:
+    """Parts whose step, the last of their arguments, is longer by a factor."""
+
+    def longer(sound: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: sound(*arguments[:-1], pace * arguments[-1])
+
+    return lambda p: {name: longer(getattr(p, name)) for name in names}
+
+
+def rounded(found: Any) -> Any:
+    """A number, or a tuple of numbers, that went through single precision."""
+    if isinstance(found, tuple):
+        return tuple(float(np.float32(x)) for x in found)
+    return float(np.float32(found))

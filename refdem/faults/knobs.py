@@ -15,6 +15,7 @@ import numpy as np
 from refdem.core.engine import Engine
 from refdem.core.problem import Request
 from refdem.core.trajectory import STATE, Trajectory
+from refdem.faults.change import of_pace, of_results, scaled
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
@@ -156,7 +157,11 @@ def _paced(name: str, parts: tuple[str, ...]) -> Knob:
     """The knob of one kind of step, which these parts make."""
 
     def carrier(amplitude: float) -> Engine:
-        changed = {part: _at_pace(part, 1.0 + amplitude) for part in parts}
+        pace = 1.0 + amplitude
+        changed = of_pace(pace, *parts)(SOUND)
+        if "turn_rate" in parts:
+            # It has no step: the rate itself is larger.
+            changed |= of_results(turn_rate=scaled(pace))(SOUND)
         return Transparent(SOUND.with_(**changed))
 
     return Knob(
@@ -164,14 +169,6 @@ def _paced(name: str, parts: tuple[str, ...]) -> Knob:
         says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as asked",
         carrier=carrier,
     )
-
-
-def _at_pace(part: str, pace: float) -> Callable[..., Any]:
-    """A part whose step, its last argument, is longer by a factor; a rate is larger by it."""
-    sound = getattr(SOUND, part)
-    if part == "turn_rate":
-        return lambda q, omega: tuple(pace * x for x in sound(q, omega))
-    return lambda *arguments: sound(*arguments[:-1], pace * arguments[-1])
 
 
 def continued(fault: Fault) -> Knob | None:

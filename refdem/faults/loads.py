@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
-from refdem.faults import positional
 from refdem.faults import vectors as vec
 from refdem.faults.holding import turned_at_joints
 from refdem.faults.parts import Parts
+from refdem.faults.positional import pushed_by_fields, pushed_by_walls
 from refdem.faults.state import Loads, State
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
@@ -66,14 +66,6 @@ def _weights(world: World, state: State, parts: Parts, found: Loads, *_: Any) ->
             found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
 
 
-def _tents(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
-    positional.pushed_by_fields(world, state, parts, found.force)
-
-
-def _walls(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
-    positional.pushed_by_walls(world, state, parts, found.force)
-
-
 def _sliders(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     """Last: a slider that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
@@ -91,8 +83,8 @@ SOURCES = {
     "fields": _fields,
     "pairs": _contacts,
     "gravity": _weights,
-    "tents": _tents,
-    "walls": _walls,
+    "tents": pushed_by_fields,
+    "walls": pushed_by_walls,
     "joints": turned_at_joints,
     "sliders": _sliders,
 }

@@ -1,9 +1,11 @@
 """Parts of the transparent engine for forces that place and orientation choose."""
 
+from typing import Any
+
 from refdem.faults import vectors as vec
 from refdem.faults.parts import Parts, PositionalParts
-from refdem.faults.state import State
-from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.faults.state import Loads, State
+from refdem.faults.vectors import Number, Quaternion
 from refdem.faults.world import World
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
@@ -38,22 +40,22 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
 SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
 
 
-def pushed_by_fields(world: World, state: State, parts: Parts, force: list[Vector]) -> None:
-    """Adds the forces of the fields to `force`."""
+def pushed_by_fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+    """Adds the forces of the fields to those found."""
     for i, fixed in enumerate(world.fixed):
         for field in () if fixed else world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
-            force[i] = vec.moved(force[i], parts.positional.field_force(field, s), field.axis)
+            push = parts.positional.field_force(field, s)
+            found.force[i] = vec.moved(found.force[i], push, field.axis)
 
 
-def pushed_by_walls(world: World, state: State, parts: Parts, force: list[Vector]) -> None:
+def pushed_by_walls(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     """Adds the forces of walls for wedges."""
     for wall, i in pairs(world):
         depth, rate, edge = approach(wall, state, parts, i)
         if depth > 0:
-            force[i] = vec.moved(
-                force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal
-            )
+            push = parts.positional.wedge_force(wall, depth, edge, rate)
+            found.force[i] = vec.moved(found.force[i], push, wall.normal)
 
 
 def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, Number, bool]:

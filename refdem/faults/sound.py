@@ -29,10 +29,11 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
         return vec.times(spring.stiffness, apart)
     distance = vec.size(apart)
     s = distance - spring.length
-    pull = (
-        spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1)
-        + (spring.quadratic + spring.cubic * s) * s * s
-    )
+    sign = 1 if s > 0 else -1
+    # F = k |s|^n sgn(s) + (b + c s) s^2 beyond the length at rest.
+    power = spring.stiffness * abs(s) ** spring.exponent * sign
+    polynomial = (spring.quadratic + spring.cubic * s) * s * s
+    pull = power + polynomial
     if distance > 0:
         return vec.times(pull / distance, apart)
     return vec.ZERO
@@ -89,15 +90,17 @@ def axis_turn(
     angle = h * omega[axis]
     c = cos(angle)
     s = sin(angle)
-    momentum = list(vec.per_axis(inertia, omega))
+    momentum: Any = list(vec.per_axis(inertia, omega))
     i = (axis + 1) % 3
     j = (axis + 2) % 3
-    momentum[i], momentum[j] = c * momentum[i] + s * momentum[j], c * momentum[j] - s * momentum[i]
-    half = [cos(angle / 2), 0.0, 0.0, 0.0]
+    # The momentum stays in space, so that its components in the body turn backwards.
+    turned_i = c * momentum[i] + s * momentum[j]
+    turned_j = c * momentum[j] - s * momentum[i]
+    momentum[i] = turned_i
+    momentum[j] = turned_j
+    half: Any = [cos(angle / 2), 0.0, 0.0, 0.0]
     half[1 + axis] = sin(angle / 2)
-    return vec.over_axis((momentum[0], momentum[1], momentum[2]), inertia), vec.product(
-        q, (half[0], half[1], half[2], half[3])
-    )
+    return vec.over_axis(momentum, inertia), vec.product(q, half)
 
 
 def to_body(q: Quaternion, a: Vector) -> Vector:
@@ -117,11 +120,10 @@ def kicked(v: Vector, force: Vector, mass: Number, h: Number) -> Vector:
 
 def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector:
     """omega_body after a torque in body axes for h [s]."""
-    return (
-        omega[0] + h * torque[0] / inertia[0],
-        omega[1] + h * torque[1] / inertia[1],
-        omega[2] + h * torque[2] / inertia[2],
-    )
+    x = omega[0] + h * torque[0] / inertia[0]
+    y = omega[1] + h * torque[1] / inertia[1]
+    z = omega[2] + h * torque[2] / inertia[2]
+    return x, y, z
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
@@ -146,15 +148,17 @@ def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
 
 def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
     """k d + c d' [N], pulls when negative; k d^(3/2) for Hertz's law."""
-    return (
-        law.stiffness * (max(depth, 0.0) ** 1.5 if law.law == "hertz" else depth)
-        + law.damping * rate
-    )
+    if law.law == "hertz":
+        pressed = max(depth, 0.0) ** 1.5
+    else:
+        pressed = depth
+    return law.stiffness * pressed + law.damping * rate
 
 
 def lever(law: Contact, radius: Number, depth: Number) -> Number:
     """Arm [m] of the tangential force on a sphere."""
-    return radius - {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[law.branch] * depth
+    part = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[law.branch]
+    return radius - part * depth
 
 
 def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
@@ -237,9 +241,10 @@ def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Nu
     """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton
     step).
     """
-    return (vec.dot(apart, apart) - rod.length * rod.length) / (
-        2 * ease * vec.dot(apart, direction)
-    )
+    # |apart|^2 - l^2 = 0, whose slope by the impulse is 2 ease apart . direction.
+    excess = vec.dot(apart, apart) - rod.length * rod.length
+    slope = 2 * ease * vec.dot(apart, direction)
+    return excess / slope
 
 
 def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
@@ -252,7 +257,8 @@ def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: N
 
     `pull` is the relative acceleration without it.
     """
-    return (vec.dot(relative, relative) + vec.dot(apart, pull)) / (ease * rod.length)
+    needed = vec.dot(relative, relative) + vec.dot(apart, pull)
+    return needed / (ease * rod.length)
 
 
 def clock(start: Number, count: int, interval: Number) -> Number:

@@ -123,20 +123,23 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
     laws = _all(scene, Contact, number)
     touching = _touching(scene, number)
     joints = elements["joints"]
-    strings = elements["strings"]
+    inertia = [_moments(i, bodies, joints, number) for i in range(len(bodies))]
+    gravity = [_tuple(e.g, number) for e in scene.all(UniformGravity)]
+    fields = [number(e.gm) for e in scene.all(CentralField)]
+    lengths = [_length(string, bodies, number) for string in elements["strings"]]
     return World(
         number=number,
-        mass=[number(m) for m in bodies.mass],
-        inertia=[_moments(i, bodies, joints, number) for i in range(len(bodies))],
-        radius=[number(radius) for radius in bodies.radius],
-        fixed=[bool(fixed) for fixed in bodies.fixed],
+        mass=list(map(number, bodies.mass)),
+        inertia=inertia,
+        radius=list(map(number, bodies.radius)),
+        fixed=list(map(bool, bodies.fixed)),
         drives=scene.all(Force),
         law=next(iter(laws), None),
-        gravity=[_tuple(e.g, number) for e in scene.all(UniformGravity)],
-        fields=[number(e.gm) for e in scene.all(CentralField)],
+        gravity=gravity,
+        fields=fields,
         pairs=[pair for pair, _ in touching],
         corners=[corner for _, corner in touching],
-        string_lengths=[_length(string, bodies, number) for string in strings],
+        string_lengths=lengths,
         **elements,
     )
 
@@ -198,14 +201,16 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
     """The state at the start; modes are not yet known."""
     bodies = scene.bodies
     number = world.number
-    attitude = [_tuple(q, number) for q in bodies.attitude]
-    omega = [_tuple(spin, number) for spin in bodies.omega]
+    position, velocity, attitude, omega = (
+        [_tuple(row, number) for row in column]
+        for column in (bodies.position, bodies.velocity, bodies.attitude, bodies.omega)
+    )
     pairs = len(world.pairs)
     return State(
-        r=[_tuple(r, number) for r in bodies.position],
-        v=[_tuple(v, number) for v in bodies.velocity],
+        r=position,
+        v=velocity,
         q=attitude,
-        w=[to_body(q, spin) for q, spin in zip(attitude, omega, strict=True)],
+        w=list(map(to_body, attitude, omega)),
         stretch=[ZERO] * pairs,
         work=number(0.0),
         acting=[False] * pairs,

@@ -134,7 +134,7 @@ class Stress:
         }
         proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
         found = known | dict(zip(asked, proved, strict=True))
-        none = truths.no_truth("this measure does not use truth")
+        none = worker.no_truth("this measure does not use truth")
         return [_task(place, found.get(place.instance.label) or none) for place in places]
 
     def _run(

@@ -5,17 +5,24 @@ is that of their equation.
 from abc import abstractmethod
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, per_precision
 from refdem.truth.energy_growth import EnergyGrowth, Line
-from refdem.truth.growth import CLOSED_BITS, Grows, PeriodicGrowth
+from refdem.truth.growth import CLOSED_BITS, Grows, Growth, PeriodicGrowth
 
-if TYPE_CHECKING:
-    from refdem.truth.validated_flow import ValidatedFlow
+
+class Equation(Protocol):
+    """A motion by the equation that it solves, as a closed form needs it (validated_flow.py)."""
+
+    def growth(self) -> Growth:
+        """S of the motion, from the variational equation."""
+
+    def readings_at(self, y: Sequence[arb]) -> arb_mat:
+        """d quantity_i/scale_i over d state_j/scale_j at a state y."""
 
 
 class SmoothFlow(ClosedForm):
@@ -46,7 +53,7 @@ class OfAnEquation(SmoothFlow):
     """
 
     @abstractmethod
-    def equation(self) -> "ValidatedFlow":
+    def equation(self) -> Equation:
         """The same motion by its equation, with the same quantities."""
 
     def period(self) -> arb | None:

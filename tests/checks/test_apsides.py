@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of
-from refdem.campaign.truths import no_truth
+from refdem.campaign.worker import no_truth
 from refdem.checks.apsides import fradkin, laplace, turned
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE

@@ -11,7 +11,7 @@ import pytest
 
 from refdem.campaign import judging, plan
 from refdem.campaign.in_process import run_of, task_of, truth_of
-from refdem.campaign.truths import no_truth
+from refdem.campaign.worker import no_truth
 from refdem.checks.lyapunov import Lyapunov
 from refdem.core import discovery
 from refdem.core.judgement import errors

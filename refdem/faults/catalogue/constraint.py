@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.change import late, of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.scene.elements.rod import Rod
 
@@ -56,53 +56,55 @@ FAULTS = (
         name="velocity-not-held",
         sentence="Positions are put back on the rod, velocities are not.",
         sees=("constraint", "velocity"),
-        inside=lambda p: {"rod_velocity": lambda *a: 0.0},
+        inside=of_parts(rod_velocity=lambda *a: 0.0),
     ),
     constraint(
         name="velocity-half-held",
         sentence="Only half of the velocity along the rod is taken away.",
         sees=("constraint", "velocity"),
-        inside=lambda p: {"rod_velocity": lambda *a: 0.5 * p.rod_velocity(*a)},
+        inside=of_results(rod_velocity=scaled(0.5)),
     ),
     constraint(
         name="rod-not-held",
         sentence="The rod holds velocities only, so that it grows longer.",
         sees=("constraint", "length"),
-        inside=lambda p: {"rod_position": lambda *a: 0.0},
+        inside=of_parts(rod_position=lambda *a: 0.0),
     ),
     constraint(
         name="rod-force-sign",
         sentence="Tension is written as negative.",
         sees=FORCE,
-        inside=lambda p: {"rod_tension": lambda *a: -p.rod_tension(*a)},
+        inside=of_results(rod_tension=lambda found: -found),
     ),
     constraint(
         name="rod-force-without-speed",
         sentence="The rod's force leaves the centripetal part out.",
         on=("circler",),
         sees=FORCE,
-        inside=lambda p: {
-            "rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(
-                rod, apart, vec.ZERO, pull, ease
-            )
-        },
+        inside=of_arguments(
+            rod_tension=lambda rod, apart, relative, pull, ease: (rod, apart, vec.ZERO, pull, ease)
+        ),
     ),
     constraint(
         name="rod-force-without-weight",
         sentence="The rod's force leaves the weight out.",
         on=("circler",),
         sees=FORCE,
-        inside=lambda p: {
-            "rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(
-                rod, apart, relative, vec.ZERO, ease
+        inside=of_arguments(
+            rod_tension=lambda rod, apart, relative, pull, ease: (
+                rod,
+                apart,
+                relative,
+                vec.ZERO,
+                ease,
             )
-        },
+        ),
     ),
     constraint(
         name="rod-force-late",
         sentence="The rod's force is that of the sample before.",
         sees=FORCE,
-        inside=lambda p: late(p, "rod_tension"),
+        inside=late("rod_tension"),
     ),
     constraint(
         name="rod-force-per-mass",

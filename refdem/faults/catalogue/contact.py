@@ -8,7 +8,7 @@ from typing import Any
 
 from refdem.core.problem import Request
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements, scaled
+from refdem.faults.change import of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene import Scene, Sphere
@@ -16,10 +16,6 @@ from refdem.scene.elements.contact import Contact
 
 contact = partial(Fault, kind="contact")
 EPSILON = 1e-9
-
-
-def _damps_approach_only(sound: Any) -> Any:
-    return lambda law, depth, rate: sound(law, depth, max(rate, 0.0))
 
 
 def _late_damping(p: Parts) -> dict[str, Any]:
@@ -58,13 +54,9 @@ def _old_normal(p: Parts) -> dict[str, Any]:
     return {"loads": loads, "away": away}
 
 
-def _hertz(p: Parts) -> dict[str, Any]:
+def _hertz(law: Any, depth: Any, rate: Any) -> Any:
     """Force with d^(3/2): the nonlinear law for the linear one."""
-    return {
-        "normal_force": (
-            lambda law, depth, rate: law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate
-        )
-    }
+    return law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate
 
 
 def _larger(request: Request) -> Request:
@@ -122,9 +114,7 @@ FAULTS = (
         sentence="The dashpot drives.",
         on=("knock",),
         sees=("energy", "balance"),
-        inside=lambda p: {
-            "normal_force": lambda law, depth, rate: p.normal_force(law, depth, -rate)
-        },
+        inside=of_arguments(normal_force=lambda law, depth, rate: (law, depth, -rate)),
     ),
     contact(
         name="damping-on-approach-only",
@@ -132,7 +122,7 @@ FAULTS = (
         on=("knock",),
         sees=("error", "v1.x"),
         levels=4,
-        inside=lambda p: {"normal_force": _damps_approach_only(p.normal_force)},
+        inside=of_arguments(normal_force=lambda law, depth, rate: (law, depth, max(rate, 0.0))),
     ),
     contact(
         name="damping-late",
@@ -163,7 +153,7 @@ FAULTS = (
         sentence="Each sphere has half of the overlap.",
         on=("bounce",),
         sees=("error", "r2.x"),
-        inside=lambda p: {"overlap": lambda a, b, distance: p.overlap(a, b, distance) / 2},
+        inside=of_results(overlap=lambda found: found / 2),
     ),
     contact(
         name="overlap-of-diameters",
@@ -177,28 +167,28 @@ FAULTS = (
         sentence="The exponent 3/2 of Hertz in the linear law.",
         on=("bounce",),
         sees=("error", "v1.x"),
-        inside=_hertz,
+        inside=of_parts(normal_force=_hertz),
     ),
     contact(
         name="no-reaction",
         sentence="The force acts on one body only.",
         on=("bounce",),
         sees=("momentum", "total"),
-        inside=lambda p: {"reaction": lambda force: vec.ZERO},
+        inside=of_parts(reaction=lambda force: vec.ZERO),
     ),
     contact(
         name="reaction-twice",
         sentence="The reaction is added twice.",
         on=("bounce",),
         sees=("momentum", "total"),
-        inside=lambda p: {"reaction": lambda force: vec.times(-2.0, force)},
+        inside=of_parts(reaction=lambda force: vec.times(-2.0, force)),
     ),
     contact(
         name="reaction-unequal",
         sentence="Action and reaction differ by one part in 1e9.",
         on=("bounce",),
         sees=("momentum", "total"),
-        inside=lambda p: {"reaction": lambda force: vec.times(-1.0 - EPSILON, force)},
+        inside=of_parts(reaction=lambda force: vec.times(-1.0 - EPSILON, force)),
     ),
     contact(
         name="normal-not-unit",
@@ -207,9 +197,7 @@ FAULTS = (
         ),
         on=("knock",),
         sees=("error", "v1.x"),
-        inside=lambda p: {
-            "normal_force": lambda law, depth, rate: 1.1 * p.normal_force(law, depth, rate)
-        },
+        inside=of_results(normal_force=scaled(1.1)),
     ),
     contact(
         name="normal-of-the-step-before",
@@ -232,7 +220,7 @@ FAULTS = (
         on=("sticker",),
         levels=6,
         sees=("order", "state"),
-        inside=lambda p: {"stretched": lambda s, before, now, h: vec.moved(s, h, before)},
+        inside=of_parts(stretched=lambda s, before, now, h: vec.moved(s, h, before)),
     ),
     contact(
         name="spring-stiffness-of-the-normal",
@@ -242,7 +230,7 @@ FAULTS = (
         on=("bristle",),
         levels=4,
         sees=("error", "omega1.z"),
-        inside=lambda p: {"spring_friction": lambda law, s: vec.times(-law.stiffness, s)},
+        inside=of_parts(spring_friction=lambda law, s: vec.times(-law.stiffness, s)),
     ),
     contact(
         name="spring-not-turned",
@@ -250,6 +238,6 @@ FAULTS = (
         on=("soft",),
         levels=6,
         sees=("error", "v1.x"),
-        inside=lambda p: {"transported": lambda stretch, old, normal: stretch},
+        inside=of_parts(transported=lambda stretch, old, normal: stretch),
     ),
 )

@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements, scaled
+from refdem.faults.change import of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
@@ -24,32 +24,23 @@ def _damped(rate: float) -> Any:
 
 def _power(exponent: float) -> Any:
     """Attraction with another power of the distance."""
-    return lambda p: {
-        "central_force": lambda mass, gm, r: vec.times(
-            -mass * gm / vec.size(r) ** (exponent + 1), r
-        )
-    }
+    return of_parts(
+        central_force=lambda mass, gm, r: vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)
+    )
 
 
 def _softened(length: float) -> Any:
     """Attraction softened at short distance."""
-    return lambda p: {
-        "central_force": lambda mass, gm, r: vec.times(
+    return of_parts(
+        central_force=lambda mass, gm, r: vec.times(
             -mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r
         )
-    }
+    )
 
 
-def _clamped(fastest: float) -> Any:
-    """A change that limits velocities to `fastest`."""
-
-    def part(p: Any) -> Any:
-        def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-            return tuple(min(fastest, max(-fastest, x)) for x in p.kicked(v, force, mass, h))
-
-        return {"kicked": kicked}
-
-    return part
+def _clamped(v: Any) -> Any:
+    """Velocities are cut off at 1/2 m/s."""
+    return tuple(min(0.5, max(-0.5, x)) for x in v)
 
 
 def _dragged(sound: Any) -> Any:
@@ -169,7 +160,7 @@ FAULTS = (
         sentence="The weight is that of a quarter of a kilogram more.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=lambda p: {"weight": lambda mass, g: vec.times(0.25 + mass, g)},
+        inside=of_parts(weight=lambda mass, g: vec.times(0.25 + mass, g)),
     ),
     energy(
         name="gravity-missing",
@@ -197,16 +188,14 @@ FAULTS = (
         sentence="Velocities are cut off at half of what is needed.",
         on=("ellipse",),
         sees=("error", "vy"),
-        inside=_clamped(0.5),
+        inside=of_results(kicked=_clamped),
     ),
     energy(
         name="rest-disturbed",
         sentence="The contact force is off by one part in 1e9.",
         on=("resting",),
         sees=("rest", "speed"),
-        inside=lambda p: {
-            "normal_force": lambda law, depth, rate: (1 + 1e-9) * p.normal_force(law, depth, rate)
-        },
+        inside=of_results(normal_force=scaled(1 + 1e-9)),
     ),
     energy(
         name="rest-sinks",

@@ -5,7 +5,7 @@ from math import tanh
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements, scaled
+from refdem.faults.change import of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.contact import Contact
@@ -76,9 +76,7 @@ FAULTS = (
         sentence="Dry friction acts along the velocity.",
         on=("rubbing",),
         sees=("energy", "dissipation"),
-        inside=lambda p: {
-            "slider_force": lambda slider, side, speed: p.slider_force(slider, -side, speed)
-        },
+        inside=of_arguments(slider_force=lambda slider, side, speed: (slider, -side, speed)),
     ),
     friction(
         name="friction-missing",
@@ -107,7 +105,7 @@ FAULTS = (
         sentence="Static friction is twice the sliding one.",
         on=("rubbing",),
         sees=("stop", "stop_time"),
-        inside=lambda p: {"holds": lambda slider, along: p.holds(slider, along / 2)},
+        inside=of_arguments(holds=lambda slider, along: (slider, along / 2)),
     ),
     friction(
         name="friction-creeps",
@@ -121,7 +119,7 @@ FAULTS = (
         sentence="Friction at the contact drives the slip.",
         on=("scrape",),
         sees=("error", "v1.y"),
-        inside=lambda p: {"sliding_friction": lambda *a: vec.times(-1.0, p.sliding_friction(*a))},
+        inside=of_results(sliding_friction=scaled(-1.0)),
     ),
     friction(
         name="contact-friction-missing",
@@ -151,7 +149,7 @@ FAULTS = (
         on=("bristle",),
         sees=("error", "omega1.z"),
         levels=4,
-        inside=lambda p: {"clipped": lambda law, stretch, normal: p.clipped(law, stretch, 1.0)},
+        inside=of_arguments(clipped=lambda law, stretch, normal: (law, stretch, 1.0)),
     ),
     friction(
         name="contact-limit-without-damping",
@@ -181,11 +179,11 @@ FAULTS = (
         on=("scrape",),
         sees=("error", "omega1.z"),
         levels=4,
-        inside=lambda p: {
-            "sliding_friction": lambda law, normal, slip, stopping: vec.times(
+        inside=of_parts(
+            sliding_friction=lambda law, normal, slip, stopping: vec.times(
                 -law.friction * max(normal, 0.0), slip
             )
-        },
+        ),
     ),
     friction(
         name="slip-of-the-end",
@@ -193,7 +191,7 @@ FAULTS = (
         on=("sticker",),
         levels=6,
         sees=("order", "state"),
-        inside=lambda p: {"stretched": lambda s, before, now, h: vec.moved(s, h, now)},
+        inside=of_parts(stretched=lambda s, before, now, h: vec.moved(s, h, now)),
     ),
     friction(
         name="slip-of-spins-alone",
@@ -201,7 +199,7 @@ FAULTS = (
         on=("sticker",),
         sees=("error", "omega1.z"),
         levels=5,
-        inside=lambda p: {"slip": lambda velocity, spin, normal: vec.cross(spin, normal)},
+        inside=of_parts(slip=lambda velocity, spin, normal: vec.cross(spin, normal)),
     ),
     friction(
         name="spring-forgets",
@@ -209,9 +207,7 @@ FAULTS = (
         on=("sticker",),
         sees=("error", "omega1.z"),
         levels=6,
-        inside=lambda p: {
-            "stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)
-        },
+        inside=of_arguments(stretched=lambda s, before, now, h: (vec.ZERO, before, now, h)),
     ),
     friction(
         name="spring-slides-at-once",

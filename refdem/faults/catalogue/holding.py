@@ -6,14 +6,15 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_bodies, of_elements, scaled
+from refdem.faults.change import of_bodies, of_elements, of_parts, of_results, scaled, within
 from refdem.faults.fault import Fault
-from refdem.faults.parts import Parts
+from refdem.faults.parts import HoldingParts
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.ball_joint import BallJoint
@@ -28,9 +29,16 @@ equilibrium = partial(Fault, kind="equilibrium")
 HAIR = 1 + 1e-10
 
 
-def _holding(p: Parts, **changed: Any) -> dict[str, Any]:
-    """Parts of constraints changed."""
-    return {"holding": replace(p.holding, **changed)}
+holding = partial(within, "holding")
+
+
+def _spun_by_weight(p: HoldingParts) -> dict[str, Any]:
+    """A twentieth of the weight acts as a torque about the arm."""
+
+    def tip_torque(arm: Any, force: Any) -> Any:
+        return vec.moved(p.tip_torque(arm, force), 0.05 * vec.size(force), arm)
+
+    return {"tip_torque": tip_torque}
 
 
 def _half_steiner(request: Request) -> Request:
@@ -48,13 +56,12 @@ def _omega_body(request: Request, run: Trajectory) -> Trajectory:
 
 def _last_rod(request: Request, factor: float) -> Request:
     """The last rod longer by a factor."""
-    *others, last = request.problem.scene.elements
-    rods = [element for element in (*others, last) if isinstance(element, Rod)]
-    made = [
-        Rod(a=e.a, b=e.b, length=factor * e.length, anchor_b=e.anchor_b) if e is rods[-1] else e
-        for e in (*others, last)
-    ]
-    return request.with_scene(Scene(request.problem.scene.bodies, tuple(made)))
+    scene = request.problem.scene
+    made = list(scene.elements)
+    rods = {number: element for number, element in enumerate(made) if isinstance(element, Rod)}
+    last = max(rods)
+    made[last] = msgspec.structs.replace(rods[last], length=factor * rods[last].length)
+    return request.with_scene(Scene(scene.bodies, tuple(made)))
 
 
 def _braked(request: Request, run: Trajectory) -> Trajectory:
@@ -68,7 +75,7 @@ FAULTS = (
         name="top-falls-up",
         sentence="The torque of the weight has the other sign.",
         sees=("error", "theta"),
-        inside=lambda p: _holding(p, tip_torque=lambda arm, force: vec.cross(force, arm)),
+        inside=holding(of_parts(tip_torque=lambda arm, force: vec.cross(force, arm))),
     ),
     top(
         name="top-half-steiner",
@@ -83,12 +90,7 @@ FAULTS = (
         name="top-swirls",
         sentence="A torque of 1e-6 N m acts about the vertical.",
         sees=("top", "L_z"),
-        inside=lambda p: _holding(
-            p,
-            tip_torque=lambda arm, force: vec.plus(
-                p.holding.tip_torque(arm, force), (0.0, 0.0, 1e-6)
-            ),
-        ),
+        inside=holding(of_results(tip_torque=lambda torque: vec.plus(torque, (0.0, 0.0, 1e-6)))),
     ),
     top(
         name="top-spun-by-its-weight",
@@ -96,12 +98,7 @@ FAULTS = (
         sentence="A twentieth of the weight turns the top about its own axis.",
         sees=("top", "L_3"),
         levels=5,
-        inside=lambda p: _holding(
-            p,
-            tip_torque=lambda arm, force: vec.moved(
-                p.holding.tip_torque(arm, force), 0.05 * vec.size(force), arm
-            ),
-        ),
+        inside=holding(_spun_by_weight),
     ),
     top(
         name="top-tip-off",
@@ -126,27 +123,27 @@ FAULTS = (
         sentence="The lower rod does not pull the upper bob.",
         sees=("error", "theta1"),
         levels=4,
-        inside=lambda p: {"reaction": lambda force: vec.ZERO},
+        inside=of_parts(reaction=lambda force: vec.ZERO),
     ),
     chain(
         name="chain-reaction-twice",
         sentence="The lower rod pulls the upper bob twice.",
         sees=("error", "theta1"),
         levels=4,
-        inside=lambda p: {"reaction": lambda force: vec.times(-2.0, force)},
+        inside=of_parts(reaction=lambda force: vec.times(-2.0, force)),
     ),
     hook(
         name="hook-lets-out",
         sentence="The line is 1 % longer than it was at closest approach.",
         sees=("capture", "inertia"),
         levels=5,
-        inside=lambda p: _holding(p, line_caught=lambda *a: 1.01 * p.holding.line_caught(*a)),
+        inside=holding(of_results(line_caught=scaled(1.01))),
     ),
     hook(
         name="hook-misses",
         sentence="What passes just within reach is not caught.",
         sees=("error", "x"),
-        inside=lambda p: _holding(p, line_caught=lambda *a: 0.0),
+        inside=holding(of_parts(line_caught=lambda *a: 0.0)),
     ),
     hook(
         name="hook-brakes",
@@ -167,7 +164,7 @@ FAULTS = (
         name="string-one-sided",
         sentence="The string's speed is that of the pendulum's side alone.",
         sees=("error", "rdot"),
-        inside=lambda p: _holding(p, string_speed=lambda string, out_a, out_b: out_a),
+        inside=holding(of_parts(string_speed=lambda string, out_a, out_b: out_a)),
     ),
     equilibrium(
         name="equilibrium-attracts",

@@ -1,10 +1,21 @@
 """Integrators: coefficients, time levels, first and last steps."""
 
 from functools import partial
+from itertools import count
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import Late, forgetting, late, of_elements, scaled
+from refdem.faults.change import (
+    Late,
+    every_other,
+    forgetting,
+    late,
+    of_elements,
+    of_pace,
+    of_parts,
+    of_results,
+    scaled,
+)
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.faults.sound import S4
@@ -16,60 +27,32 @@ ORDER = ("order", "state")
 
 def _first_kick_twice(p: Parts) -> dict[str, Any]:
     """The first kick of a run is a whole one, as if the velocity were half a step behind."""
-    kept = {"first": True}
-
-    def fresh(memory: Any) -> None:
-        kept["first"] = True
-        p.fresh(memory)
+    kept: dict[str, float] = {}
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        if kept["first"]:
-            factor = 2.0
-        else:
-            factor = 1.0
-        kept["first"] = False
-        return p.kicked(v, force, mass, factor * h)
+        return p.kicked(v, force, mass, kept.pop("factor", 1.0) * h)
 
-    return {"kicked": kicked, "fresh": fresh}
-
-
-def _late_loads(p: Parts) -> dict[str, Any]:
-    """All forces are those of the step before."""
-    return late(p, "loads")
+    return forgetting(p, lambda: kept.update(factor=2.0), kicked=kicked)
 
 
 def _old_velocity(p: Parts) -> dict[str, Any]:
     """The drift goes with the velocity that the step before drifted with."""
     previous = Late(lambda v: v)
-    return forgetting(p, previous, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
+    return forgetting(p, previous.kept.clear, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
 
 
-def _lopsided(p: Parts) -> Any:
+def _lopsided(p: Parts) -> dict[str, Any]:
     """All of a turn about axis 1 at once, and none of it at the end."""
-    kept = [0]
+    turns = count(1)
 
     def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
         if axis != 0:
             return p.axis_turn(axis, inertia, omega, q, h)
-        kept[0] += 1
-        if kept[0] % 2:
+        if next(turns) % 2:
             return p.axis_turn(axis, inertia, omega, q, 2 * h)
-        return (omega, q)
+        return omega, q
 
-    return axis_turn
-
-
-def _every_other(sound: Any) -> Any:
-    """A change that skips every second call."""
-    kept = [0]
-
-    def part(*arguments: Any) -> Any:
-        kept[0] += 1
-        if kept[0] % 2:
-            return sound(*arguments)
-        return vec.ZERO
-
-    return part
+    return {"axis_turn": axis_turn}
 
 
 def _averaged(p: Parts) -> dict[str, Any]:
@@ -79,7 +62,7 @@ def _averaged(p: Parts) -> dict[str, Any]:
     def central_force(*arguments: Any) -> Any:
         return vec.times(0.5, vec.plus(p.central_force(*arguments), previous(*arguments)))
 
-    return forgetting(p, previous, central_force=central_force)
+    return forgetting(p, previous.kept.clear, central_force=central_force)
 
 
 FAULTS = (
@@ -88,7 +71,7 @@ FAULTS = (
         sentence="A coefficient of the composition is off, though they add up to 1.",
         method="suzuki",
         sees=ORDER,
-        inside=lambda p: {"suzuki": (S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)},
+        inside=of_parts(suzuki=(S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)),
     ),
     integrator(
         name="suzuki-third-digit",
@@ -96,14 +79,14 @@ FAULTS = (
         method="suzuki",
         sees=ORDER,
         levels=6,
-        inside=lambda p: {"suzuki": (0.414, 0.414, -0.656, 0.414, 0.414)},
+        inside=of_parts(suzuki=(0.414, 0.414, -0.656, 0.414, 0.414)),
     ),
     integrator(
         name="suzuki-sign",
         sentence="The sign of the middle coefficient is wrong (Principia 578).",
         method="suzuki",
         sees=("error", "x"),
-        inside=lambda p: {"suzuki": (S4, S4, 4.0 * S4 - 1.0, S4, S4)},
+        inside=of_parts(suzuki=(S4, S4, 4.0 * S4 - 1.0, S4, S4)),
     ),
     integrator(
         name="suzuki-misses",
@@ -111,21 +94,21 @@ FAULTS = (
         method="suzuki",
         sees=("error", "v"),
         levels=4,
-        inside=lambda p: {"suzuki": (S4, S4, 1.0 - 4.0 * S4, S4, S4 + 1e-3)},
+        inside=of_parts(suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4 + 0.001)),
     ),
     integrator(
         name="rk4-weights",
         sentence="Two weights of Runge-Kutta are swapped.",
         method="rk4",
         sees=ORDER,
-        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+        inside=of_parts(rk4_weights=(1 / 3, 1 / 6, 1 / 6, 1 / 3)),
     ),
     integrator(
         name="rk4-weight-typo",
         sentence="The weights of Runge-Kutta add up to 5/6.",
         method="rk4",
         sees=("error", "x"),
-        inside=lambda p: {"rk4_weights": (1 / 6, 1 / 3, 1 / 6, 1 / 6)},
+        inside=of_parts(rk4_weights=(1 / 6, 1 / 3, 1 / 6, 1 / 6)),
     ),
     integrator(
         name="rk4-node",
@@ -133,7 +116,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("orbit",),
-        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+        inside=of_parts(rk4_nodes=(0.5, 1 / 3, 1.0)),
     ),
     integrator(
         name="rk4-node-turning",
@@ -141,7 +124,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
-        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+        inside=of_parts(rk4_nodes=(0.5, 1 / 3, 1.0)),
     ),
     integrator(
         name="rk4-weights-turning",
@@ -149,7 +132,7 @@ FAULTS = (
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
-        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+        inside=of_parts(rk4_weights=(1 / 3, 1 / 6, 1 / 6, 1 / 3)),
     ),
     integrator(
         name="step-by-a-hair",
@@ -157,10 +140,7 @@ FAULTS = (
         sees=("limit", "state"),
         on=("oscillator", "orbit", "hardening"),
         levels=5,
-        inside=lambda p: {
-            "kicked": lambda v, force, mass, h: p.kicked(v, force, mass, h * (1 + 1e-7)),
-            "drifted": lambda r, v, h: p.drifted(r, v, h * (1 + 1e-7)),
-        },
+        inside=of_pace(1 + 1e-7, "kicked", "drifted"),
     ),
     integrator(
         name="stiffness-by-a-hair",
@@ -176,31 +156,27 @@ FAULTS = (
         sees=("limit", "state"),
         on=("tumbler",),
         levels=5,
-        inside=lambda p: {
-            "axis_turn": lambda axis, inertia, omega, q, h: p.axis_turn(
-                axis, inertia, omega, q, h * (1 + 1e-6)
-            )
-        },
+        inside=of_pace(1 + 1e-6, "axis_turn"),
     ),
     integrator(
         name="rk4-last-stage",
         sentence="The last stage is taken at the middle.",
         method="rk4",
         sees=ORDER,
-        inside=lambda p: {"rk4_nodes": (0.5, 0.5, 0.5)},
+        inside=of_parts(rk4_nodes=(0.5, 0.5, 0.5)),
     ),
     integrator(
         name="one-sided-kick",
         sentence="One whole kick in place of two halves.",
         sees=ORDER,
-        inside=lambda p: {"verlet_kicks": (1.0, 0.0)},
+        inside=of_parts(verlet_kicks=(1.0, 0.0)),
     ),
     integrator(
         name="kick-too-short",
         sentence="The second kick is 1 % too short.",
         sees=("error", "v"),
         levels=4,
-        inside=lambda p: {"verlet_kicks": (0.5, 0.495)},
+        inside=of_parts(verlet_kicks=(0.5, 0.495)),
     ),
     integrator(
         name="first-kick-whole",
@@ -212,7 +188,7 @@ FAULTS = (
         name="loads-late",
         sentence="All forces are those of the step before.",
         sees=ORDER,
-        inside=_late_loads,
+        inside=late("loads"),
     ),
     integrator(
         name="drift-with-old-velocity",
@@ -224,13 +200,13 @@ FAULTS = (
         name="kick-reversed",
         sentence="The second kick has the other sign.",
         sees=("error", "v"),
-        inside=lambda p: {"verlet_kicks": (0.5, -0.5)},
+        inside=of_parts(verlet_kicks=(0.5, -0.5)),
     ),
     integrator(
         name="drift-double",
         sentence="Positions move by two steps.",
         sees=("error", "x"),
-        inside=lambda p: {"drifted": lambda r, v, h: p.drifted(r, v, 2 * h)},
+        inside=of_pace(2.0, "drifted"),
     ),
     integrator(
         name="step-one-part-in-thousand",
@@ -238,10 +214,7 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=lambda p: {
-            "drifted": lambda r, v, h: p.drifted(r, v, 1.001 * h),
-            "kicked": lambda v, f, m, h: p.kicked(v, f, m, 1.001 * h),
-        },
+        inside=of_pace(1.001, "drifted", "kicked"),
     ),
     integrator(
         name="axis-order",
@@ -251,14 +224,14 @@ FAULTS = (
         ),
         on=("tumbler",),
         sees=ORDER,
-        inside=lambda p: {"axis_turn": _lopsided(p)},
+        inside=_lopsided,
     ),
     integrator(
         name="kick-forgets-gravity",
         sentence="Gravity acts in the first kick only.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=lambda p: {"weight": _every_other(p.weight)},
+        inside=every_other("weight"),
     ),
     integrator(
         name="force-at-the-middle",
@@ -272,8 +245,6 @@ FAULTS = (
         name="reversal-broken",
         sentence="Each kick rounds towards zero by one part in 1e11.",
         sees=("reversal", "reversed"),
-        inside=lambda p: {
-            "kicked": lambda v, force, mass, h: vec.times(1 - 1e-11, p.kicked(v, force, mass, h))
-        },
+        inside=of_results(kicked=scaled(1 - 1e-11)),
     ),
 )

@@ -13,17 +13,17 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
+from refdem.faults.change import Inside, of_arguments, of_parts, within
 from refdem.faults.fault import Fault
 from refdem.faults.iterating import SOUND_MAPS
-from refdem.faults.parts import Parts
 
 mapped = partial(Fault, kind="map", method="iterated")
 PLACE = ("error", "position.x")
 
 
-def _with(**changed: Callable[..., Any]) -> Callable[[Parts], dict[str, Any]]:
+def _with(**changed: Callable[..., Any]) -> Inside:
     """Some parts of the maps replaced."""
-    return lambda p: {"maps": replace(p.maps, **changed)}
+    return within("maps", of_parts(**changed))
 
 
 def _late(request: Request, run: Trajectory) -> Trajectory:
@@ -58,13 +58,9 @@ def _nearest_only(place: tuple[float, float], direction: tuple[float, float], ta
     return inf
 
 
-def _driven_on(p: Parts) -> dict[str, Any]:
+def _pushed(v: Any, force: Any, mass: Any, h: Any) -> Any:
     """A push along the velocity: energy is fed in, a tenth of the speed in a unit of time."""
-    return {
-        "kicked": lambda v, force, mass, h: p.kicked(
-            v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h
-        )
-    }
+    return v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h
 
 
 FAULTS = (
@@ -144,6 +140,6 @@ FAULTS = (
         sentence="A force along the velocity feeds energy in.",
         on=("long-oscillator",),
         sees=("lyapunov", "power"),
-        inside=_driven_on,
+        inside=of_arguments(kicked=_pushed),
     ),
 )

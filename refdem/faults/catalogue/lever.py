@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements
+from refdem.faults.change import every_other, of_arguments, of_elements, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.contact import Contact
@@ -27,19 +27,6 @@ def _one_lever(p: Parts) -> dict[str, Any]:
         return kept[0]
 
     return {"lever": lever}
-
-
-def _torque_once(p: Parts) -> dict[str, Any]:
-    """The second body gets no torque."""
-    kept = [False]
-
-    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
-        kept[0] = not kept[0]
-        if kept[0]:
-            return p.torque_on(arm, normal, force)
-        return vec.ZERO
-
-    return {"torque_on": torque_on}
 
 
 def _spinless(p: Parts) -> dict[str, Any]:
@@ -87,16 +74,14 @@ FAULTS = (
         sentence="Only one body gets a torque.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
-        inside=_torque_once,
+        inside=every_other("torque_on"),
     ),
     contact(
         name="torque-sign",
         sentence="The torque turns the other way.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {
-            "torque_on": lambda arm, normal, force: vec.times(-1.0, p.torque_on(arm, normal, force))
-        },
+        inside=of_results(torque_on=scaled(-1.0)),
     ),
     contact(
         name="slip-without-spin",
@@ -110,8 +95,8 @@ FAULTS = (
         sentence="Spins enter the slip with the other sign (Lethe 889).",
         on=("spinner",),
         sees=("error", "omega2.z"),
-        inside=lambda p: {
-            "slip": lambda velocity, spin, normal: p.slip(velocity, vec.times(-1.0, spin), normal)
-        },
+        inside=of_arguments(
+            slip=lambda velocity, spin, normal: (velocity, vec.times(-1.0, spin), normal)
+        ),
     ),
 )

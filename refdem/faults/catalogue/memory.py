@@ -8,6 +8,7 @@ from typing import Any
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
+from refdem.faults.change import forgetting
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 
@@ -19,18 +20,13 @@ def _counted(size: float) -> Callable[[Parts], dict[str, Any]]:
     """A number that was never set: another one in every run (imitated by counting runs)."""
 
     def inside(p: Parts) -> dict[str, Any]:
-        runs = [0]
+        runs: list[None] = []
 
-        def fresh(kept: dict[str, Any]) -> None:
-            runs[0] += 1
-            p.fresh(kept)
+        def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+            never_set = size * (len(runs) % 7)
+            return p.kicked(v, (force[0] + never_set, *force[1:]), mass, h)
 
-        return {
-            "fresh": fresh,
-            "kicked": lambda v, force, mass, h: p.kicked(
-                v, (force[0] + size * (runs[0] % 7), *force[1:]), mass, h
-            ),
-        }
+        return forgetting(p, lambda: runs.append(None), kicked=kicked)
 
     return inside
 
@@ -39,11 +35,7 @@ def _kept_spring(p: Parts) -> dict[str, Any]:
     """The tangential spring of the last contact of the run before is there at the first one of
     this.
     """
-    last: dict[str, Any] = {"stretch": vec.ZERO, "new": True}
-
-    def fresh(kept: dict[str, Any]) -> None:
-        last["new"] = True
-        p.fresh(kept)
+    last: dict[str, Any] = {"stretch": vec.ZERO}
 
     def stretched(stretch: Any, before: Any, now: Any, h: Any) -> Any:
         if last["new"]:
@@ -52,16 +44,12 @@ def _kept_spring(p: Parts) -> dict[str, Any]:
         last["stretch"] = p.stretched(stretch, before, now, h)
         return last["stretch"]
 
-    return {"fresh": fresh, "stretched": stretched}
+    return forgetting(p, lambda: last.update(new=True), stretched=stretched)
 
 
 def _kept_late(p: Parts) -> dict[str, Any]:
     """The first force of a run is the last one of the run before."""
     kept: dict[str, Any] = {}
-
-    def fresh(memory: dict[str, Any]) -> None:
-        kept["first"] = "last" in kept
-        p.fresh(memory)
 
     def spring_force(spring: Any, a: Any, b: Any) -> Any:
         if kept.get("first"):
@@ -70,7 +58,7 @@ def _kept_late(p: Parts) -> dict[str, Any]:
         kept["last"] = p.spring_force(spring, a, b)
         return kept["last"]
 
-    return {"fresh": fresh, "spring_force": spring_force}
+    return forgetting(p, lambda: kept.update(first="last" in kept), spring_force=spring_force)
 
 
 def _forwards(request: Request, run: Trajectory) -> Trajectory:
@@ -81,28 +69,20 @@ def _forwards(request: Request, run: Trajectory) -> Trajectory:
     return replace(run, position=run.position + 2 * ahead * run.velocity)
 
 
-def _cached(p: Parts) -> dict[str, Any]:
-    """The first step length is kept for all runs that follow, in the kicks."""
-    steps: list[Any] = []
+def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
+    """An argument of the first kick ever made serves for all kicks of all runs."""
 
-    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        steps.append(h)
-        del steps[1:]
-        return p.kicked(v, force, mass, steps[0])
+    def inside(p: Parts) -> dict[str, Any]:
+        kept: dict[str, Any] = {}
 
-    return {"kicked": kicked}
+        def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+            asked = {"mass": mass, "h": h}
+            asked[argument] = kept.setdefault(argument, asked[argument])
+            return p.kicked(v, force, asked["mass"], asked["h"])
 
+        return {"kicked": kicked}
 
-def _cached_mass(p: Parts) -> dict[str, Any]:
-    """The mass of the first body ever kicked serves for all."""
-    kept: list[Any] = []
-
-    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        kept.append(mass)
-        del kept[1:]
-        return p.kicked(v, force, kept[0], h)
-
-    return {"kicked": kicked}
+    return inside
 
 
 FAULTS = (
@@ -143,14 +123,14 @@ FAULTS = (
         name="step-kept",
         sentence="Half of the first step of the first run is used in all kicks.",
         sees=("error", "x"),
-        inside=_cached,
+        inside=_first_kick("h"),
     ),
     memory(
         name="mass-kept",
         sentence="The mass of the first body is used for all.",
         on=("bounce",),
         sees=("momentum", "total"),
-        inside=_cached_mass,
+        inside=_first_kick("mass"),
     ),
     memory(
         name="backwards-forwards",

@@ -8,7 +8,7 @@ from typing import Any
 
 from refdem.core.problem import Request
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.change import late, of_elements, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.dashpot import Dashpot
@@ -84,7 +84,7 @@ FAULTS = (
         on=("viscous",),
         method="rk4",
         sees=("order", "state"),
-        inside=lambda p: late(p, "dashpot_force"),
+        inside=late("dashpot_force"),
     ),
     oscillator(
         name="dashpot-late-unproved",
@@ -92,7 +92,7 @@ FAULTS = (
         on=("unproved",),
         method="rk4",
         sees=("convergence", "state"),
-        inside=lambda p: late(p, "dashpot_force"),
+        inside=late("dashpot_force"),
     ),
     oscillator(
         name="drive-per-mass",
@@ -124,7 +124,7 @@ FAULTS = (
         sentence="The force is that of the evaluation before.",
         on=("driven",),
         sees=("order", "state"),
-        inside=lambda p: late(p, "drive_force"),
+        inside=late("drive_force"),
     ),
     oscillator(
         name="cube-sign",
@@ -160,9 +160,7 @@ FAULTS = (
         name="small-world",
         sentence="No place is further than 512 m from the origin.",
         on=("far",),
-        inside=lambda p: {
-            "drifted": lambda r, v, h: tuple(min(max(x, -512.0), 512.0) for x in p.drifted(r, v, h))
-        },
+        inside=of_results(drifted=lambda found: tuple(min(max(x, -512.0), 512.0) for x in found)),
     ),
     oscillator(
         name="power-truncated",

@@ -7,6 +7,7 @@ from typing import Any
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
+from refdem.faults.change import of_parts
 from refdem.faults.fault import Fault
 from refdem.faults.outlines import linear_flow
 
@@ -41,15 +42,15 @@ FAULTS = (
         sentence="A flow that should keep phase space volume loses a little of it.",
         on=("head",),
         sees=AREA,
-        inside=lambda p: {"flow": _squeezed},
+        inside=of_parts(flow=_squeezed),
     ),
     carried(
         name="volume-shrinks-half-as-fast",
         sentence="The volume falls as exp(-delta t), not exp(-2 delta t).",
         on=("wet-head",),
         sees=AREA,
-        inside=lambda p: {
-            "flow": lambda x, v, square, delta, t: linear_flow(x, v, square, delta / 2, t)
-        },
+        inside=of_parts(
+            flow=lambda x, v, square, delta, t: linear_flow(x, v, square, delta / 2, t)
+        ),
     ),
 )

@@ -9,7 +9,7 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
-from refdem.faults.change import digits, of_columns
+from refdem.faults.change import digits, of_columns, of_parts, of_results
 from refdem.faults.fault import Fault
 
 output = partial(Fault, kind="output", on=("oscillator",))
@@ -118,11 +118,7 @@ FAULTS = (
         name="clock-added-up",
         sentence="The time column is added up in single precision.",
         sees=TRAJECTORY,
-        inside=lambda p: {
-            "clock": lambda start, count, interval: float(
-                np.float32(p.clock(start, count, interval)) + np.float32(1e-7)
-            )
-        },
+        inside=of_results(clock=lambda found: float(np.float32(found) + np.float32(1e-7))),
     ),
     output(name="row-missing", sentence="The last row is missing.", sees=TRAJECTORY, after=_short),
     output(
@@ -132,7 +128,7 @@ FAULTS = (
         name="output-changes-state",
         sentence="Asking for output changes the trajectory (LAMMPS 1631).",
         sees=("determinism", "output-rate"),
-        inside=lambda p: {"output": _touched},
+        inside=of_parts(output=_touched),
     ),
     output(
         name="six-digits",

@@ -2,13 +2,11 @@
 looks at the velocity.
 """
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from refdem.faults.change import of_elements, scaled
+from refdem.faults.change import Inside, of_arguments, of_elements, of_parts, scaled, within
 from refdem.faults.fault import Fault
-from refdem.faults.parts import Parts
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
@@ -16,23 +14,8 @@ from refdem.scene.elements.wedge import Wedge
 positional = partial(Fault, kind="positional")
 
 
-def _linear(p: Parts) -> dict[str, Any]:
-    """The power 1 for 3/2, about as stiff at some overlap."""
-    return {"normal_force": lambda law, depth, rate: law.stiffness * 0.2 * depth}
-
-
-def _of_field(force: Any) -> Any:
-    return lambda p: {"positional": replace(p.positional, field_force=force)}
-
-
-def _by_sign(p: Parts) -> dict[str, Any]:
-    """Which law presses is read off the sign of d', as an approach and a separation."""
-    sound = p.positional.wedge_force
-
-    def wedge_force(wall: Any, depth: Any, edge: Any, rate: Any) -> Any:
-        return sound(wall, depth, rate > 0, rate)
-
-    return {"positional": replace(p.positional, wedge_force=wedge_force)}
+def _of_field(force: Any) -> Inside:
+    return within("positional", of_parts(field_force=force))
 
 
 def _one_slope(field: Any, s: Any) -> Any:
@@ -46,7 +29,8 @@ FAULTS = (
         sentence="The power of the overlap is 1 instead of 3/2.",
         on=("hertz",),
         sees=("error", "overlap"),
-        inside=_linear,
+        # The power 1 for 3/2, about as stiff at some overlap.
+        inside=of_parts(normal_force=lambda law, depth, rate: law.stiffness * 0.2 * depth),
     ),
     positional(
         name="hertz-factor",
@@ -79,7 +63,10 @@ FAULTS = (
         ),
         on=("wedge",),
         sees=("energy-return", "return"),
-        inside=_by_sign,
+        inside=within(
+            "positional",
+            of_arguments(wedge_force=lambda wall, depth, edge, rate: (wall, depth, rate > 0, rate)),
+        ),
     ),
     positional(
         name="wedge-flat-softer",

@@ -3,36 +3,30 @@
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from refdem.faults.change import of_bodies, of_columns, of_elements, rounding, scaled, single
+from refdem.faults.change import (
+    of_arguments,
+    of_bodies,
+    of_columns,
+    of_elements,
+    of_results,
+    rounded,
+    scaled,
+    single,
+)
 from refdem.faults.fault import Fault
-from refdem.faults.parts import Parts
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 precision = partial(Fault, kind="precision")
 
 
-def _table(p: Parts) -> Any:
-    """Sines from a table of 4096 entries."""
-    return lambda axis, inertia, omega, q, h: p.axis_turn(
-        axis, inertia, omega, q, round(h * omega[axis] * 4096) / 4096 / omega[axis]
-    )
+def _tabled(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+    """Sines from a table of 4096 entries: the angle is a whole multiple of 1/4096."""
+    return axis, inertia, omega, q, round(h * omega[axis] * 4096) / 4096 / omega[axis]
 
 
-def _single_spin(p: Parts) -> Any:
-    """omega goes through single precision after every turn."""
-
-    def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
-        spun, turned = p.axis_turn(axis, inertia, omega, q, h)
-        return tuple(float(np.float32(x)) for x in spun), turned
-
-    return axis_turn
-
-
-def _forgotten(p: Parts) -> dict[str, Any]:
+def _fixed_point(r: Any) -> Any:
     """Positions far from the origin lose digits: kept as multiples of 1e-10 m."""
-    return {"drifted": lambda r, v, h: tuple(round(x * 1e10) / 1e10 for x in p.drifted(r, v, h))}
+    return tuple(round(x * 1e10) / 1e10 for x in r)
 
 
 FAULTS = (
@@ -41,35 +35,35 @@ FAULTS = (
         sentence="Velocities are kept in single precision.",
         on=("ellipse",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"kicked": rounding(p.kicked)},
+        inside=of_results(kicked=rounded),
     ),
     precision(
         name="position-single",
         sentence="Positions are kept in single precision.",
         on=("swing",),
         sees=("constraint", "length"),
-        inside=lambda p: {"drifted": rounding(p.drifted)},
+        inside=of_results(drifted=rounded),
     ),
     precision(
         name="position-single-orbit",
         sentence="Positions are kept in single precision.",
         on=("orbit",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"drifted": rounding(p.drifted)},
+        inside=of_results(drifted=rounded),
     ),
     precision(
         name="attitude-single",
         sentence="Attitudes are kept in single precision.",
         on=("tumbler",),
         sees=("quaternion-norm", "norm"),
-        inside=lambda p: {"unit": rounding(p.unit)},
+        inside=of_results(unit=rounded),
     ),
     precision(
         name="momentum-single",
         sentence="Spins are kept in single precision.",
         on=("tumbler",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"axis_turn": _single_spin(p)},
+        inside=of_results(axis_turn=lambda found: (rounded(found[0]), found[1])),
     ),
     precision(
         name="force-single",
@@ -78,7 +72,7 @@ FAULTS = (
         method="suzuki",
         levels=8,
         sees=("error", "x"),
-        inside=lambda p: {"spring_force": rounding(p.spring_force)},
+        inside=of_results(spring_force=rounded),
     ),
     precision(
         name="out-single",
@@ -125,14 +119,14 @@ FAULTS = (
         on=("tumbler",),
         sees=("error", "attitude"),
         levels=6,
-        inside=lambda p: {"axis_turn": _table(p)},
+        inside=of_arguments(axis_turn=_tabled),
     ),
     precision(
         name="fixed-point",
         sentence="Positions are kept with ten decimals.",
         on=("circler",),
         sees=("constraint", "length"),
-        inside=_forgotten,
+        inside=of_results(drifted=_fixed_point),
     ),
     precision(
         name="normalised-loosely",

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_bodies, of_columns
+from refdem.faults.change import (
+    late,
+    of_arguments,
+    of_bodies,
+    of_columns,
+    of_parts,
+    of_results,
+    scaled,
+)
 from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import conjugate, rotated
 
@@ -23,11 +31,11 @@ def _left_handed(q: Any, omega: Any) -> Any:
     return tuple(x / 2 for x in vec.conjugate(vec.product((0.0, *omega), vec.conjugate(q))))
 
 
-def _turned_back(sound: Any, axis: int) -> Any:
+def _back_about_second(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
     """The turn about one axis goes the wrong way."""
-    return lambda about, inertia, omega, q, h: sound(
-        about, inertia, omega, q, -h if about == axis else h
-    )
+    if axis == 1:
+        h = -h
+    return axis, inertia, omega, q, h
 
 
 def _leaning(g: Any) -> Any:
@@ -75,7 +83,7 @@ FAULTS = (
         on=("tumbler",),
         method="euler",
         sees=OMEGA,
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+        inside=of_parts(gyroscopic=lambda inertia, omega: vec.ZERO),
     ),
     rotation(
         name="gyroscopic-sign",
@@ -83,9 +91,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
-        inside=lambda p: {
-            "gyroscopic": lambda inertia, omega: vec.times(-1.0, p.gyroscopic(inertia, omega))
-        },
+        inside=of_results(gyroscopic=scaled(-1.0)),
     ),
     rotation(
         name="gyroscopic-half",
@@ -93,9 +99,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("error", "omega_body.y"),
-        inside=lambda p: {
-            "gyroscopic": lambda inertia, omega: vec.times(0.5, p.gyroscopic(inertia, omega))
-        },
+        inside=of_results(gyroscopic=scaled(0.5)),
     ),
     rotation(
         name="gyroscopic-late",
@@ -103,7 +107,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("order", "state"),
-        inside=lambda p: late(p, "gyroscopic"),
+        inside=late("gyroscopic"),
     ),
     rotation(
         name="gyroscopic-never-flips",
@@ -112,7 +116,7 @@ FAULTS = (
         method="rk4",
         sees=("flips", "flips"),
         levels=4,
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+        inside=of_parts(gyroscopic=lambda inertia, omega: vec.ZERO),
     ),
     rotation(
         name="gyroscopic-axis",
@@ -120,7 +124,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("energy", "finest"),
-        inside=lambda p: {"gyroscopic": lambda j, w: _leaning(p.gyroscopic(j, w))},
+        inside=of_results(gyroscopic=_leaning),
     ),
     rotation(
         name="not-normalised",
@@ -128,7 +132,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("quaternion-norm", "norm"),
-        inside=lambda p: {"unit": lambda q: q},
+        inside=of_parts(unit=lambda q: q),
     ),
     rotation(
         name="turn-side",
@@ -136,7 +140,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=TURN,
-        inside=lambda p: {"turn_rate": _space_side},
+        inside=of_parts(turn_rate=_space_side),
     ),
     rotation(
         name="turn-left-handed",
@@ -144,7 +148,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=TURN,
-        inside=lambda p: {"turn_rate": _left_handed},
+        inside=of_parts(turn_rate=_left_handed),
     ),
     rotation(
         name="turn-without-half",
@@ -152,7 +156,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=TURN,
-        inside=lambda p: {"turn_rate": lambda q, w: vec.product(q, (0.0, *w))},
+        inside=of_parts(turn_rate=lambda q, w: vec.product(q, (0.0, *w))),
     ),
     rotation(
         name="turn-half-angle",
@@ -166,14 +170,14 @@ FAULTS = (
         sentence="One of three rotations goes the wrong way.",
         on=("tumbler",),
         sees=OMEGA,
-        inside=lambda p: {"axis_turn": _turned_back(p.axis_turn, 1)},
+        inside=of_arguments(axis_turn=_back_about_second),
     ),
     rotation(
         name="start-omega-as-body",
         sentence="omega in space axes is taken for omega in body axes.",
         on=("tumbler",),
         sees=OMEGA,
-        inside=lambda p: {"to_body": lambda q, a: a},
+        inside=of_parts(to_body=lambda q, a: a),
     ),
     rotation(
         name="out-omega-body",
@@ -188,7 +192,7 @@ FAULTS = (
         on=("tumbler",),
         method="suzuki",
         sees=("error", "omega.x"),
-        inside=lambda p: {"to_space": lambda q, a: p.to_space(vec.conjugate(q), a)},
+        inside=of_arguments(to_space=lambda q, a: (vec.conjugate(q), a)),
     ),
     rotation(
         name="conjugated",

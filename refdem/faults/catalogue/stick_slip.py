@@ -8,7 +8,7 @@ from math import pi, tanh
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements, scaled
+from refdem.faults.change import of_arguments, of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.force import Force
@@ -40,11 +40,9 @@ FAULTS = (
         name="stribeck-against-the-ground",
         sentence="The friction's speed is taken against the ground instead of the belt.",
         sees=("error", "v"),
-        inside=lambda p: {
-            "slider_force": lambda s, side, speed: p.slider_force(
-                s, side, abs(side * speed + s.belt_velocity)
-            )
-        },
+        inside=of_arguments(
+            slider_force=lambda s, side, speed: (s, side, abs(side * speed + s.belt_velocity))
+        ),
     ),
     stick_slip(
         name="stribeck-sign-against-the-ground",
@@ -78,7 +76,7 @@ FAULTS = (
         name="stribeck-released-late",
         sentence="It sticks until the pull is a tenth beyond the limit.",
         sees=("error", "v"),
-        inside=lambda p: {"holds": lambda slider, along: p.holds(slider, along / 1.1)},
+        inside=of_arguments(holds=lambda slider, along: (slider, along / 1.1)),
     ),
     stick_slip(
         name="belt-drive-sine",

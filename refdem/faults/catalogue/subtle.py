@@ -11,7 +11,7 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_bodies, of_columns
+from refdem.faults.change import forgetting, of_bodies, of_columns, of_pace, of_parts, of_results
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 
@@ -20,20 +20,16 @@ subtle = partial(Fault, kind="subtle")
 
 def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
     """A part that is right for so many calls in a run and spoiled from then on."""
-    seen = [0]
+    seen: list[None] = []
     sound = getattr(p, name)
 
-    def fresh(kept: dict[str, Any]) -> None:
-        seen[0] = 0
-        p.fresh(kept)
-
     def part(*arguments: Any) -> Any:
-        seen[0] += 1
-        if seen[0] <= calls:
+        seen.append(None)
+        if len(seen) <= calls:
             return sound(*arguments)
         return spoiled(*arguments)
 
-    return {"fresh": fresh, name: part}
+    return forgetting(p, seen.clear, **{name: part})
 
 
 def _row(count: int, value: float) -> Any:
@@ -58,19 +54,10 @@ def _first_radius(p: Parts) -> dict[str, Any]:
     """The first radius of a run serves for all levers."""
     kept: dict[str, Any] = {}
 
-    def fresh(memory: dict[str, Any]) -> None:
-        kept.clear()
-        p.fresh(memory)
+    def lever(law: Any, radius: Any, depth: Any) -> Any:
+        return p.lever(law, kept.setdefault("radius", radius), depth)
 
-    return {
-        "fresh": fresh,
-        "lever": lambda law, radius, depth: p.lever(law, kept.setdefault("radius", radius), depth),
-    }
-
-
-def _whole_steps(p: Parts) -> Any:
-    """A mode changes at the end of the step in which it ends."""
-    return {"located": lambda margin, first, last, resolution: 1.0}
+    return forgetting(p, kept.clear, lever=lever)
 
 
 def _work_late(request: Request, run: Trajectory) -> Trajectory:
@@ -112,9 +99,7 @@ FAULTS = (
         sentence="The torque of friction is that of plane motion: about z alone.",
         on=("tumbling-spheres",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {
-            "torque_on": lambda arm, normal, force: (0.0, 0.0, p.torque_on(arm, normal, force)[2])
-        },
+        inside=of_results(torque_on=lambda found: (0.0, 0.0, found[2])),
     ),
     subtle(
         name="friction-one-way",
@@ -161,7 +146,7 @@ FAULTS = (
         on=("rubbing",),
         levels=8,
         sees=("error", "x"),
-        inside=_whole_steps,
+        inside=of_parts(located=lambda margin, first, last, resolution: 1.0),
     ),
     subtle(
         name="drift-of-the-clock",
@@ -170,10 +155,7 @@ FAULTS = (
         method="suzuki",
         levels=8,
         sees=("error", "x"),
-        inside=lambda p: {
-            "drifted": lambda r, v, h: p.drifted(r, v, (1 + 1e-6) * h),
-            "kicked": lambda v, f, m, h: p.kicked(v, f, m, (1 + 1e-6) * h),
-        },
+        inside=of_pace(1 + 1e-6, "drifted", "kicked"),
     ),
     subtle(
         name="sleeps",
@@ -193,9 +175,7 @@ FAULTS = (
         sentence="Positions are kept on a grid of 1e-9 m.",
         on=("bounce",),
         sees=("reversal", "reversed"),
-        inside=lambda p: {
-            "drifted": lambda r, v, h: tuple(round(x, 9) for x in p.drifted(r, v, h))
-        },
+        inside=of_results(drifted=lambda found: tuple(round(x, 9) for x in found)),
     ),
     subtle(
         name="braked-against-the-ground",
@@ -209,12 +189,7 @@ FAULTS = (
         sentence="The torque has the other sign where it is negative.",
         on=("scrape",),
         sees=("symmetry", "mirrored"),
-        inside=lambda p: {
-            "torque_on": lambda arm, n, f: (
-                *p.torque_on(arm, n, f)[:2],
-                abs(p.torque_on(arm, n, f)[2]),
-            )
-        },
+        inside=of_results(torque_on=lambda found: (*found[:2], abs(found[2]))),
     ),
     subtle(
         name="radius-of-the-first",
@@ -228,11 +203,7 @@ FAULTS = (
         sentence="Overlaps below 1 cm are none.",
         on=("bounce",),
         sees=("symmetry", "rescaled"),
-        inside=lambda p: {
-            "overlap": lambda a, b, distance: (lambda d: 0.0 if 0 < d < 1e-2 else d)(
-                p.overlap(a, b, distance)
-            )
-        },
+        inside=of_results(overlap=lambda found: (lambda d: 0.0 if 0 < d < 0.01 else d)(found)),
     ),
     subtle(
         name="work-late",

@@ -7,10 +7,12 @@ from fractions import Fraction
 
 from flint import arb
 
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres
 from refdem.truth.spatial_phases import SpatialPhases
-from refdem.truth.sphere_pair import SpherePair
+from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
 DISPLACED = tuple(
     f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xyz"
@@ -57,3 +59,14 @@ class SpinningSpheres(TwoSpheres):
 
     def counted(self) -> Sequence[str]:
         return DISPLACED
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth of case two-spheres, in its plane or in space;
+
+    `scale` of the 18 quantities NAMES.
+    """
+    pair = sphere_pair(p)
+    if pair.leaves_plane:
+        return SpinningSpheres(scale, pair)
+    return TwoSpheres(scale, pair)

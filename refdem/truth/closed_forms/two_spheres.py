@@ -27,8 +27,7 @@ from math import pi, sqrt
 
 from flint import arb, arb_mat
 
-from refdem.core.parameters import Parameters
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.closed_form import per_precision
@@ -40,7 +39,7 @@ from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.growth import Grows, Retimed
 from refdem.truth.head_on_contact import HeadOnContact
-from refdem.truth.sphere_pair import SpherePair, sphere_pair
+from refdem.truth.sphere_pair import SpherePair
 
 NAMES = tuple(
     f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz"
@@ -267,16 +266,3 @@ class TwoSpheres(HybridFlow):
         """The matrix that reads the quantities themselves."""
         count = len(self.own_scales())
         return arb_mat([[arb(int(i == j)) for j in range(count)] for i in self.struck()])
-
-
-def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth of case two-spheres, in its plane or in space;
-
-    `scale` of the 18 quantities NAMES.
-    """
-    from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
-
-    pair = sphere_pair(p)
-    if pair.leaves_plane:
-        return SpinningSpheres(scale, pair)
-    return TwoSpheres(scale, pair)

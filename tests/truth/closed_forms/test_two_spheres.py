@@ -12,7 +12,8 @@ from flint import arb, arb_series, ctx
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres, truth
+from refdem.truth.closed_forms.spinning_spheres import truth
+from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.head_on_contact import HeadOnContact
