@@ -191,10 +191,12 @@ def of(instance: Instance, name: str) -> Symmetry:
         turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
         turn = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    shift = scales.length * np.array([8.0, -4.0, 2.0]) * flat
+    boost = scales.speed * np.array([0.5, -0.25, 0.125]) * flat
     known = {
-        "shifted": Symmetry(shift=scales.length * np.array([8.0, -4.0, 2.0]) * flat),
+        "shifted": Symmetry(shift=shift),
         "rotated": Symmetry(turn=turn),
-        "boosted": Symmetry(boost=scales.speed * np.array([0.5, -0.25, 0.125]) * flat),
+        "boosted": Symmetry(boost=boost),
         "mirrored": Symmetry(mirrored=True),
         "relabelled": Symmetry(reverse=True),
         "rescaled": Symmetry(units=UNITS),

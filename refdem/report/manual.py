@@ -55,12 +55,16 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
 def markdown(page: ManualPage) -> str:
     """The page of one case as Markdown."""
     features = markdown_text(", ".join(page.features))
+    title = f"# {markdown_text(page.title)} (`{page.case}`)"
+    equation = f"$$\n{page.latex}\n$$"
+    source = f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}"
+    kind = f"Kind of problem: {markdown_text(page.kind)}: {features}."
     parts = [
-        f"# {markdown_text(page.title)} (`{page.case}`)",
+        title,
         markdown_text(page.statement),
-        f"$$\n{page.latex}\n$$",
-        f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}",
-        f"Kind of problem: {markdown_text(page.kind)}: {features}.",
+        equation,
+        source,
+        kind,
         "## Parameters",
         "Truth uses the exact values; engines run with values rounded to binary64.",
         table(*parameters(page)),
