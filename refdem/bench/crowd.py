@@ -22,7 +22,7 @@ LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
 @dataclass(frozen=True)
 class Cost:
-    """Nanoseconds a body and step in each round;
+    """Nanoseconds a body and step in each round.
 
     `beside` are those of the reference in the same rounds, in the same gas.
     """

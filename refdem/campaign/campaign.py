@@ -131,7 +131,7 @@ class Campaign:
         return [*map(sheets.engine_sheet, engines), *cases.values(), *records]
 
     def _delays(self, instance: Instance, engines: list[Engine]) -> tuple[float, ...]:
-        """By how much [s] the velocities of some method lag at one of its levels."""
+        """The times [s] by which velocities of some method lag at one of its levels."""
         delays: set[float] = set()
         for engine in engines:
             if all(method.velocity_time == "synchronous" for method in engine.methods):

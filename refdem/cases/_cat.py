@@ -38,7 +38,7 @@ def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
 
 
 def points(p: Parameters) -> Array:
-    """Place and rate (M, 2) of points evenly along every side;
+    """Place and rate (M, 2) of points evenly along every side.
 
     M is the next multiple of four times the number of sides.
     """

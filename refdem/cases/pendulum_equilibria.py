@@ -53,7 +53,7 @@ class PendulumEquilibria(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """At rest, next to the top or the bottom."""
+        """The pendulum at rest, next to the top or the bottom."""
         if p.position == "top":
             side = 1.0
         else:

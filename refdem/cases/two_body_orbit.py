@@ -36,8 +36,8 @@ def _periapsis(p: Parameters) -> tuple[float, float, float]:
 
 
 class TwoBodyOrbit(Case):
-    """In the x-y plane, moving in +y: from periapsis on +x, or with the spring from the end of the
-    long axis on +x.
+    """The orbit lies in the x-y plane and starts in +y: from periapsis on +x, or with the spring
+    from the end of the long axis on +x.
     """
 
     id = "two-body-orbit"

@@ -261,7 +261,7 @@ def _is_contact_alone(scene: Scene) -> bool:
 
 
 def rounding(scene: Scene) -> float:
-    """By how much [m] the overlap of shapes in touch may be off."""
+    """The error [m] by which the overlap of shapes in touch may be rounded."""
     return TOUCHING * float(max(np.max(scene.bodies.radius), np.max(np.abs(scene.bodies.position))))
 
 

@@ -21,7 +21,7 @@ BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 
 
 class Flight(Check):
-    """To round-off at the finest level.
+    """Positions follow from velocities to round-off, at the finest level.
 
     It needs no truth, and sees a gas of which nobody can predict the motion stand still.
     """

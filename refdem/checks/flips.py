@@ -12,9 +12,7 @@ from refdem.core.variant import Variant
 
 
 class Flips(Check):
-    """As many sign changes of omega about the intermediate axis as truth has, at the finest
-    level.
-    """
+    """Omega about the intermediate axis changes its sign as often as in truth (finest level)."""
 
     name = "flips"
     title = "Number of flips"

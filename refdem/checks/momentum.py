@@ -37,12 +37,13 @@ class Momentum(Check):
         level = subject.levels[0]
         run = runs[Variant(level)].trajectory
         total = linear(subject.instance.scene, run)
+        change = np.linalg.norm(total - total[0], axis=1)
         return [
             worst(
                 check=self.name,
                 quantity="total",
                 t=subject.instance.times,
-                values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(subject.instance),
+                values=change / momentum_scale(subject.instance),
                 allowed=subject.round_off(level) * sweeping(subject.instance, subject.method),
                 signal=_exchanged(subject, run),
                 unit="1",

@@ -120,7 +120,7 @@ class Canonical(ABC):
         return p
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """True at the parameters `chaotic_at`, False where that is NEVER;
+        """True at the parameters `chaotic_at`, False where that is NEVER.
 
         None where nobody has said.
         """

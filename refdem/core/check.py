@@ -96,7 +96,7 @@ class CompletedRun:
 
 
 class Check(ABC):
-    """One verified property.
+    """One property of a run that is verified.
 
     Adding one is one file in checks/ with an instance of a subclass named CHECK.
     """

@@ -26,7 +26,7 @@ class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One check: what it judges and kills;
+    """One check: what it judges and kills.
 
     `left_out` says why it is not for this case at its defaults.
     """

@@ -164,7 +164,7 @@ def meeting(
 
 
 def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
-    """From the centre of a body to the corner of a pair, in space."""
+    """The vector (3) [m] from the centre of a body to the corner of a pair, in space axes."""
     return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
 
 

@@ -137,7 +137,7 @@ def reaction(force: Vector) -> Vector:
 
 
 def away(a: Vector, b: Vector) -> Vector:
-    """From the centre of a to that of b [m]."""
+    """The vector (3) [m] from the centre of a to that of b."""
     return vec.minus(b, a)
 
 
@@ -250,7 +250,7 @@ def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Num
 
 
 def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
-    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease);
+    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease).
 
     `pull` is the relative acceleration without it.
     """

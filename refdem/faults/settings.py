@@ -18,7 +18,7 @@ Draw = Callable[[np.random.Generator], dict[str, str]]
 
 @dataclass(frozen=True)
 class Setting:
-    """A case with random parameters;
+    """A case with random parameters.
 
     `methods` are those of the transparent engine that run it; truth is withheld unless `proved`.
     """

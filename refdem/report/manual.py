@@ -150,7 +150,7 @@ def truth(page: ManualPage) -> str:
 
 
 def checks(found: Sequence[CheckLine]) -> str:
-    """Those that apply with what they kill, then those that do not with the reason."""
+    """The checks that apply with what they kill, then those that do not with the reason."""
     lines = []
     others = []
     for line in found:
@@ -179,7 +179,7 @@ def slips(page: ManualPage) -> list[str]:
 
 
 def index_markdown(pages: Sequence[ManualPage]) -> str:
-    """Who proves what and who witnesses it."""
+    """The index page: who proves each case and who witnesses it."""
     lines = [_index_line(page) for page in pages]
     values = sum(page.truth.values for page in pages)
     witnessed = sum(page.truth.witnessed for page in pages)

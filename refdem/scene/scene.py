@@ -121,7 +121,7 @@ class Scene:
         return all(e.conservative for e in self.elements)
 
     def is_reversible(self) -> bool:
-        """With all velocities flipped the motion runs back."""
+        """True if the motion runs back once all velocities are flipped."""
         return all(e.reversible for e in self.elements)
 
     def is_driven(self) -> bool:

@@ -70,7 +70,7 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything that one stress test found;
+    """Everything that one stress test found.
 
     `refused`: engines and ladders that none of their methods can climb, with reasons.
     """

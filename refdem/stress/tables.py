@@ -82,7 +82,7 @@ def _broken(climb: Climb) -> tuple[str, ...]:
 
 
 def _range(climbs: Sequence[Climb]) -> str:
-    """From the method that ends first to that which ends last;
+    """The range of an engine, from the method that ends first to that which ends last.
 
     `+` where it is the last rung of the ladder.
     """

@@ -35,7 +35,7 @@ class Equations:
 
 
 def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
-    """The equations of the scene, a rod's in its angle or `cartesian`;
+    """The equations of the scene, a rod's in its angle or `cartesian`.
 
     None if it is not one of the simple ones.
     """

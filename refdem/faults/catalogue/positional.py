@@ -36,7 +36,7 @@ def _by_sign(p: Parts) -> dict[str, Any]:
 
 
 def _one_slope(field: Any, s: Any) -> Any:
-    """Both flanks with the slope of the first."""
+    """The field with the slope of the first flank on both."""
     return max(field.k1 * (min(s, -s) - field.x1), 0.0)
 
 

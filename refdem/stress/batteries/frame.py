@@ -29,7 +29,7 @@ def dyadic(x: float) -> float:
 
 
 def turned(instance: Instance, x: float) -> Symmetry:
-    """By an angle of x rad, about z in a plane."""
+    """A rotation by an angle of x rad, about z in a plane."""
     if "dimension:3" in instance.scene.features:
         axis = np.array([2.0, 1.0, 2.0]) / 3
     else:

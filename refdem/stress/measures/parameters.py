@@ -15,7 +15,7 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class Parameters(Measure):
-    """`given` has the parameters of the rung, each as text;
+    """`given` has the parameters of the rung, each as text.
 
     `samples` intervals are seen; invariants alone judge without truth.
     """
