@@ -62,7 +62,7 @@ def costs(
 
 
 def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
-    """All codes on one gas, in turns."""
+    """The costs of all codes on one gas, measured in turns."""
     n = len(gas.position)
     steps = {}
     for crowd in able:

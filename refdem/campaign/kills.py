@@ -61,7 +61,7 @@ class Kill(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Alarm(msgspec.Struct, frozen=True, kw_only=True):
-    """A finding against the correct engine."""
+    """A finding that blames the correct engine: a false alarm."""
 
     id: str
     setting: str

@@ -29,7 +29,7 @@ SIXTEEN = 16
 
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
-    """Place and rate of every corner, exact."""
+    """Position and velocity of every corner of the outline, exact."""
     size = p["size"]
     centre = p["centre"]
     assert isinstance(size, Fraction)

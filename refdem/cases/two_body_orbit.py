@@ -110,7 +110,7 @@ class TwoBodyOrbit(Case):
         return _plane.quantities(p.semi_major, self.scales(p).speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity of body 0."""
+        """The position [m] and velocity [m/s] (T,) of body 0, by component."""
         return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

@@ -146,7 +146,7 @@ def _arms(scene: Scene, position: Array) -> Array:
 
 
 def _is_top(scene: Scene) -> bool:
-    """The point starts above the pivot."""
+    """True if the point starts above the pivot."""
     return bool(
         _arms(scene, scene.bodies.position[0]) @ np.array(scene.all(UniformGravity)[0].g) < 0
     )

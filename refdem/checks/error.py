@@ -371,7 +371,7 @@ def _basis(subject: Subject, level: float, *, settled: bool) -> str:
 
 
 def _what(subject: Subject, quantity: str, level: float, point: int, count: int) -> str:
-    """The measured value in words."""
+    """The phrase that names the measured value."""
     times = subject.instance.times
     when = subject.instance.problem.when
     if count == len(times):

@@ -33,7 +33,7 @@ class Momentum(Check):
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest change of the vector."""
+        """One finding about the largest change of total momentum."""
         level = subject.levels[0]
         run = runs[Variant(level)].trajectory
         total = linear(subject.instance.scene, run)

@@ -92,7 +92,7 @@ class SecondIntegral(Check):
 
 
 def _integral(of: Mapping[str, Array], g: float) -> Array:
-    """I (T,) of r, theta, rdot, thetadot."""
+    """The second integral I (T,) of r, theta, rdot and thetadot."""
     r = of["r"]
     rate = of["thetadot"]
     sine = np.sin(of["theta"] / 2)

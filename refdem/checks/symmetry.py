@@ -400,7 +400,7 @@ def _least_moved(
 
 
 def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """Every run with a moved start."""
+    """The variants with a perturbed start, in all draws."""
     return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
 
 

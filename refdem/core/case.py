@@ -98,7 +98,7 @@ class Canonical(ABC):
 
     @abstractmethod
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """What is compared, with scales."""
+        """The quantities that are compared, with their scales."""
 
     @abstractmethod
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:

@@ -89,7 +89,7 @@ class Subject:
 
 @dataclass(frozen=True, eq=False)
 class CompletedRun:
-    """A run that worked, as a check sees it."""
+    """A run that produced a trajectory, as a check sees it."""
 
     trajectory: Trajectory
     cost: Cost

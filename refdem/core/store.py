@@ -61,7 +61,7 @@ class _UnfitError(Exception):
 
 @dataclass
 class _Tally:
-    """What is told when the store is closed."""
+    """The counts that are reported when the store is closed."""
 
     path: Path
     connection: sqlite3.Connection | None = None

@@ -62,7 +62,7 @@ class Climb(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True):
-    """A battery as the report shows it."""
+    """The question of a battery, as the report shows it."""
 
     id: str
     title: str

@@ -19,7 +19,7 @@ class Table:
 
 
 def introduction(record: StressRecord) -> str:
-    """What the numbers are, in words."""
+    """The paragraph that explains how ladders are judged."""
     return (
         "Each ladder makes a scene harder rung by rung. Each rung is judged as in"
         " `refdem run`: against certified truth where there is one, and by"

@@ -60,7 +60,7 @@ class MindlinWall(HertzWall):
         )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Closed form between proven switches."""
+        """The certified motion, in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import MindlinWallImpact
 
         numbers = {

@@ -118,7 +118,7 @@ class Path(Member):
         return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """What body 1 has got, and the path."""
+        """The motion of body 1, and its place on the path."""
         mass = float(HEAVY)
         moment = 0.4 * float(HEAVY) * float(v.radius) ** 2
         columns = [

@@ -56,7 +56,7 @@ class BallFreedom(Freedom):
 
 
 def of_ball_joints(scene: Scene) -> str | None:
-    """None if every ball joint can be said."""
+    """None if every ball joint is supported, else the reason why not."""
     joints = scene.all(BallJoint)
     if not joints:
         return None

@@ -41,7 +41,7 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     @property
     def drives(self) -> bool:  # type: ignore[override]
-        """A belt that moves does work."""
+        """True if the belt moves and so does work."""
         return self.belt_velocity != 0
 
     @property

@@ -29,5 +29,5 @@ class Parameters(Measure):
         return case.at(**with_samples({**self.given(x), **given}, self.samples))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """All of a run's that need one run."""
+        """The checks of `refdem run` that need one run only."""
         return plain_checks(subject)
