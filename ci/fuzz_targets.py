@@ -611,23 +611,30 @@ def targets(folder: Path) -> list[Target]:
     toml_tree = (documents.from_toml, documents.as_toml)
     lines = [" ".join(words.split()).replace(" ", "\n").encode() for words in COMMANDS]
     lines = [line.replace(b"[mass=2\n", b"[mass=2 ") for line in lines]
-    schemas = [json.dumps(MANIFEST).encode()]
-    found = [
+    manifests = [json.dumps(MANIFEST).encode()]
+    inputs = [
         Target("scenes", of_scenes(), scene, json_tree),
         Target("requests", of_requests(), request, json_tree),
+    ]
+    answers = [
         Target("trajectories", [TRAJECTORY, WITH_CHANNEL], trajectory),
         Target("events", [EVENTS], events),
         Target("solids", [of_solids()], solids),
+    ]
+    settings = [
         Target("descriptions", [DESCRIPTION], toml("refdem.toml", description.read), toml_tree),
         Target("campaigns", [CAMPAIGN], toml("own.toml", campaign), toml_tree),
         Target("deviations", [EXPECTED], in_expected, toml_tree),
-        Target("manifests", schemas, manifest, json_tree),
+    ]
+    kept = [
+        Target("manifests", manifests, manifest, json_tree),
         Target("baselines", [BASELINE], accepted),
         Target("lists", [LISTED], must_exist),
         Target("records", of_records(), records, weight=0.02),
         Target("stores", [of_store(folder)], store, weight=0.1),
-        Target("commands", lines, command, weight=0.03),
     ]
+    commands = [Target("commands", lines, command, weight=0.03)]
+    found = inputs + answers + settings + kept + commands
     for target in found:
         place = CORPUS / target.name
         if place.is_dir():

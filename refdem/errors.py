@@ -1,4 +1,4 @@
-"""What can go wrong, one class per party at fault;
+"""What can go wrong, one class per party at fault.
 
 `exit_status` is what the command line returns.
 """

@@ -127,7 +127,7 @@ def rounds_of(record: BenchRecord, curve: Curve, levels: set[float]) -> list[flo
 
 
 def verdict(now: Sequence[float], then: Sequence[float]) -> str:
-    """`slower`, `faster` or `same` from logarithms of times;
+    """`slower`, `faster` or `same` from logarithms of times.
 
     `same` if there are less than 4 rounds.
     """

@@ -22,7 +22,7 @@ LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
 @dataclass(frozen=True)
 class Cost:
-    """Nanoseconds a body and step in each round;
+    """Nanoseconds a body and step in each round.
 
     `beside` are those of the reference in the same rounds, in the same gas.
     """
@@ -62,7 +62,7 @@ def costs(
 
 
 def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
-    """All codes on one gas, in turns."""
+    """The costs of all codes on one gas, measured in turns."""
     n = len(gas.position)
     steps = {}
     for crowd in able:

@@ -143,7 +143,7 @@ def interleaved(
 
 
 def _timed(measured: Measured, level: float) -> Cost:
-    """What a run at this level costs now."""
+    """The cost of a run at this level, measured now."""
     return median_cost(lambda: measured.entrant.run(level)[1], measured.first[level].seconds)
 
 

@@ -56,7 +56,7 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
 
 
 def order(points: Sequence[Point]) -> float | None:
-    """The order between the finest two levels whose errors are truncation;
+    """The order between the finest two levels whose errors are truncation.
 
     None if there are none.
     """

@@ -25,7 +25,7 @@ class Table:
 
 
 def tables(record: BenchRecord, label: str) -> list[Table]:
-    """What is said of one instance."""
+    """The tables about one instance: times, comparison with peers, growth, the rest."""
     curves = [curve for curve in record.curves if curve.label == label]
     able = [curve for curve in curves if curve.points]
     goals = tuple(f"to {target:.0e}".replace("e-0", "e-") for target in TARGETS)
@@ -185,7 +185,7 @@ def duration(value: float) -> str:
 
 
 def introduction(record: BenchRecord) -> str:
-    """What the numbers are, in words."""
+    """The paragraph that explains what was measured, and how."""
     spread = max(record.yardstick) / statistics.median(record.yardstick)
     return (
         f"Seconds in each engine's own loop, one thread, the median of {record.rounds} interleaved"

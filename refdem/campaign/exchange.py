@@ -80,11 +80,11 @@ class Elsewhere(Engine):
         return None
 
     def version(self) -> str:
-        """That of the program when it was exported."""
+        """The version of the program when it was exported."""
         return self.at
 
     def fingerprint(self, method: Method) -> str:
-        """Its name: what runs elsewhere cannot be looked at."""
+        """The name of the program: what runs elsewhere cannot be fingerprinted."""
         return self.name
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:

@@ -157,8 +157,8 @@ def _dumbbell() -> Probe:
 
 
 def _closing(t: Array, rate: float) -> tuple[Array, Array]:
-    """Of an undamped head-on contact that begins at t = 0: closing velocity over its first value
-    (T,), and its integral (T,) [s].
+    """An undamped head-on contact that begins at t = 0: closing velocity over its first value (T,),
+    and its integral (T,) [s].
     """
     phase = np.minimum(rate * t, np.pi)
     since = np.maximum(t - np.pi / rate, 0.0)

@@ -53,7 +53,7 @@ class Kill(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Alarm(msgspec.Struct, frozen=True, kw_only=True):
-    """A finding against the correct engine."""
+    """A finding that blames the correct engine: a false alarm."""
 
     id: str
     setting: str
@@ -62,7 +62,7 @@ class Alarm(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Matrix(msgspec.Struct, frozen=True, kw_only=True):
-    """All kills and alarms;
+    """The kills of all planted faults, and all alarms.
 
     `near` is the smallest margin of the correct engine, in decades, by check.
     """
@@ -88,7 +88,7 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class FaultTrial:
-    """Faults against checks on one engine at `seeds` seeds from `first` on;
+    """Faults against checks on one engine at `seeds` seeds from `first` on.
 
     `whole` judges by all checks at seed 0, to fill `also`.
     """
@@ -108,7 +108,7 @@ class FaultTrial:
 
     @cached_property
     def faults(self) -> tuple[Fault, ...]:
-        """Those that the engine can carry."""
+        """The faults that the engine can carry."""
         every = self.chosen or faults()
         if self.engine is None:
             return every

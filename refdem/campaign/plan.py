@@ -283,7 +283,7 @@ def judged(tasks: list[Task]) -> list[Task]:
 def request(
     task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0
 ) -> Request:
-    """The request of a variant;
+    """The request of a variant.
 
     `base` is the trajectory on whose end it goes on; `ulps` moves every start.
     """

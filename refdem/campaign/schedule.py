@@ -60,9 +60,7 @@ class Job:
 
 
 class InProcess:
-    """The same in this process, for engines that live here; a hang or a crash is the caller's
-    own.
-    """
+    """Runs jobs in this process, for engines that live here; a hang or crash is the caller's."""
 
     def __enter__(self) -> "InProcess":
         return self
@@ -267,8 +265,8 @@ def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
 
 
 def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
-    """The same within `limit` [s] of CPU time, rounded up; beyond it the system ends the process,
-    whatever it is in the middle of.
+    """The result of `function` within `limit` [s] of CPU time, rounded up; beyond it the system
+    ends the process.
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     before, most = resource.getrlimit(resource.RLIMIT_CPU)

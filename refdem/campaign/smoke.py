@@ -84,7 +84,7 @@ def _unsupported(engine: Engine, method: Method, probe: Probe) -> str | None:
 
 
 def _worst(by_method: list[list[Finding]]) -> list[Finding]:
-    """For each quantity, the finding of the method that is furthest off; errors first."""
+    """The finding for each quantity of the method with the largest error; errors first."""
     worst: dict[str, Finding] = {}
     for finding in (f for findings in by_method for f in findings):
         seen = worst.get(finding.quantity)

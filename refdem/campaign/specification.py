@@ -24,7 +24,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def label(self) -> str:
-        """As people write it: `pendulum[theta0=2]`."""
+        """The case with its parameters, as people write it: `pendulum[theta0=2]`."""
         inside = " ".join(f"{name}={value}" for name, value in self.set.items())
         if inside:
             return f"{self.id}[{inside}]"

@@ -18,7 +18,7 @@ _DECODER = msgspec.msgpack.Decoder(list[Sheet])
 
 
 def key_of(specification: Specification, engines: list[Engine]) -> str | None:
-    """sha256 of all that sheets follow from;
+    """sha256 of all that sheets follow from.
 
     None where another package brings cases or checks, whose code is not known here.
     """

@@ -125,7 +125,7 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
-    """The same run in stages, so that others may run while it waits."""
+    """The run in stages, so that others may run while it waits."""
     if time.monotonic() > deadline:  # of the system, the same in all its processes
         failure = Failure(
             kind="budget",

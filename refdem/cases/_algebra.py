@@ -54,7 +54,7 @@ class AlgebraCase(Canonical):
         return Scales(length=1.0, tau=1.0, duration=1.0)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Every number of every result."""
+        """One quantity for every number of every result."""
         sizes = self.sizes(p)
         found = []
         for name, operation, _ in self.rows(p):

@@ -29,7 +29,7 @@ SIXTEEN = 16
 
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
-    """Place and rate of every corner, exact."""
+    """Position and velocity of every corner of the outline, exact."""
     size = p["size"]
     centre = p["centre"]
     assert isinstance(size, Fraction)
@@ -38,7 +38,7 @@ def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
 
 
 def points(p: Parameters) -> Array:
-    """Place and rate (M, 2) of points evenly along every side;
+    """Place and rate (M, 2) of points evenly along every side.
 
     M is the next multiple of four times the number of sides.
     """

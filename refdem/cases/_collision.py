@@ -77,7 +77,7 @@ def effective_mass(p: Parameters) -> float:
 
 
 def duration(p: Parameters) -> float | None:
-    """How long the contact lasts [s], for either cut-off;
+    """How long the contact lasts [s], for either cut-off.
 
     None for an over-damped overlap, which never ends.
     """

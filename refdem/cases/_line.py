@@ -62,5 +62,5 @@ def quantities(s: Scales) -> tuple[Quantity, ...]:
 
 
 def observe(trajectory: Trajectory) -> dict[str, Array]:
-    """Place and velocity of body 0 along x."""
+    """Position [m] and velocity [m/s] (T,) of body 0 along x."""
     return {"x": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}

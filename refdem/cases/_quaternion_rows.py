@@ -1,5 +1,7 @@
 """The operations of the case quaternions, and the sizes of their results."""
 
+from typing import Any
+
 import numpy as np
 
 from refdem.cases._algebra import Row
@@ -7,16 +9,24 @@ from refdem.core.parameters import Parameters
 
 
 def rows(p: Parameters) -> list[Row]:
-    """Algebra, then turns, then rates."""
-    given = (p.p, p.q, p.r, p.vector, p.omega, p.rise)
-    a, b, c, v, omega, rise = (value.tolist() for value in given)
-    algebra = [
+    """All operations of the case: algebra, then rotations, then rates."""
+    return _algebra_rows(p) + _rotation_rows(p) + _rate_rows(p)
+
+
+def _algebra_rows(p: Parameters) -> list[Row]:
+    """Products, sums, conjugates and inverses of the quaternions p, q and r."""
+    a = p.p.tolist()
+    b = p.q.tolist()
+    c = p.r.tolist()
+    products: list[Row] = [
         ("p-q", "product", [a, b]),
         ("q-p", "product", [b, a]),
         ("commutator", "difference", ["p-q", "q-p"]),
         ("q-r", "product", [b, c]),
         ("left", "product", ["p-q", c]),
         ("right", "product", [a, "q-r"]),
+    ]
+    inverses: list[Row] = [
         ("conjugate-of-product", "conjugate", ["p-q"]),
         ("sum", "sum", [a, b]),
         ("conjugate-of-sum", "conjugate", ["sum"]),
@@ -24,11 +34,19 @@ def rows(p: Parameters) -> list[Row]:
         ("one", "product", [b, "inverse"]),
         ("absolute", "absolute", [b]),
         ("u", "unit", [b]),
+    ]
+    matrices: list[Row] = [
         ("real-product", "real-product", [a, b]),
         ("complex-product", "complex-product", [a, b]),
         ("complex-eigenvalue", "complex-eigenvalue", [b]),
     ]
-    turns = [
+    return products + inverses + matrices
+
+
+def _rotation_rows(p: Parameters) -> list[Row]:
+    """Rotations of a vector by the unit quaternion u along q, and other forms of u."""
+    v = p.vector.tolist()
+    return [
         ("rotated", "rotated", ["u", v]),
         ("-u", "negative", ["u"]),
         ("rotated-by-minus-u", "rotated", ["-u", v]),
@@ -38,7 +56,13 @@ def rows(p: Parameters) -> list[Row]:
         ("turned-twice", "product", ["u", "u"]),
         ("rotated-twice", "rotated", ["turned-twice", v]),
     ]
-    rates = [
+
+
+def _rate_rows(p: Parameters) -> list[Row]:
+    """Rates of u for the angular velocity omega, and omega from them."""
+    omega = p.omega.tolist()
+    rise = p.rise.tolist()
+    return [
         ("rate", "rate", ["u", omega]),
         ("second-rate", "second-rate", ["u", omega, rise]),
         ("orthogonal", "dot", ["u", "rate"]),
@@ -50,44 +74,59 @@ def rows(p: Parameters) -> list[Row]:
         ("omega-back", "omega-of-rate", ["u", "rate"]),
         ("omega-body", "body-omega-of-rate", ["u", "rate"]),
     ]
-    return algebra + turns + rates
+
+
+PRODUCTS = (
+    "p-q",
+    "q-p",
+    "commutator",
+    "conjugate-of-product",
+    "real-product",
+    "complex-product",
+)
+"""Results of the size |p| |q|."""
+RATES = (
+    "rate",
+    "orthogonal",
+    "rate-conjugate",
+    "u-rate",
+    "rate-u",
+    "anticommute",
+    "omega-back",
+    "omega-body",
+)
+"""Results of the size |omega|, since u has length 1."""
 
 
 def sizes(p: Parameters) -> dict[str, float]:
-    """Products of the sizes of what is multiplied; a turn moves its vector by twice an error of u,
-    two turns by four times.
+    """The size of each result by name: products of the sizes of what is multiplied.
+
+    A rotation moves its vector by twice an error of u, two rotations by four times.
     """
-    given = (p.p, p.q, p.r, p.vector, p.omega, p.rise)
-    a, b, c, v, w, rise = (float(np.linalg.norm(value)) or 1.0 for value in given)
-    return {
-        "p-q": a * b,
-        "q-p": a * b,
-        "commutator": a * b,
-        "conjugate-of-product": a * b,
-        "real-product": a * b,
-        "complex-product": a * b,
-        "sum": a + b,
-        "conjugate-of-sum": a + b,
-        "absolute": b,
-        "complex-eigenvalue": b,
-        "q-r": b * c,
-        "left": a * b * c,
-        "right": a * b * c,
-        "inverse": 1 / b,
-        "second-rate": rise + w * w,
-        "rotated": 2 * v,
-        "rotated-by-minus-u": 2 * v,
-        "rotated-twice": 4 * v,
-        "rate": w,
-        "orthogonal": w,
-        "rate-conjugate": w,
-        "u-rate": w,
-        "rate-u": w,
-        "anticommute": w,
-        "omega-back": w,
-        "omega-body": w,
-        "euler": float(np.pi) * steepness(p),
-    }
+    a = _size(p.p)
+    b = _size(p.q)
+    c = _size(p.r)
+    v = _size(p.vector)
+    omega = _size(p.omega)
+    rise = _size(p.rise)
+    found = dict.fromkeys(PRODUCTS, a * b)
+    found |= dict.fromkeys(("sum", "conjugate-of-sum"), a + b)
+    found |= dict.fromkeys(("absolute", "complex-eigenvalue"), b)
+    found["q-r"] = b * c
+    found |= dict.fromkeys(("left", "right"), a * b * c)
+    found["inverse"] = 1 / b
+    found |= dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v)
+    found["rotated-twice"] = 4 * v
+    found |= dict.fromkeys(RATES, omega)
+    # u'' = (rise u)/2 - omega^2 u/4.
+    found["second-rate"] = rise + omega * omega
+    found["euler"] = float(np.pi) * steepness(p)
+    return found
+
+
+def _size(value: Any) -> float:
+    """The Euclidean norm of a vector, or 1 if it is zero."""
+    return float(np.linalg.norm(value)) or 1.0
 
 
 def steepness(p: Parameters) -> float:

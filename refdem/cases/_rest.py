@@ -45,7 +45,7 @@ def _ground(contact: Contact) -> tuple[Element, ...]:
 
 
 def heights(member: str) -> list[Fraction]:
-    """Of the centres of the bodies of a member above the ground [m]."""
+    """The heights [m] of the centres of a member's bodies above the ground."""
     if member == "spheres":
         # Each contact is compressed by the weight above it over the stiffness.
         compression = BALL_MASS * GRAVITY / STIFFNESS

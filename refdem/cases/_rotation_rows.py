@@ -1,31 +1,43 @@
 """The operations of the case rotations, and the sizes of their results."""
 
-from typing import Any
-
 import numpy as np
 
 from refdem.cases._algebra import Row, X, Y, Z
 from refdem.core.parameters import Parameters
 
+PRODUCTS: tuple[tuple[str, str, str], ...] = (
+    ("z-then-x", "x+90", "z+90"),
+    ("x-then-z", "z+90", "x+90"),
+    ("globe", "x-90", "y-90"),
+    ("two-halves", "x+180", "y+180"),
+    ("x-y", "x+90", "y+90"),
+    ("x-y-back", "x-y", "x-90"),
+)
+"""Matrix products: the name of the result, and those of its factors."""
+
 
 def rows(p: Parameters) -> list[Row]:
-    """Plane, products of turns, Euler angles, energies."""
-    angle = [p.angle]
-    v = p.vector.tolist()
-    euler = p.euler.tolist()
+    """All operations: rotations in the plane, products of rotations, Euler angles, energies."""
     turns: list[Row] = []
     for axis, unit in (("x", X), ("y", Y), ("z", Z)):
         for degrees in (90, -90, 180):
             radians = float(np.radians(degrees))
             turns.append((f"{axis}{degrees:+d}", "turn-about", [unit, [radians]]))
-    products: list[tuple[str, str, str]] = [
-        ("z-then-x", "x+90", "z+90"),
-        ("x-then-z", "z+90", "x+90"),
-        ("globe", "x-90", "y-90"),
-        ("two-halves", "x+180", "y+180"),
-        ("x-y", "x+90", "y+90"),
-        ("x-y-back", "x-y", "x-90"),
+    products: list[Row] = [
+        (name, "matrix-product", [first, second]) for name, first, second in PRODUCTS
     ]
+    globe: list[Row] = [
+        ("globe-x", "matrix-vector", ["globe", X]),
+        ("globe-angle", "turn-angle", ["globe"]),
+        ("globe-determinant", "determinant", ["globe"]),
+    ]
+    return _plane_rows(p) + turns + products + globe + _euler_rows(p) + _energy_rows(p)
+
+
+def _plane_rows(p: Parameters) -> list[Row]:
+    """Rotation and reflection of a vector in the plane."""
+    angle = [p.angle]
+    v = p.vector.tolist()
     return [
         ("plane-turn", "plane-turn", [angle, v]),
         ("complex-turn", "complex-turn", [angle, v]),
@@ -33,28 +45,32 @@ def rows(p: Parameters) -> list[Row]:
         ("plane-determinant", "plane-determinant", [angle]),
         ("mirror", "mirror", [angle, v]),
         ("mirror-determinant", "mirror-determinant", [angle]),
-        *turns,
-        *((name, "matrix-product", [first, second]) for name, first, second in products),
-        ("globe-x", "matrix-vector", ["globe", X]),
-        ("globe-angle", "turn-angle", ["globe"]),
-        ("globe-determinant", "determinant", ["globe"]),
-        *euler_rows(p, euler),
     ]
 
 
-def euler_rows(p: Parameters, euler: list[float]) -> list[Any]:
-    """Euler angles and back, their rates beside the quaternion's, and the energies."""
+def _euler_rows(p: Parameters) -> list[Row]:
+    """Euler angles to a matrix and back, and their rates beside those of the quaternion."""
+    euler = p.euler.tolist()
     omega = p.omega.tolist()
+    # The same angles close to theta = 0, where their rates diverge.
+    near = [euler[0], p.near, euler[2]]
     return [
         ("euler-matrix", "matrix-of-euler", [euler]),
         ("euler-back", "euler-of-matrix", ["euler-matrix"]),
         ("euler-quaternion", "quaternion-of-euler", [euler]),
         ("euler-rates", "euler-rates", [euler, omega]),
-        ("near-rates", "euler-rates", [[euler[0], p.near, euler[2]], omega]),
-        ("near-quaternion", "quaternion-of-euler", [[euler[0], p.near, euler[2]]]),
+        ("near-rates", "euler-rates", [near, omega]),
+        ("near-quaternion", "quaternion-of-euler", [near]),
         ("near-quaternion-rate", "rate", ["near-quaternion", omega]),
-        ("energy", "rotation-energy", [[1.0], [2 * np.pi * p.frequency]]),
-        ("frequency-energy", "rotation-energy", [[1.0], [p.frequency]]),
+    ]
+
+
+def _energy_rows(p: Parameters) -> list[Row]:
+    """Rotational energies of a unit inertia for omega = 2 pi f and for omega = f."""
+    unit_inertia = [1.0]
+    return [
+        ("energy", "rotation-energy", [unit_inertia, [2 * np.pi * p.frequency]]),
+        ("frequency-energy", "rotation-energy", [unit_inertia, [p.frequency]]),
         ("energy-ratio", "quotient", ["energy", "frequency-energy"]),
     ]
 
@@ -63,11 +79,13 @@ def sizes(p: Parameters) -> dict[str, float]:
     """Vectors, rates and energies have sizes of their own."""
     omega = float(np.linalg.norm(p.omega))
     v = float(np.linalg.norm(p.vector))
-    steep = 1 / abs(np.sin(p.euler[1])), 1 / np.sin(p.near)
+    # Euler angles are steeper than the attitude by 1/sin theta.
+    steep = 1 / abs(np.sin(p.euler[1]))
+    steep_near = 1 / np.sin(p.near)
     energy = 2 * (np.pi * p.frequency) ** 2
     rates = {
-        "euler-rates": omega * steep[0] ** 2,
-        "near-rates": omega * steep[1] ** 2,
+        "euler-rates": omega * steep**2,
+        "near-rates": omega * steep_near**2,
         "near-quaternion-rate": omega,
     }
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
@@ -77,5 +95,5 @@ def sizes(p: Parameters) -> dict[str, float]:
         "mirror": v,
         **rates,
         **energies,
-        "euler-back": np.pi * steep[0],
+        "euler-back": np.pi * steep,
     }

@@ -88,7 +88,7 @@ class BlockOnSlope(Case):
         return {"s": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}
 
     def truth(self, p: Parameters) -> Truth:
-        """Zeros, decided exactly, or a parabola."""
+        """The certified motion: rest, decided exactly, or a parabola."""
         from refdem.truth.closed_forms.block_on_slope import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -45,7 +45,7 @@ class CapturedMass(Case):
     }
 
     def scene(self, p: Parameters) -> Scene:
-        """The mass before it is caught."""
+        """The scene at the start, before the mass is caught."""
         mass = Body(
             mass=p.mass, position=(-RUN_UP * p.radius, -p.radius, 0.0), velocity=(p.speed, 0.0, 0.0)
         )
@@ -66,7 +66,7 @@ class CapturedMass(Case):
         return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """A straight line, then a circle."""
+        """The certified motion: a straight line, then a circle."""
         from refdem.truth.closed_forms.captured_mass import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -68,7 +68,7 @@ class CoulombOscillator(Case):
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Half cycles with exact turning points."""
+        """The certified motion: half cycles with exact turning points."""
         from refdem.truth.closed_forms.coulomb_oscillator import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

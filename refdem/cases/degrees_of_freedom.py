@@ -93,7 +93,7 @@ class DegreesOfFreedom(AlgebraCase):
         return found
 
     def truth(self, p: Parameters) -> Truth:
-        """Ranks in rational arithmetic."""
+        """The certified numbers: ranks in rational arithmetic."""
         from refdem.truth.closed_forms.degrees_of_freedom import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -67,12 +67,12 @@ class DissipatingBody(Case):
         return Scales(free.length, free.tau / quicker, free.duration, free.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angular velocity in principal axes."""
+        """The components of the angular velocity in principal axes."""
         rate = float(norm(p.omega_body))
         return tuple(Quantity(f"omega_body.{axis}", "rad/s", rate) for axis in "xyz")
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angular velocity in principal axes."""
+        """The angular velocity (T,) [rad/s] in principal axes, by component."""
         seen = _attitude.observe(trajectory)
         return {q.name: seen[q.name] for q in self.quantities(p)}
 

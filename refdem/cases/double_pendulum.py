@@ -110,7 +110,7 @@ class DoublePendulum(Case):
         }
 
     def truth(self, p: Parameters) -> Truth:
-        """Validated integration of the angles."""
+        """The certified motion, by validated integration of the angles."""
         from refdem.truth.closed_forms.double_pendulum import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

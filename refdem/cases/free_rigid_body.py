@@ -13,7 +13,7 @@ from refdem.scene import Scene
 
 
 class FreeRigidBody(Case):
-    """One body, no force, no torque."""
+    """One body rotates freely, without force or torque."""
 
     id = "free-rigid-body"
     title = "Free rigid body"
@@ -54,15 +54,15 @@ class FreeRigidBody(Case):
         return _attitude.scales(p, p.omega_body)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angular velocity and attitude."""
+        """The components of angular velocity and attitude."""
         return _attitude.quantities(float(norm(p.omega_body)))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angular velocity and attitude."""
+        """The angular velocity (T,) [rad/s] and the attitude, by component."""
         return _attitude.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Jacobi elliptic and theta functions."""
+        """The certified motion, by Jacobi elliptic and theta functions."""
         from refdem.truth.closed_forms.free_rigid_body import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class HeavyTop(TopOnTip):
-    """The tip rests at the origin;
+    """The tip rests at the origin.
 
     Euler angles z-x-z, theta from the upward vertical, phi = psi = 0 at the start.
     """
@@ -114,7 +114,7 @@ class HeavyTop(TopOnTip):
         return (*angles, Quantity("thetadot", "rad/s", 1.0 / self.scales(p).tau))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """From the axis of the top, the line of nodes and the vertical in body axes."""
+        """The quantities from the top's axis, the line of nodes and the vertical in body axes."""
         turn = matrix(trajectory.attitude[:, 0])
         omega = trajectory.omega[:, 0]
         phi = np.arctan2(turn[:, 0, 2], -turn[:, 1, 2])

@@ -60,7 +60,7 @@ class HertzSpheres(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """Sphere 1 at x < 0, sphere 2 at x > 0."""
+        """The scene at touch: sphere 1 at x < 0, sphere 2 at x > 0."""
         r = radius(p)
         mass = 2 * p.effective_mass
         # J = 2/5 m R^2.

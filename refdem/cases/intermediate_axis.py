@@ -85,11 +85,11 @@ class IntermediateAxis(Case):
         return _attitude.scales(p, _omega_body(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angular velocity and attitude."""
+        """The components of angular velocity and attitude."""
         return _attitude.quantities(float(np.linalg.norm(_omega_body(p))))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angular velocity and attitude."""
+        """The angular velocity (T,) [rad/s] and the attitude, by component."""
         return _attitude.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

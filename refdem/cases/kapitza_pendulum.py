@@ -83,7 +83,7 @@ class KapitzaPendulum(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Of the line from the pivot to the bob."""
+        """The quantities from the line between the pivot and the bob."""
         # From the pivot, body 1, to the bob, body 0.
         x, y, _ = (trajectory.position[:, 0] - trajectory.position[:, 1]).T
         vx, vy, _ = (trajectory.velocity[:, 0] - trajectory.velocity[:, 1]).T

@@ -99,7 +99,7 @@ class NeglectedGyroscopic(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angular velocity, attitude and place."""
+        """The angular velocity, the attitude and the position, by component."""
         return _attitude.observe(trajectory) | {
             axis: trajectory.position[:, 0, i] for i, axis in enumerate("xyz")
         }

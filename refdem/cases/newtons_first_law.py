@@ -99,7 +99,7 @@ class NewtonsFirstLaw(Case):
         )
 
     def meant(self, p: Parameters) -> dict[str, object]:
-        """With what makes the balance of those that rest."""
+        """The parameters with what balances the bodies of members at rest."""
         return dict(p) | ({} if p.member == "free" else _rest.balance(p.member))
 
     def truth(self, p: Parameters) -> Truth:

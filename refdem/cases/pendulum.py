@@ -68,7 +68,7 @@ class Pendulum(Case):
         return Scales(length=p.length, tau=tau, duration=20 * tau, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angle, rate, place and rod force."""
+        """The angle, its rate, the position and the force in the rod."""
         s = self.scales(p)
         return (
             Quantity("theta", "rad", 1.0, angle=True),

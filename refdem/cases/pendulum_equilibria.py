@@ -53,7 +53,7 @@ class PendulumEquilibria(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """At rest, next to the top or the bottom."""
+        """The pendulum at rest, next to the top or the bottom."""
         if p.position == "top":
             side = 1.0
         else:
@@ -82,7 +82,7 @@ class PendulumEquilibria(Case):
         return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """The pendulum's Jacobi functions."""
+        """The certified motion, by the Jacobi functions of the pendulum."""
         from refdem.truth.closed_forms.pendulum_equilibria import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -92,8 +92,8 @@ class PendulumWheelMass(StringOnWheel):
         return Quantity("r", "m", s.length), Quantity("theta", "rad", 1.0, angle=True), *rates
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """From the pendulum alone: its string is a tangent of the wheel, (r + i R) exp(i theta) =
-        -y + i x.
+        """The quantities from the pendulum alone: its string is a tangent of the wheel, (r + i R)
+        exp(i theta) = -y + i x.
         """
         x, y, _ = trajectory.position[:, 0].T
         vx, vy, _ = trajectory.velocity[:, 0].T

@@ -91,7 +91,7 @@ class PhaseFlow(EnsembleCase):
         return _flows.scales(p, _cat.corners(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place and rate of every corner."""
+        """The position and velocity of every corner of the outline."""
         s = self.scales(p)
         is_rod = p.flow == "pendulum"
         kinds = (
@@ -116,7 +116,7 @@ class PhaseFlow(EnsembleCase):
         return seen
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
-        """Place and rate (T, M) of all points."""
+        """Position and velocity (T, M) of all points of the outline."""
         return _flows.seen(p, trajectory)
 
     def meant(self, p: Parameters) -> dict[str, object]:

@@ -70,7 +70,7 @@ class PowerOscillator(Case):
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """Inverse incomplete beta functions."""
+        """The certified motion, by inverse incomplete beta functions."""
         from refdem.truth.closed_forms.power_oscillator import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

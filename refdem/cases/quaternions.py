@@ -63,7 +63,7 @@ class Quaternions(AlgebraCase):
             )
 
     def rows(self, p: Parameters) -> list[Row]:
-        """Algebra, then turns, then rates."""
+        """The operations of the case: algebra, then rotations, then rates."""
         return _quaternion_rows.rows(p)
 
     def sizes(self, p: Parameters) -> dict[str, float]:

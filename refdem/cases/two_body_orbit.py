@@ -36,8 +36,8 @@ def _periapsis(p: Parameters) -> tuple[float, float, float]:
 
 
 class TwoBodyOrbit(Case):
-    """In the x-y plane, moving in +y: from periapsis on +x, or with the spring from the end of the
-    long axis on +x.
+    """The orbit lies in the x-y plane and starts in +y: from periapsis on +x, or with the spring
+    from the end of the long axis on +x.
     """
 
     id = "two-body-orbit"
@@ -110,7 +110,7 @@ class TwoBodyOrbit(Case):
         return _plane.quantities(p.semi_major, self.scales(p).speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and velocity of body 0."""
+        """The position [m] and velocity [m/s] (T,) of body 0, by component."""
         return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

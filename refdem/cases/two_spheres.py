@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 
 
 class TwoSpheres(Case):
-    """In the centre-of-mass frame, centres on x, touching without overlap at the start."""
+    """The spheres move in the centre-of-mass frame, with centres on x, touching without overlap at
+    the start.
+    """
 
     id = "two-spheres"
     title = "Two spheres"

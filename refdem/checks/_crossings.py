@@ -115,7 +115,7 @@ class Belt:
         return max(0.0, falls) * slider.normal_force / self.mass
 
     def pull(self, t: float, x: float) -> float:
-        """P at a time and a place [m]."""
+        """The force P [N] that friction must balance, at a time and a position."""
         driven = sum(float(drive.strength(np.array(t))) * drive.axis[0] for drive in self.drives)
         return driven + self.weight - self.spring.stiffness * (x - self.spring.anchor_b[0])
 
@@ -251,7 +251,7 @@ def touches(scene: Scene) -> list[tuple[float, float, int]]:
 
 
 def _is_contact_alone(scene: Scene) -> bool:
-    """One law with an overlap, and planes."""
+    """True if the scene has one contact law with an overlap, and planes."""
     laws = scene.all(Contact)
     return (
         len(laws) == 1
@@ -261,7 +261,7 @@ def _is_contact_alone(scene: Scene) -> bool:
 
 
 def rounding(scene: Scene) -> float:
-    """By how much [m] the overlap of shapes in touch may be off."""
+    """The error [m] by which the overlap of shapes in touch may be rounded."""
     return TOUCHING * float(max(np.max(scene.bodies.radius), np.max(np.abs(scene.bodies.position))))
 
 

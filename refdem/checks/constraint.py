@@ -39,7 +39,7 @@ class Constraint(Check):
         return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Drift of length and of velocity."""
+        """One finding each for the drift of length and of velocity."""
         variant = _judged_level(subject)
         coarsest = Variant(subject.levels[0])
         allowed, basis = subject.kept("constraint", variant.level)

@@ -290,7 +290,7 @@ def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Arra
 
 
 def _outside_cone(scene: Scene, run: Trajectory) -> Array:
-    """By how much (T - 1,) [kg m/s] the impulse on the first sphere leaves the cone about the mean
+    """The impulse (T - 1,) [kg m/s] on the first sphere in excess of the cone about the mean
     normal; 0 within.
     """
     law = scene.all(Contact)[0]

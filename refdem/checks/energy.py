@@ -237,7 +237,7 @@ def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Vari
 
 
 def _work(subject: Subject, run: CompletedRun) -> Array | None:
-    """The dissipated work [J] that a run shows;
+    """The dissipated work [J] that a run shows.
 
     None of a method that tells what the energy lacks, for then any balance holds.
     """
@@ -252,8 +252,8 @@ def _rubs_by_springs(scene: Scene) -> bool:
 
 
 def _stiffens(scene: Scene) -> bool:
-    """These grow stiffer with the load (Hertz's law): what they take is not what they give, and no
-    potential keeps account of it.
+    """True if tangential springs grow stiffer with the load (Hertz's law): what they take is not
+    what they give, and no potential keeps account of it.
     """
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 

@@ -38,7 +38,7 @@ class EnergyReturn(Check):
         return "the final state of the method is incomplete, so a run cannot be continued from it"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level, there and back."""
+        """The run at the finest level, forward and backward."""
         return (subject.finest, Variant(subject.levels[-1], "reversed"))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -19,8 +19,8 @@ SMALL = 0.05
 
 
 class Equilibrium(Check):
-    """Of one point let go at rest on a rod within 0.05 rad of the vertical; exactly on it, it must
-    not move at all.
+    """One point let go at rest on a rod within 0.05 rad of the vertical; exactly on it, it must not
+    move at all.
     """
 
     name = "equilibrium"
@@ -67,8 +67,8 @@ class Equilibrium(Check):
     def _departure(
         self, subject: Subject, t: Array, seen: Array, w0: float, delta: float
     ) -> Finding:
-        """From the top, up to SMALL: the term of third order of the series is what is left of the
-        true motion.
+        """The finding about a start near the top, up to SMALL: the third-order term of the series
+        is what is left of the true motion.
         """
         phase = w0 * (t - t[0])
         small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
@@ -146,7 +146,7 @@ def _arms(scene: Scene, position: Array) -> Array:
 
 
 def _is_top(scene: Scene) -> bool:
-    """The point starts above the pivot."""
+    """True if the point starts above the pivot."""
     return bool(
         _arms(scene, scene.bodies.position[0]) @ np.array(scene.all(UniformGravity)[0].g) < 0
     )

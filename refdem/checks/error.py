@@ -132,19 +132,23 @@ class Error(Check):
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
             for level, error in seen.items()
         ]
+        has_settled = bool(allowed[point] < subject.bound(at)[point])
+        order_claimed = None
+        if subject.method.control == "step":
+            order_claimed = float(subject.order)
         return judged(
             check=self.name,
             quantity=quantity,
             value=float(error[point]),
             bound=float(allowed[point]),
             unit="1",
-            basis=_basis(subject, at, settled=bool(allowed[point] < subject.bound(at)[point])),
+            basis=_basis(subject, at, settled=has_settled),
             what=_what(subject, quantity, at, point, count),
             sight=min(sights.values(), key=_part),
             levels=tuple(levels),
             series=curve(subject.instance.times[:count], error, allowed),
             order_seen=_order_seen(subject, levels),
-            order_claimed=float(subject.order) if subject.method.control == "step" else None,
+            order_claimed=order_claimed,
             constant_seen=_constant_seen(subject, levels),
         )
 
@@ -367,7 +371,7 @@ def _basis(subject: Subject, level: float, *, settled: bool) -> str:
 
 
 def _what(subject: Subject, quantity: str, level: float, point: int, count: int) -> str:
-    """The measured value in words."""
+    """The phrase that names the measured value."""
     times = subject.instance.times
     when = subject.instance.problem.when
     if count == len(times):

@@ -102,7 +102,7 @@ class EventTimes(Check):
             (float(np.min(np.abs(told - one.time))), allowed, one.time) for one, allowed in due
         ]
         pairs += [nearest(float(time), known, scored.told - start) for time in seen]
-        off, allowed, time = max(pairs, key=lambda pair: pair[0] / pair[1] if pair[1] else inf)
+        off, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
             stepped = ""
         else:
@@ -123,6 +123,14 @@ class EventTimes(Check):
                 f" expected; at t = {time:.6g} s), in units of tau,"
             ),
         )
+
+
+def _share_of_bound(pair: tuple[float, float, float]) -> float:
+    """The distance of a pair over its bound; infinite where the bound is zero."""
+    distance, allowed, _ = pair
+    if allowed == 0:
+        return inf
+    return distance / allowed
 
 
 @dataclass(frozen=True)

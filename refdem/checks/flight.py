@@ -21,7 +21,7 @@ BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 
 
 class Flight(Check):
-    """To round-off at the finest level.
+    """Positions follow from velocities to round-off, at the finest level.
 
     It needs no truth, and sees a gas of which nobody can predict the motion stand still.
     """
@@ -72,14 +72,17 @@ class Flight(Check):
         # roundings do add up.
         steps = steps_at(subject.instance, subject.method, subject.levels[-1]) / (len(run.t) - 1)
         adding = 2.0 * subject.method.round_off * steps * far
+        # |r(t + dt) - r(t) - v dt| and |v dt| of the bodies in free flight, the largest of each.
+        distances = np.max(np.linalg.norm(off, axis=-1) * alone, axis=1)
+        ways = np.max(np.linalg.norm(way, axis=-1) * alone, axis=1)
         return [
             worst(
                 check=self.name,
                 quantity="way",
                 t=run.t[1:],
-                values=np.max(np.linalg.norm(off, axis=-1) * alone, axis=1) / scales.length,
+                values=distances / scales.length,
                 allowed=rounding * (1.0 + far + fast) + adding,
-                signal=np.max(np.linalg.norm(way, axis=-1) * alone, axis=1) / scales.length,
+                signal=ways / scales.length,
                 unit="1",
                 basis=(
                     "no force acts between contacts, so only round-off, at most n u |r|,"

@@ -12,9 +12,7 @@ from refdem.core.variant import Variant
 
 
 class Flips(Check):
-    """As many sign changes of omega about the intermediate axis as truth has, at the finest
-    level.
-    """
+    """Omega about the intermediate axis changes its sign as often as in truth (finest level)."""
 
     name = "flips"
     title = "Number of flips"
@@ -22,7 +20,7 @@ class Flips(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """One tumbling body without elements."""
+        """None for one tumbling body without elements, else the reason why not."""
         scene = subject.instance.scene
         if "tumbling" not in scene.features or scene.elements or len(scene.bodies) != 1:
             return "the scene has no free tumbling body"

@@ -33,16 +33,17 @@ class Momentum(Check):
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest change of the vector."""
+        """One finding about the largest change of total momentum."""
         level = subject.levels[0]
         run = runs[Variant(level)].trajectory
         total = linear(subject.instance.scene, run)
+        change = np.linalg.norm(total - total[0], axis=1)
         return [
             worst(
                 check=self.name,
                 quantity="total",
                 t=subject.instance.times,
-                values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(subject.instance),
+                values=change / momentum_scale(subject.instance),
                 allowed=subject.round_off(level) * sweeping(subject.instance, subject.method),
                 signal=_exchanged(subject, run),
                 unit="1",

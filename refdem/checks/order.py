@@ -397,7 +397,7 @@ def _misfits(
     levels: Sequence[float],
     common: int,
 ) -> Misfits | None:
-    """How two terms fit the signed errors at three levels;
+    """How two terms fit the signed errors at three levels.
 
     None where there are fewer, or velocities lag behind the places.
     """

@@ -41,7 +41,7 @@ class PhaseArea(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Cases whose starts are an outline."""
+        """None for cases whose starts are an outline, else the reason why not."""
         if isinstance(subject.instance.case, EnsembleCase):
             return None
         return "the initial states do not form an outline"

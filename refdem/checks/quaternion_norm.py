@@ -30,7 +30,7 @@ class QuaternionNorm(Check):
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest | |q| - 1 | of any body."""
+        """One finding about the largest | |q| - 1 | of any body."""
         level = subject.levels[0]
         return [
             worst(

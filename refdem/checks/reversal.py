@@ -108,6 +108,8 @@ class Reversal(Check):
         if shown < size:
             size = shown
             basis = "the backward run may add as much error as the forward run is seen to have"
+        if size > fallen:
+            basis = "truncation error extrapolated from a larger step with the claimed order"
         return order + [
             judged(
                 check=self.name,
@@ -115,11 +117,7 @@ class Reversal(Check):
                 value=_defect(subject, runs[variant].trajectory, variant.change),
                 bound=min(size, fallen),
                 unit="1",
-                basis=(
-                    basis
-                    if size <= fallen
-                    else "truncation error extrapolated from a larger step with the claimed order"
-                ),
+                basis=basis,
                 what=(
                     "The distance from the initial state after running forward and backward"
                     f" ({variant.change}), relative to each scale,"
@@ -311,16 +309,14 @@ def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
     else:
         sign = 1.0
     spin = np.max(np.linalg.norm(start.omega, axis=1)) or 1.0 / scales.tau
-    return max(
-        float(np.max(np.abs(end["position"] - start.position))) / scales.length,
-        float(np.max(np.abs(sign * end["velocity"] - start.velocity))) / scales.speed,
-        float(np.max(np.abs(sign * end["omega"] - start.omega))) / float(spin),
-        (
-            float(np.max(angle_between(end["attitude"], start.attitude)))
-            if "rotation" in subject.instance.scene.features
-            else 0.0
-        ),
-    )
+    # A run that was reversed ends with the velocities of the start, of the other sign.
+    position = float(np.max(np.abs(end["position"] - start.position)))
+    velocity = float(np.max(np.abs(sign * end["velocity"] - start.velocity)))
+    omega = float(np.max(np.abs(sign * end["omega"] - start.omega)))
+    angle = 0.0
+    if "rotation" in subject.instance.scene.features:
+        angle = float(np.max(angle_between(end["attitude"], start.attitude)))
+    return max(position / scales.length, velocity / scales.speed, omega / float(spin), angle)
 
 
 CHECK = Reversal()

@@ -22,8 +22,8 @@ TERMS = 8.0
 
 
 class SecondIntegral(Check):
-    """Its change along the run, against that of truth: 0 for a wheel of no size, else the drift
-    that the radius makes.
+    """The change of the integral along the run agrees with that of truth: 0 for a wheel of zero
+    size, else the drift that the radius makes.
     """
 
     name = "second-integral"
@@ -65,9 +65,8 @@ class SecondIntegral(Check):
             for name, v in subject.instance.observe(runs[subject.finest].trajectory).items()
         }
         known = {name: truth.value(name)[:count] for name in seen}
-        turns = np.round(
-            (known["theta"] - seen["theta"]) / (2 * np.pi)
-        )  # I changes its sign with every turn
+        # I changes its sign with every turn, so that theta must be within half a turn of truth.
+        turns = np.round((known["theta"] - seen["theta"]) / (2 * np.pi))
         run = _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g)
         true = _integral(known, g)
         speed = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"])
@@ -93,7 +92,7 @@ class SecondIntegral(Check):
 
 
 def _integral(of: Mapping[str, Array], g: float) -> Array:
-    """I (T,) of r, theta, rdot, thetadot."""
+    """The second integral I (T,) of r, theta, rdot and thetadot."""
     r = of["r"]
     rate = of["thetadot"]
     sine = np.sin(of["theta"] / 2)

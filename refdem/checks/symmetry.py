@@ -180,12 +180,14 @@ class Symmetry(Check):
             "The difference between the motion and its rotated counterpart at the"
             " finest step, relative to each scale"
         )
+        bounds = np.minimum(allowed, falling) + decided
+        largest_coarse = float(np.max(coarse))
         return worst(
             check=self.name,
             quantity="rotated",
             t=subject.instance.times[:count],
             values=fine[:count],
-            allowed=(np.minimum(allowed, falling) + decided)[:count],
+            allowed=bounds[:count],
             unit="1",
             basis=(
                 "the difference exceeds round-off, so it must be truncation error of"
@@ -193,7 +195,7 @@ class Symmetry(Check):
             ),
             what=(
                 f"{what} ({largest:.2g}; at {coarsest / finest:.0f} times the step"
-                f" {float(np.max(coarse)):.2g}),"
+                f" {largest_coarse:.2g}),"
             ),
         )
 
@@ -398,7 +400,7 @@ def _least_moved(
 
 
 def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """Every run with a moved start."""
+    """The variants with a perturbed start, in all draws."""
     return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
 
 

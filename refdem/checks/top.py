@@ -23,8 +23,8 @@ one axis after another, which keeps L_3 to its order only."""
 
 
 class Top(Check):
-    """To round-off where the method claims it (angular momentum in space, constraint) or is exact,
-    else to its truncation error.
+    """The quantities are conserved to round-off where the method claims it (angular momentum in
+    space, constraint) or is exact, else to its truncation error.
     """
 
     name = "top"

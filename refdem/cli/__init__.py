@@ -43,7 +43,7 @@ OF_THE_SYSTEM = {
 
 
 def main() -> None:
-    """Runs the command.
+    """Runs the command and exits with its status.
 
     Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself
     broke, 130 interrupted (143 and 129 by SIGTERM and SIGHUP), 141 unread.

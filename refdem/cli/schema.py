@@ -15,7 +15,7 @@ def command(
         ),
     ],
 ) -> None:
-    """Prints a JSON Schema.
+    """Prints one of the JSON Schemas.
 
     Example: refdem schema request
     """

@@ -36,7 +36,7 @@ def kinetic(scene: Scene, run: Trajectory) -> Array:
 
 
 def mechanical(scene: Scene, run: Trajectory) -> Array:
-    """Kinetic and potential energy (T,) [J]."""
+    """Kinetic plus potential energy (T,) [J] of the scene."""
     return kinetic(scene, run) + scene.potential(run.position, run.attitude)
 
 

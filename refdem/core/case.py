@@ -98,7 +98,7 @@ class Canonical(ABC):
 
     @abstractmethod
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """What is compared, with scales."""
+        """The quantities that are compared, with their scales."""
 
     @abstractmethod
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
@@ -120,7 +120,7 @@ class Canonical(ABC):
         return p
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """True at the parameters `chaotic_at`, False where that is NEVER;
+        """True at the parameters `chaotic_at`, False where that is NEVER.
 
         None where nobody has said.
         """

@@ -89,14 +89,14 @@ class Subject:
 
 @dataclass(frozen=True, eq=False)
 class CompletedRun:
-    """A run that worked, as a check sees it."""
+    """A run that produced a trajectory, as a check sees it."""
 
     trajectory: Trajectory
     cost: Cost
 
 
 class Check(ABC):
-    """One verified property.
+    """One property of a run that is verified.
 
     Adding one is one file in checks/ with an instance of a subclass named CHECK.
     """

@@ -45,7 +45,7 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
                 )
 
     def covers(self, record: Record, finding: Finding) -> bool:
-        """The deviation speaks of this finding."""
+        """True if the deviation is about this finding."""
         inside = record.label.removeprefix(record.case).strip("[]")
         return (
             (self.case, self.check) == (record.case, finding.check)

@@ -117,7 +117,7 @@ def finished(stages: Stages[Result]) -> Result:
 
 
 class Engine(ABC):
-    """An adapter.
+    """An adapter to a code under test.
 
     It gets the question and never the answer; it is imported without importing the engine itself.
     """

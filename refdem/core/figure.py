@@ -46,7 +46,7 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """What is on an axis;
+    """An axis of a panel: its title and its ends.
 
     `ends` are those of the data unless given, `is_hidden` leaves line, ticks and title out.
     """
@@ -68,7 +68,7 @@ class Panel:
     size: tuple[int, int] = (460, 280)
 
     def ends(self, name: Literal["x", "y"]) -> tuple[float, float]:
-        """Those given, or of all finite data with a margin of 4 %."""
+        """The given ends of an axis, or those of all finite data with a margin of 4 %."""
         axis: Axis = getattr(self, name)
         if axis.ends is not None:
             return axis.ends
@@ -99,7 +99,7 @@ class Figure:
 
     @property
     def name(self) -> str:
-        """Its id as file names have it."""
+        """The id of the figure in the form of a file name."""
         return file_name(self.id)
 
 

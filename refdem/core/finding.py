@@ -118,7 +118,7 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field=
     seconds: float = 0.0
 
     def id(self, finding: Finding) -> str:
-        """`case[params]/engine/method/check/quantity`."""
+        """The id of a finding, `case[params]/engine/method/check/quantity`."""
         return f"{self.label}/{self.engine}/{self.method}/{finding.check}/{finding.quantity}"
 
 

@@ -218,7 +218,7 @@ def certified(subject: Subject) -> SampledTruth | None:
 
 
 def no_truth(subject: Subject) -> str:
-    """Why there is nothing to compare with."""
+    """The reason why there is no truth to compare with."""
     return (
         subject.truth_reason
         or (subject.truth.reason if subject.truth else "")

@@ -62,7 +62,7 @@ class Billiard(Map, frozen=True, kw_only=True):
             )
 
     def admitted(self, start: Array) -> Array:
-        """With a direction of length 1."""
+        """The start with a direction of length 1."""
         return np.concatenate((start[:2], start[2:] / np.hypot(*start[2:])))
 
 

@@ -99,13 +99,11 @@ class Parameter:
         return number
 
     def _refuse_out_of_bounds(self, number: Fraction) -> None:
-        inside = (
-            (self.above is None or number > _as_written(self.above))
-            and (self.at_least is None or number >= _as_written(self.at_least))
-            and (self.at_most is None or number <= _as_written(self.at_most))
-            and (not self.whole or number.denominator == 1)
-        )
-        if not inside:
+        is_above = self.above is None or number > _as_written(self.above)
+        is_enough = self.at_least is None or number >= _as_written(self.at_least)
+        is_few = self.at_most is None or number <= _as_written(self.at_most)
+        is_whole = not self.whole or number.denominator == 1
+        if not (is_above and is_enough and is_few and is_whole):
             raise UsageError(
                 f"parameter {self.name}: got {float(number):.17g} {self.unit}; expected"
                 f" {self.bounds()}"
@@ -113,7 +111,7 @@ class Parameter:
 
 
 class Parameters(Mapping[str, Exact]):
-    """Exact values by name;
+    """The parameters of an instance, as exact values by name.
 
     `p.name` gives the rounded float or array (shape as declared) that engines run.
     """

@@ -234,7 +234,7 @@ class Request:
 
     @property
     def _told_stride(self) -> int | None:
-        """Steps from sample to sample as the document has them;
+        """Steps from sample to sample as the document has them.
 
         None for a method without a step.
         """

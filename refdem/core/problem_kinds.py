@@ -53,7 +53,7 @@ class Problem(ABC):
 
     @property
     def interval(self) -> float:
-        """From the first sample to the second: seconds, negative for a run backwards."""
+        """The time [s] from the first sample to the second, negative for a run backwards."""
         return float(self.times[1] - self.times[0])
 
     @abstractmethod

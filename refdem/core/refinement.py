@@ -170,7 +170,7 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
 
 
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
-    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s];
+    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s].
 
     C 1e3 tol for a tolerance; 0 if exact.
     """

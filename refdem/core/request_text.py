@@ -20,7 +20,7 @@ def request_text(request: Request) -> str:
 
 
 def _lines(key: str, value: Any) -> list[tuple[str, str]]:
-    """Key and value of every leaf."""
+    """The lines, as pairs of key and value, of every leaf of a document."""
     if key:
         prefix = f"{key}."
     else:

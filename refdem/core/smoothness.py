@@ -24,7 +24,7 @@ KINK = 1.0
 
 
 class Singularity(NamedTuple):
-    """A force that goes as |s|^exponent somewhere;
+    """A force that goes as |s|^exponent somewhere.
 
     `feature` is the scene's name for it, which `order_with` may declare.
     """

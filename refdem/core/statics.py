@@ -258,7 +258,7 @@ class Identity(Static):
 
     @property
     def features(self) -> frozenset[str]:
-        """Which operations there are."""
+        """The names of the operations, each of which an engine must support."""
         return frozenset(f"identity:{each.operation}" for each in self.content.operations)
 
     def document(self) -> IdentityDocument:

@@ -61,7 +61,7 @@ class _UnfitError(Exception):
 
 @dataclass
 class _Tally:
-    """What is told when the store is closed."""
+    """The counts that are reported when the store is closed."""
 
     path: Path
     connection: sqlite3.Connection | None = None
@@ -71,7 +71,7 @@ class _Tally:
 
 
 class Store:
-    """Finished work by key.
+    """A file that keeps finished work by key.
 
     A transaction an entry: killed at any moment, what is finished stays.
     """
@@ -115,7 +115,7 @@ class Store:
         return data
 
     def read(self, kind: str, key: str, decode: Callable[[bytes], T]) -> T | None:
-        """What `decode` makes of the bytes under (kind, key);
+        """What `decode` makes of the bytes under (kind, key).
 
         None if there are none, or if they do not decode.
         """

@@ -97,20 +97,25 @@ class Symmetry:
         mass, length, time = self.units
         speed = length / time
         # A mirror image turns the other way: omega is an axial vector.
-        sense = -1.0 if self.mirrored else 1.0
         turns = np.any(bodies.inertia, axis=1, keepdims=True)
         if self.mirrored:
+            sense = -1.0
             turned = bodies.attitude * REFLECTION
         else:
+            sense = 1.0
             turned = product(self.turn, bodies.attitude)
+        # r -> l (Q r + shift), v -> (l/t) (Q v + boost), omega -> +-Q omega/t.
+        position = length * (bodies.position @ self.q.T + self.shift)
+        velocity = speed * (bodies.velocity @ self.q.T + self.boost)
+        omega = bodies.omega @ self.q.T / time * sense
         shown = [self._shape(shape) for shape in bodies.shapes]
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
             "inertia": bodies.inertia * (mass * length**2),
-            "position": length * (bodies.position @ self.q.T + self.shift),
-            "velocity": speed * (bodies.velocity @ self.q.T + self.boost),
+            "position": position,
+            "velocity": velocity,
             "attitude": np.where(turns, turned, bodies.attitude),
-            "omega": bodies.omega @ self.q.T / time * sense,
+            "omega": omega,
             "fixed": bodies.fixed.copy(),
         }
         shapes = tuple(shown[number] for number in bodies.shape_number.tolist())
@@ -191,10 +196,12 @@ def of(instance: Instance, name: str) -> Symmetry:
         turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
         turn = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    shift = scales.length * np.array([8.0, -4.0, 2.0]) * flat
+    boost = scales.speed * np.array([0.5, -0.25, 0.125]) * flat
     known = {
-        "shifted": Symmetry(shift=scales.length * np.array([8.0, -4.0, 2.0]) * flat),
+        "shifted": Symmetry(shift=shift),
         "rotated": Symmetry(turn=turn),
-        "boosted": Symmetry(boost=scales.speed * np.array([0.5, -0.25, 0.125]) * flat),
+        "boosted": Symmetry(boost=boost),
         "mirrored": Symmetry(mirrored=True),
         "relabelled": Symmetry(reverse=True),
         "rescaled": Symmetry(units=UNITS),

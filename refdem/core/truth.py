@@ -52,7 +52,7 @@ class Ball:
 
 
 def _exponent(value: Fraction) -> int:
-    """floor(log10(value)) for value > 0."""
+    """The decimal exponent floor(log10(value)) of a value > 0."""
     guess = len(str(value.numerator)) - len(str(value.denominator))
     if value >= Fraction(10) ** guess:
         return guess

@@ -40,7 +40,7 @@ class Variant:
 
     @property
     def goes_on(self) -> bool:
-        """It starts from the end of its base."""
+        """True if the run starts from the end of another one."""
         return self.change in ("reversed", "backward")
 
     def __str__(self) -> str:

@@ -69,11 +69,11 @@ class Carrier(Engine):
         return self.engine.missing()
 
     def version(self) -> str:
-        """As the engine, with the fault."""
+        """The version of the engine, with the name of the fault."""
         return f"{self.engine.version()} with {self.fault.name}"
 
     def fingerprint(self, method: Method) -> str:
-        """As the engine, with the fault."""
+        """The fingerprint of the engine, with that of the fault."""
         return f"{self.engine.fingerprint(method)} {self.fault.name}"
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:

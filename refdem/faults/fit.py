@@ -106,7 +106,7 @@ def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
 
 
 def _refined(difference: Difference, count: int, start: float) -> float:
-    """The amplitude of least squares over `count` samples, by secants from one that is near;
+    """The amplitude of least squares over `count` samples, by secants from one that is near.
 
     `inf` if it is lost.
     """

@@ -32,9 +32,7 @@ def line_caught(hook: Catch, distance: Number, near: float) -> Number:
 
 
 def string_excess(string: StringOverWheel, length: Number, now: Number) -> Number:
-    """By how much a string of that length is too short for the way from body to body over the wheel
-    [m].
-    """
+    """The length [m] by which a string is too short to reach both bodies over the wheel."""
     return now - length
 
 
@@ -108,7 +106,7 @@ def _pull(m: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> N
 
 
 def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
-    """Both bodies of a string, their directions from the wheel and their distances."""
+    """The two bodies of a string, their directions from the wheel and their distances."""
     found = []
     for i in (string.a, string.b):
         away = vec.minus(r[i], string.centre)

@@ -172,7 +172,7 @@ def _paced(name: str, parts: tuple[str, ...]) -> Knob:
 
 
 def continued(fault: Fault) -> Knob | None:
-    """The fault of any amplitude;
+    """The fault of any amplitude.
 
     None for one that misreads the question: `misread` has all of those that are a matter of degree.
     """

@@ -140,7 +140,7 @@ def meeting(
 
 
 def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
-    """From the centre of a body to the corner of a pair, in space."""
+    """The vector (3) [m] from the centre of a body to the corner of a pair, in space axes."""
     i, _ = world.pairs[number]
     corner = world.corners[number]
     assert corner is not None

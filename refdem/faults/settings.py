@@ -26,7 +26,7 @@ from refdem.faults.draws import (
 
 @dataclass(frozen=True)
 class Setting:
-    """A case with random parameters;
+    """A case with random parameters.
 
     `methods` are those of the transparent engine that run it; truth is withheld unless `proved`.
     """

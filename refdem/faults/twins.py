@@ -87,7 +87,7 @@ class Twin:
 
     @property
     def digits(self) -> float:
-        """To how many digits of the scale both agree."""
+        """The number of decimal digits of the scale to which both agree."""
         if self.distance == 0:
             return MOST_DIGITS
         return max(0.0, min(MOST_DIGITS, -log10(self.distance)))
@@ -112,8 +112,8 @@ class Twin:
 
     @property
     def is_telling(self) -> bool:
-        """It agrees to three digits, and explains three digits of what is wrong with the same twin
-        without the fault.
+        """True if the twin agrees to three digits, and explains three digits of what is wrong with
+        the same twin without the fault.
         """
         is_near = self.digits >= LEAST_DIGITS
         if not self.name:
@@ -185,8 +185,8 @@ class Diagnosis:
 
 
 def _complexity(twin: Twin) -> int:
-    """Of alike explanations: nothing wrong, a known fault as it is, a number misread by a factor, a
-    known fault of another size.
+    """The rank of an explanation among equals: nothing wrong, a known fault as it is, a number
+    misread by a factor, a known fault of another size.
     """
     if not twin.name:
         return 0
@@ -208,7 +208,7 @@ def diagnosis(
     run: Trajectory,
     other: tuple[Request, Trajectory] | None = None,
 ) -> Diagnosis:
-    """The twins of a run that answers `request`, nearest first;
+    """The twins of a run that answers `request`, nearest first.
 
     `other` is a run of the code at another step, which confirms.
     """
@@ -375,7 +375,7 @@ class Beside:
         return float(np.abs(off).max())
 
     def difference(self, engine: Engine, method: str, step: float, samples: int) -> Array | None:
-        """Twin less run (M,) over the first samples, in units of the scales;
+        """Twin less run (M,) over the first samples, in units of the scales.
 
         None if the twin cannot run.
         """
@@ -495,7 +495,7 @@ def first_part(request: Request) -> Request:
 
 
 def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | None:
-    """Largest difference of any state or observed quantity at any sample, in units of its scale;
+    """Largest difference of any state or observed quantity at any sample, in units of its scale.
 
     None if they are of other shapes.
     """

@@ -14,7 +14,7 @@ START = 0.3
 
 
 def late(eta: float, chunks: int = 1) -> Array:
-    """So many times 129 iterates in turn, after SETTLED others."""
+    """The next `chunks` times 129 iterates, after SETTLED others."""
     found = []
     x = last(eta, START, SETTLED)
     for _ in range(chunks):

@@ -65,7 +65,7 @@ def annotations(sheets: list[Sheet]) -> list[str]:
 
 
 def _data(text: str, more: str = "") -> str:
-    """Text as a workflow command takes it."""
+    """Text, escaped as a workflow command needs it."""
     text = one_line(text)
     for character in "%" + more:
         text = text.replace(character, f"%{ord(character):02X}")

@@ -39,7 +39,7 @@ def fingerprint(*families: str) -> str:
 
 
 def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) -> Any:
-    """A `double *` to a C-contiguous float64 array, which the caller keeps alive;
+    """A `double *` to a C-contiguous float64 array, which the caller keeps alive.
 
     `output` asks for a writable one.
     """

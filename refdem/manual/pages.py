@@ -41,13 +41,14 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
     quantities = [
         QuantityLine(name=q.name, unit=q.unit, scale=q.scale) for q in instance.quantities.values()
     ]
+    convention = " ".join((type(case).__doc__ or "").split())
     return ManualPage(
         case=case.id,
         title=case.title,
         statement=case.statement,
         latex=case.latex,
         source=case.source,
-        convention=" ".join((type(case).__doc__ or "").split()),
+        convention=convention,
         kind=instance.problem.words,
         features=tuple(sorted(instance.problem.features)),
         parameters=tuple(parameters),

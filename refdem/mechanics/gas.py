@@ -1,5 +1,4 @@
 """Kinetic theory of a dilute gas of equal smooth spheres with constant restitution (Haff 1983;
-
 Brilliantov and Poeschel 2004).
 """
 

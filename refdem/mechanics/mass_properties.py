@@ -56,7 +56,7 @@ def _of_point(mass: float, arm: Array) -> Array:
 
 
 def of_points(mass: ArrayLike, position: ArrayLike) -> MassProperties:
-    """Of N points: mass (N,) [kg], position (N, 3) [m] (1.14)."""
+    """The mass properties of N points: mass (N,) [kg], position (N, 3) [m] (1.14)."""
     mass = np.asarray(mass, float)
     position = np.asarray(position, float)
     total = float(np.sum(mass))
@@ -69,8 +69,8 @@ def of_points(mass: ArrayLike, position: ArrayLike) -> MassProperties:
 def of_polyhedron(
     vertices: ArrayLike, faces: Sequence[Sequence[int]], density: float
 ) -> MassProperties:
-    """Of a solid with flat faces, convex or not: vertices (V, 3) [m], faces counter-clockwise from
-    outside, density [kg/m^3].
+    """The mass properties of a solid with flat faces, convex or not: vertices (V, 3) [m], faces
+    counter-clockwise from outside, density [kg/m^3].
 
     Each triangle of a face spans a tetrahedron with the mean of the vertices. Its volume has a
     sign, so what lies outside cancels. Over a tetrahedron with corners 0, p, q, r the mean of x x^T
@@ -106,8 +106,8 @@ def _tensor(moment: Array) -> Array:
 
 
 def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
-    """Of a simple polygon in x-y, convex or not: vertices (V, 2) [m] counter-clockwise, density
-    [kg/m^2]; `inertia[2, 2]` is its J.
+    """The mass properties of a simple polygon in x-y, convex or not: vertices (V, 2) [m] counter-
+    clockwise, density [kg/m^2]; `inertia[2, 2]` is its J.
 
     A triangle with corners p, q and the mean of the vertices has m (p.p + p.q + q.q)/6 about the
     latter, with the sign of p x q.
@@ -128,7 +128,9 @@ def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
 
 
 def of_ellipsoid(half_axes: Sequence[float], density: float) -> MassProperties:
-    """Of an ellipsoid about the origin, half axes (3,) [m], density [kg/m^3]: a ball, stretched."""
+    """The mass properties of an ellipsoid about the origin, half axes (3,) [m], density [kg/m^3]: a
+    ball, stretched.
+    """
     a = np.asarray(half_axes, float)
     mass = float(4 / 3 * np.pi * np.prod(a) * density)
     # J_x = m (b^2 + c^2)/5, and so on.
@@ -138,8 +140,8 @@ def of_ellipsoid(half_axes: Sequence[float], density: float) -> MassProperties:
 
 
 def of_cylinder(half_axes: Sequence[float], height: float, density: float) -> MassProperties:
-    """Of an elliptical cylinder about the origin, half axes (2,) in x and y, height [m] along z,
-    density [kg/m^3].
+    """The mass properties of an elliptical cylinder about the origin, half axes (2,) in x and y,
+    height [m] along z, density [kg/m^3].
     """
     a, b = half_axes
     mass = float(np.pi * a * b * height * density)

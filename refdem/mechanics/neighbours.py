@@ -44,7 +44,7 @@ def near_pairs(
 
 
 def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
-    """Those pairs that are within reach."""
+    """The pairs that are within reach of each other."""
     apart = position[j] - position[i]
     if size:
         apart -= size * np.rint(apart / size)
@@ -93,7 +93,7 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
 
 
 def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
-    """Those pairs whose first is among the numbers."""
+    """The pairs whose first body is among the given numbers."""
     led = np.isin(i, among)
     return i[led], j[led]
 

@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 def linear_amplitude(drive: Array, square: float, delta: float, f0: float) -> Array:
-    """|A| = f0/sqrt((w0^2 - w^2)^2 + 4 delta^2 w^2) at w = `drive` [rad/s];
+    """|A| = f0/sqrt((w0^2 - w^2)^2 + 4 delta^2 w^2) at w = `drive` [rad/s].
 
     `square` is w0^2 (1.105).
     """

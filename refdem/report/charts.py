@@ -16,7 +16,7 @@ PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
 
 
 def specification(data: ChartData) -> dict[str, Any]:
-    """The Vega-Lite specification of a chart;
+    """The Vega-Lite specification of a chart.
 
     Altair's validation, half of the time, is left to the tests.
     """

@@ -146,7 +146,7 @@ def truth(page: ManualPage) -> str:
 
 
 def checks(found: Sequence[CheckLine]) -> str:
-    """A table of what they judge and kill."""
+    """A table of the checks that apply, with what each judges and kills."""
     lines = []
     for line in found:
         told = (line.name, line.title, line.kills)

@@ -45,7 +45,7 @@ class Group:
 
     @property
     def is_loose(self) -> bool:
-        """No value came near its bound."""
+        """True if no value came near its bound."""
         return min(self.margins) >= LOOSE
 
     @property

@@ -80,7 +80,7 @@ def rows_of(contents: Contents, label: str) -> list[Row]:
 
 
 def worst_rows(rows: Iterable[Row]) -> list[Row]:
-    """The rows that join all quantities."""
+    """The rows that cover all quantities of a run."""
     return [row for row in rows if row.quantity == WORST]
 
 

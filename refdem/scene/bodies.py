@@ -108,7 +108,7 @@ class Bodies:
 
     @property
     def shape_number(self) -> NDArray[np.int64]:
-        """Which of `shapes` each body (N,) has."""
+        """The index of each body's shape (N,) in `shapes`."""
         return self._numbered[1]
 
     @cached_property
@@ -143,7 +143,7 @@ def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
 
 
 def _is_sound(shape: Shape) -> bool:
-    """A point, or a sphere with a radius."""
+    """True for a point, or for a sphere with a radius > 0."""
     return not isinstance(shape, Sphere) or 0 < shape.radius < float("inf")
 
 

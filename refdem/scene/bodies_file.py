@@ -31,7 +31,7 @@ MOST_SHAPES = 1 << 26
 
 
 class BodiesFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """In the place of a list of bodies: the file beside the JSON, how many bodies it has, and the
+    """A reference to a file of bodies beside the JSON: its name, how many bodies it has, and the
     sha256 of their content.
     """
 

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @cache
 def types_of(kind: type) -> dict[str, Any]:
-    """The types of a record's fields, with their dimensions;
+    """The types of a record's fields, with their dimensions.
 
     Python looks them up anew at every call.
     """
@@ -33,8 +33,8 @@ class Element(
 
     @property
     def reversible(self) -> bool:
-        """With all velocities flipped its motion runs back: what conserves energy does, and an
-        element that knows better overrides this.
+        """True if the motion runs back once all velocities are flipped: what conserves energy does,
+        and an element that knows better overrides this.
         """
         return self.conservative
 

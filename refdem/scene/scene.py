@@ -84,7 +84,7 @@ class Scene:
 
     @property
     def has_bodies_file(self) -> bool:
-        """There are more bodies than JSON lists."""
+        """True if there are more bodies than JSON should list."""
         return len(self.bodies) > bodies_file.MOST_LISTED
 
     def document(self, *, listed: bool = False) -> SceneDocument:
@@ -120,11 +120,11 @@ class Scene:
         return all(e.conservative for e in self.elements)
 
     def is_reversible(self) -> bool:
-        """With all velocities flipped the motion runs back."""
+        """True if the motion runs back once all velocities are flipped."""
         return all(e.reversible for e in self.elements)
 
     def is_driven(self) -> bool:
-        """Some element can bring energy in."""
+        """True if some element does work on the scene."""
         return any(e.drives for e in self.elements)
 
     def potential(self, position: Array, attitude: Array) -> Array:
@@ -135,7 +135,7 @@ class Scene:
         return np.broadcast_to(np.asarray(total, float), (len(position),))
 
     def has_shapes(self) -> bool:
-        """Some body can touch something."""
+        """True if some body can touch another one or a wall."""
         return any(not isinstance(shape, Point) for shape in self.bodies.shape)
 
 

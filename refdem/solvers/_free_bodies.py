@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class FreeBodies(Solver):
-    """Bodies on which nothing acts;
+    """Bodies on which nothing acts.
 
     `turn` fills in the attitude and omega of one of them, and says how long the kernel took.
     """

@@ -119,7 +119,7 @@ class Course:
 
 
 def course(spring: Spring, slip: float) -> Course:
-    """From touch, at a slip > 0 in units of the speed, to release."""
+    """The course of the contact from touch, at a slip > 0 in units of the speed, to release."""
     state = [0.0, 1.0, slip, 0.0]
     hangs = 0.0
     if slip > spring.slack:

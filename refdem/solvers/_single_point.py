@@ -61,7 +61,7 @@ def turning(scene: Scene) -> str | None:
 
 
 def is_linear(spring: Spring) -> bool:
-    """Its force is proportional to its stretch."""
+    """True if the force of the spring is proportional to its stretch."""
     return spring.exponent == 1 and not spring.quadratic and not spring.cubic
 
 

@@ -54,7 +54,7 @@ def _in_a_plane(scene: Scene) -> bool:
 
 
 def _normals(scene: Scene) -> list[Array]:
-    """From body to body, and of planes, of every pair that may meet."""
+    """The normals (3,) of every pair that may meet, from body to body, and of planes."""
     places = scene.bodies.position
     planes = scene.all(Plane)
     found = []

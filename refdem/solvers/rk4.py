@@ -29,7 +29,9 @@ class RungeKutta(Solver):
     kernels = (_particles.FAMILY,)
 
     def unsupported(self, problem: Motion) -> str | None:
-        """As velocity Verlet, but springs must be smooth at their natural length."""
+        """The reason why the problem is unsupported, as for velocity Verlet; springs must also be
+        smooth at their natural length.
+        """
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
         return _particles.unsupported(problem) or _sliding.unsupported(problem.scene)

@@ -197,7 +197,9 @@ def _pivot(scene: Scene, t: Array) -> Pivot:
 
 
 def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
-    """From each bob's support to the bob (N, 3) at the start, and the relative velocity."""
+    """The vectors (N, 3) [m] from each bob's support to the bob at the start, and the relative
+    velocities.
+    """
     place = np.concatenate([pivot.place[:1], scene.bodies.position[chain.bobs]])
     velocity = np.concatenate([pivot.velocity[:1], scene.bodies.velocity[chain.bobs]])
     return np.diff(place, axis=0), np.diff(velocity, axis=0)
@@ -216,7 +218,7 @@ def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
 def _places(
     scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array
 ) -> tuple[Array, Array]:
-    """Position and velocity (T, bodies, 3) of all bodies;
+    """Position and velocity (T, bodies, 3) of all bodies.
 
     `aim` (N, 2) times the lengths. Row 0 is the start as it came.
     """

@@ -62,7 +62,7 @@ class Climb(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True):
-    """A battery as the report shows it."""
+    """The question of a battery, as the report shows it."""
 
     id: str
     title: str
@@ -70,7 +70,7 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything that one stress test found;
+    """Everything that one stress test found.
 
     `refused`: engines and ladders that none of their methods can climb, with reasons.
     """

@@ -16,7 +16,7 @@ FOLDER = Path(__file__).with_name("batteries")
 
 @cache
 def names() -> tuple[str, ...]:
-    """Ids of all batteries: a file each."""
+    """The ids of all batteries, one for each file."""
     stems = sorted(path.stem for path in FOLDER.glob("*.py"))
     return tuple(stem.replace("_", "-") for stem in stems if stem != "__init__")
 

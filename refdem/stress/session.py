@@ -286,8 +286,8 @@ def _task(place: Place, truth: SampledTruth) -> Task | Failure:
 
 
 def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
-    """By how much [s] velocities lag, by the label of the instance, where those of some method
-    do.
+    """The times [s] by which velocities lag, by the label of the instance, where those of some
+    method do.
     """
     found: dict[str, set[float]] = {}
     for place in places:

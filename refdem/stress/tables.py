@@ -19,7 +19,7 @@ class Table:
 
 
 def introduction(record: StressRecord) -> str:
-    """What the numbers are, in words."""
+    """The paragraph that explains how ladders are judged."""
     return (
         "Each ladder makes a scene harder rung by rung. Each rung is judged as in"
         " `refdem run`: against certified truth where there is one, and by"
@@ -82,7 +82,7 @@ def _broken(climb: Climb) -> tuple[str, ...]:
 
 
 def _range(climbs: Sequence[Climb]) -> str:
-    """From the method that ends first to that which ends last;
+    """The range of an engine, from the method that ends first to that which ends last.
 
     `+` where it is the last rung of the ladder.
     """

@@ -84,7 +84,7 @@ def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: 
 
 
 def _kept(due: Sequence[Rung]) -> bool | None:
-    """False if any rung that was due did not pass;
+    """False if any rung that was due did not pass.
 
     None if some were left out: by the budget, or as the method cannot run them.
     """

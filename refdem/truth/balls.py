@@ -97,7 +97,7 @@ def series_length(terms: int) -> Iterator[None]:
 
 
 def terms_of(series: arb_series, count: int) -> list[arb]:
-    """The first `count` terms of a series;
+    """The first `count` terms of a series.
 
     RuntimeError if it knows fewer: what is cut off is not 0.
     """

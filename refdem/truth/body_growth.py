@@ -314,7 +314,7 @@ class Tumbling(BodyGrowth):
         return Instant(t, axes, self.across(t), self.body.lead(t), angle, sources)
 
     def instants_of(self, count: int) -> list[Instant]:
-        """Those of the middles of the first cells."""
+        """The instants at the middles of the first cells."""
         while len(self.instants) < count:
             middle = self.cells[len(self.instants)].middle
             self.instants.append(self.instant(arb_of(middle)))

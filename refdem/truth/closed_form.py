@@ -72,7 +72,7 @@ class ClosedForm(GuardedTruth):
 
     @abstractmethod
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Every quantity at time t at the current precision;
+        """Every quantity at time t at the current precision.
 
         UndecidedError where balls cannot choose a branch.
         """

@@ -82,7 +82,7 @@ def shortfall(square: arb) -> arb:
 
 
 def shortfall_slope(square: arb) -> arb:
-    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps;
+    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps.
 
     LEAST_SLOPE where rounding would spoil it.
     """

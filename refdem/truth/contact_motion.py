@@ -60,7 +60,7 @@ class TracedContact:
         return self.places[mode == "apart"][0].run(y)
 
     def slopes(self, mode: str, y: Sequence[arb]) -> arb_mat:
-        """Their derivatives by the state."""
+        """The derivatives of the quantities by the state, as a square matrix."""
         return arb_mat(self.phases.size, self.phases.size, self.places[mode == "apart"][1].run(y))
 
 
@@ -166,7 +166,7 @@ class ContactMotion(HybridMotion):
         raise SwitchError("precision", "no turn of the overlap is proved", 0.0)
 
     def hardest(self) -> arb | None:
-        """The largest normal force (K a + C u), at the start or where it first falls;
+        """The largest normal force (K a + C u), at the start or where it first falls.
 
         None where it is not proved to fall from there on.
         """

@@ -90,7 +90,9 @@ class ContactPhases:
         return y[0] * self.k + y[1] * self.c
 
     def steepening(self, y: State) -> Any:
-        """Its rate, in any mode: friction does not act along the normal."""
+        """The rate of change of the normal force, in any mode: friction does not act along the
+        normal.
+        """
         return y[1] * self.k + self.falling(y) * self.c
 
     def falling(self, y: State) -> Any:
@@ -115,11 +117,11 @@ class ContactPhases:
         return -y[1] * carried / (1 + first * first * self.ease[0] + second * second * self.ease[1])
 
     def lag(self, y: State, side: int) -> Any:
-        """By how much the force of a spring that slips would grow faster than its limit."""
+        """The rate at which the force of a spring that slips would exceed its limit."""
         return self.slip(y) * (self.kt * side) - self.steepening(y) * self.friction
 
     def excess(self, y: Sequence[arb]) -> arb:
-        """By how much friction could be more than what keeps the slip at zero."""
+        """The margin of friction over what keeps the slip at zero."""
         return ball(self.force, y) * arb_of(self.friction) - abs(ball(self.holding, y))
 
     def field(
@@ -192,7 +194,7 @@ class ContactPhases:
         )
 
     def stopped(self, y: State, side: int) -> Entry:
-        """Without a spring, at zero slip: it holds, or the slip changes its sign."""
+        """The entry at zero slip without a spring: it holds, or the slip changes its sign."""
         if sign(self.excess(y), "the excess of friction where the slip ends") > 0:
             return Entry("hold")
         return Entry(SLIDES[-side], touching={"stick": 1})
@@ -253,8 +255,8 @@ class ContactPhases:
         return Entry(SLIDES[side], touching={"stick": 1, ends: 1} if rising else {"stick": 1})
 
     def stretched(self, y: State, side: int, rising: bool) -> Entry:
-        """With a spring, unstretched: it slides only if the limit rises from zero more slowly than
-        the spring's force.
+        """The entry with an unstretched spring: it slides only if the limit rises from zero more
+        slowly than the spring's force.
         """
         if (
             rising

@@ -175,7 +175,7 @@ class EnergyGrowth:
         return Instant(axes, known(rate), self.lead(t))
 
     def instants_of(self, count: int) -> list[Instant]:
-        """Those of the middles of the first cells."""
+        """The instants at the middles of the first cells."""
         while len(self.instants) < count:
             middle = (2 * len(self.instants) + 1) * self.half
             self.instants.append(self.instant(arb_of(middle)))

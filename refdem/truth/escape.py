@@ -35,7 +35,7 @@ class Repulsion:
     force: Fraction
 
     def infinite_within(self, z: arb, speed: arb) -> arb | None:
-        """A bound of the time [s] until z is infinite, for every start in the balls;
+        """A bound of the time [s] until z is infinite, for every start in the balls.
 
         None where the theorem does not tell.
         """

@@ -96,7 +96,7 @@ class Stretch:
     quickness: Callable[[arb], float] | None = None
 
     def is_over_at(self, t: arb) -> bool:
-        """Whether the time t lies after the stretch;
+        """Whether the time t lies after the stretch.
 
         UndecidedError where t lies within the uncertainty of its end.
         """
@@ -197,7 +197,7 @@ def spectral(block: Array) -> Array:
 
 @dataclass(frozen=True)
 class Cell:
-    """Times [low, high] since the begin of a stretch, at all of which |M(s) X - 1| <= delta;
+    """Times [low, high] since the begin of a stretch, at all of which |M(s) X - 1| <= delta.
 
     `slack` is delta/(1 - delta).
     """
@@ -470,7 +470,7 @@ class Growth:
         return self.wide
 
     def errors_at(self, time: arb, readings: arb_mat | None) -> Errors:
-        """Of all errors up to a time, as they are read there.
+        """The effect of all errors up to a time, as they are read there.
 
         The readings (q, n); a bound of what all others may be off, in norm; the answers and carried
         matrices (cells, q, n), their slack (cells,); and what the state at the start has become (q,
@@ -801,7 +801,7 @@ def most(values: Iterable[arb]) -> float:
 
 
 def doubles(matrix: arb_mat) -> tuple[Array, float]:
-    """The midpoints as doubles, and the largest that an entry may be off, rounded up;
+    """The midpoints as doubles, and the largest that an entry may be off, rounded up.
 
     UndecidedError if an entry is not finite.
     """
@@ -814,7 +814,7 @@ def doubles(matrix: arb_mat) -> tuple[Array, float]:
 
 
 def known(value: arb, size: float = 0.0) -> float:
-    """The double of a ball that is known to KNOWN of itself, or of `size`;
+    """The double of a ball that is known to KNOWN of itself, or of `size`.
 
     UnsharpError if it is not.
     """
@@ -841,7 +841,7 @@ def beside(matrices: Sequence[arb_mat]) -> arb_mat:
 
 
 def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
-    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each;
+    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each.
 
     UnsharpError if not finite.
     """

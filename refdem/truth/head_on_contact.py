@@ -41,7 +41,7 @@ class HeadOnContact:
         return size * swing, size * (wave - self.decay * swing)
 
     def end(self) -> arb | None:
-        """When the force ends [s];
+        """When the force ends [s].
 
         None if the overlap never does (zero_overlap, not under-damped).
         """

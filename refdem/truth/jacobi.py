@@ -11,7 +11,7 @@ from refdem.truth.balls import UndecidedError, nearest_integer
 
 
 class Jacobi:
-    """The functions of parameter m = k^2 in (0, 1);
+    """The functions of parameter m = k^2 in (0, 1).
 
     UndecidedError if the balls do not lie inside.
     """

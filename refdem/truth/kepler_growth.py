@@ -55,7 +55,7 @@ class CentralGrowth:
         period: arb,
         ratio: float,
     ) -> None:
-        """With M in scales, |dG| [1/s^2] on a ball of times, and the scales' `ratio` [s]."""
+        """Takes M in scales, |dG| [1/s^2] on a ball of times, and the scales' `ratio` [s]."""
         self.fundamental = fundamental
         self.gradient = gradient
         self.period = period
@@ -100,8 +100,8 @@ class CentralGrowth:
     def answers(
         self, matrix: arb_mat, middle: Fraction, half: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """Of each quantity to errors of one scale in all coordinates: those of `middle`, and those
-        at most `half` from it.
+        """The answers of each quantity to errors of one scale in all coordinates: those of
+        `middle`, and those at most `half` from it.
         """
         moment = self.moment(middle, half)
         seen = []
@@ -114,7 +114,7 @@ class CentralGrowth:
         return seen, bounds
 
     def change(self, moment: Moment, place: arb, speed: arb) -> arb:
-        """By how much the sum of both may be larger in the cell."""
+        """The amount by which the sum of both may be larger in the cell."""
         angle = moment.rate * moment.half
         if not angle < FARTHEST:
             return arb(inf)

@@ -92,7 +92,7 @@ def log_stretch(derivative: arb_mat, radius: Fraction) -> arb:
 
 
 def _trace(matrix: arb_mat) -> arb:
-    """Its trace; UndecidedError unless it is positive."""
+    """The trace of a matrix; UndecidedError unless it is positive."""
     total = sum((matrix[i, i] for i in range(matrix.nrows())), arb(0))
     if not total > 0:
         raise UndecidedError("the derivative of the flow is not known, or zero")
@@ -134,7 +134,7 @@ def _sharper(truth: ValidatedFlow) -> ValidatedFlow:
 
 
 def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
-    """From event to event, with the jump matrix at each."""
+    """The Jacobian from event to event, with the jump matrix at each."""
     key = ("sharper", ctx.prec)
     if key not in truth.kept:
         start = [value() if callable(value) else arb_of(value) for value in truth.begin]

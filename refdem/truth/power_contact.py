@@ -70,14 +70,14 @@ class PowerContact:
         raise UndecidedError(f"whether the spheres still touch at {t}")
 
     def near_touch(self, t: arb, sense: int) -> tuple[arb, arb]:
-        """By y; `sense` is -1 on the way out."""
+        """The state near touch, by y; `sense` is -1 on the way out."""
         if t == 0:
             return arb(0), sense * self.speed
         y = root(self.since_touch, lambda y: (1 - y**self.power).rsqrt(), t / self.unit, arb(1))
         return self.depth * y, sense * self.speed * (1 - y**self.power).sqrt()
 
     def near_turn(self, left: arb) -> tuple[arb, arb]:
-        """By s, of either sign; `left` is the time to the turn."""
+        """The state near the turn, by s of either sign; `left` is the time to the turn."""
         s = root(
             self.before_turn,
             lambda s: 2 * self.a * (1 - s * s) ** (self.a - 1),
@@ -107,7 +107,7 @@ def touching(
 
 
 def root(value: Callable[[arb], arb], slope: Callable[[arb], arb], goal: arb, least: arb) -> arb:
-    """The x with value(x) = goal;
+    """The x with value(x) = goal.
 
     `slope` >= `least` everywhere. Newton on midpoints, from a slope of 1; then the bound.
     """

@@ -175,7 +175,7 @@ class Root(Real):
         return super().__mul__(other)
 
     def inverse(self) -> "Root":
-        """1/sqrt(square) = sqrt(1/square)."""
+        """The reciprocal root 1/sqrt(square) = sqrt(1/square)."""
         return Root(1 / self.square, self.side)
 
     def __truediv__(self, other: Any) -> Any:
@@ -204,14 +204,14 @@ class Root(Real):
 
 
 def is_number(value: object) -> bool:
-    """It is exact: a whole number, a Fraction or a Real; a truth value is none, nor is anything
-    rounded.
+    """True if the value is exact: a whole number, a Fraction or a Real; a truth value is none, nor
+    is anything rounded.
     """
     return isinstance(value, int | Fraction | Real) and not isinstance(value, bool)
 
 
 def is_zero(value: object) -> bool:
-    """It is the rational 0, for certain and without a proof."""
+    """True if the value is the rational 0, for certain and without a proof."""
     return not isinstance(value, Real) and value == 0
 
 

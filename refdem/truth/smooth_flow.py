@@ -38,7 +38,7 @@ class SmoothFlow(ClosedForm):
         ) / arb_of(2 * DISPLACEMENT)
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
-        """Differences at t, each in its scale, of the two motions displaced along one coordinate;
+        """Differences at t, each in its scale, of the two motions displaced along one coordinate.
 
         `state` first.
         """

@@ -118,13 +118,13 @@ class SpatialPhases(ContactPhases):
         return [v - n * closing + w for v, n, w in zip(y[3:6], normal, carried, strict=True)]
 
     def lag(self, y: State, side: int = 1) -> Any:
-        """By how much the force of a spring that slips would grow faster than its limit."""
+        """The rate at which the force of a spring that slips would exceed its limit."""
         return dot(self.slip(y), y[12:15]) * (self.kt * side) - self.steepening(y) * self.friction
 
     def field(
         self, friction: Callable[[State], Any] | None, *, stretches: bool = False
     ) -> Callable[[State], list[Any]]:
-        """The rates under a friction (a vector);
+        """The rates under a friction (a vector).
 
         `stretches`: the spring follows the slip, else its direction does.
         """

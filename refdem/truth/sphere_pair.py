@@ -16,7 +16,7 @@ from refdem.truth.reals import Number, near
 
 @dataclass(frozen=True, kw_only=True)
 class SpherePair:
-    """Numbers in SI units;
+    """Parameters of two spheres in contact, in SI units.
 
     `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
     """

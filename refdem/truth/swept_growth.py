@@ -37,7 +37,9 @@ class Span:
         return (self.low + self.high) / 2
 
     def growth(self) -> tuple[float, float]:
-        """That of an error at the middle, at least, and that of any error of the span, at most."""
+        """The growth of an error at the middle, at least, and that of any error of the span, at
+        most.
+        """
         seen, bounds = self.answers(self.middle, (self.high - self.low) / 2)
         least = max(float(answer.lower()) for answer in seen)
         return least, most(bounds) * UPWARDS

@@ -61,7 +61,7 @@ class Node:
         return self.trace.operations[self.index]
 
     def exact(self) -> Number | None:
-        """Its value if it is a constant."""
+        """The value of the node if it is a constant."""
         kind, *parts = self.operation
         if kind != "constant":
             return None
@@ -175,7 +175,7 @@ SLOPES: dict[str, Callable[..., Node]] = {
 
 
 class Program:
-    """The operations up to those of some nodes, in order;
+    """The operations up to those of some nodes, in order.
 
     `run` evaluates them on any numbers that know the operations.
     """

@@ -25,7 +25,7 @@ Vector = Sequence[Any]
 
 @dataclass(frozen=True)
 class Slope:
-    """Exact numbers in SI units;
+    """Exact parameters of the body and the plane, in SI units.
 
     `slope` is the angle [rad], `squares` are those of the sides of the box.
     """

@@ -192,7 +192,7 @@ class ValidatedFlow(SmoothFlow):
         )
 
     def growth_bits(self) -> Sequence[int]:
-        """Those of the first integration: its pieces are there already."""
+        """The precisions of the first integration, whose pieces are there already."""
         first = self.first_bits()
         return [first << n for n in range(4)]
 

@@ -9,7 +9,7 @@ from refdem.bench.crowds._crowd import Crowd
 
 
 def crowds() -> list[Crowd]:
-    """Those that are installed here, the reference first."""
+    """The crowds whose packages are installed here, the reference first."""
     names = sorted(
         path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_")
     )

@@ -19,8 +19,8 @@ TURN: dict[tuple[float, ...], str] = {
 
 
 class Mujoco(Crowd):
-    """Its own soft contacts; conjugate gradients and a sparse Jacobian, the cheapest settings for
-    so many bodies.
+    """A gas in MuJoCo's own soft contacts, with the cheapest settings for so many bodies: conjugate
+    gradients and a sparse Jacobian.
     """
 
     name = "MuJoCo"

@@ -11,8 +11,8 @@ from refdem.bench.crowds._crowd import Crowd, Gas
 
 
 class Pymunk(Crowd):
-    """Its tree of bounding boxes, which is 3 to 6 times as fast here as its spatial hash, and a
-    single pass of the solver.
+    """A gas in pymunk, with its tree of bounding boxes, which is 3 to 6 times as fast here as its
+    spatial hash, and a single pass of the solver.
     """
 
     name = "pymunk"

@@ -8,7 +8,7 @@ from refdem.core.problem import Motion, Request
 
 
 class Reference(Crowd):
-    """As every run of it is, with two samples."""
+    """The gas of the reference, run like any other motion, with two samples."""
 
     name = "reference gas"
     is_reference = True

@@ -40,7 +40,7 @@ class Belt:
 
     @property
     def limit(self) -> float:
-        """The largest pull that is held [N]."""
+        """The largest force [N] that static friction can balance."""
         return self.slider.normal_force * self.slider.mu0
 
     def friction(self, w: Any) -> Any:
@@ -52,7 +52,7 @@ class Belt:
         return s.normal_force * mu
 
     def pull(self, t: float, frequency: float, x: float) -> float:
-        """What spring and drive pull with [N]."""
+        """The force [N] of the spring and the drive at time t."""
         return self.amplitude * math.cos(frequency * t) - x
 
     def walked(

@@ -35,7 +35,7 @@ class Equations:
 
 
 def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
-    """The equations of the scene, a rod's in its angle or `cartesian`;
+    """The equations of the scene, a rod's in its angle or `cartesian`.
 
     None if it is not one of the simple ones.
     """
@@ -69,17 +69,23 @@ def _free_body(scene: Scene) -> Equations:
 
     def rates(y: Sequence[Any], sine: Sine) -> list[Any]:
         p, q, r, w, x, u, z = y
-        turn = [
-            -x * p - u * q - z * r,
-            w * p + u * r - z * q,
-            w * q + z * p - x * r,
-            w * r + x * q - u * p,
-        ]
+        # Euler's equations: J1 p' = (J2 - J3) q r, and cyclically.
+        p_rate = (j2 - j3) / j1 * (q * r)
+        q_rate = (j3 - j1) / j2 * (r * p)
+        r_rate = (j1 - j2) / j3 * (p * q)
+        # The quaternion product (w, x, u, z) (0, p, q, r), twice the rate of the attitude.
+        turn_w = -x * p - u * q - z * r
+        turn_x = w * p + u * r - z * q
+        turn_u = w * q + z * p - x * r
+        turn_z = w * r + x * q - u * p
         return [
-            (j2 - j3) / j1 * (q * r),
-            (j3 - j1) / j2 * (r * p),
-            (j1 - j2) / j3 * (p * q),
-            *(0.5 * part for part in turn),
+            p_rate,
+            q_rate,
+            r_rate,
+            0.5 * turn_w,
+            0.5 * turn_x,
+            0.5 * turn_u,
+            0.5 * turn_z,
         ]
 
     def trajectory(t: Array, y: Array) -> Trajectory:

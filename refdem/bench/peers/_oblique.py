@@ -36,7 +36,7 @@ class Oblique:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What the equations depend on."""
+        """The numbers on which the equations depend."""
         bodies = self.scene.bodies
         return (
             self.law,
@@ -53,7 +53,7 @@ class Oblique:
         return 0.0
 
     def start(self) -> tuple[list[float], int, float]:
-        """State, mode and side of the slip."""
+        """The initial state, the mode of the contact and the side of the slip."""
         bodies = self.scene.bodies
         relative = bodies.velocity[1] - bodies.velocity[0]
         p, r = bodies.omega[:, 2]

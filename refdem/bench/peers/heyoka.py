@@ -80,8 +80,8 @@ class Heyoka(Peer):
         return system.trajectory(problem.times, np.ascontiguousarray(found[-1])), cost
 
     def _with_events(self, request: Request) -> tuple[Trajectory, Cost]:
-        """From turning point to turning point, until at one of them the spring is no stronger than
-        friction.
+        """Integrates from turning point to turning point, until at one of them the spring is no
+        stronger than friction.
         """
         begun = perf_counter()
         t = request.problem.times
@@ -112,7 +112,7 @@ class Heyoka(Peer):
         return Trajectory.of_points(t, position, velocity), cost
 
     def _oblique(self, request: Request) -> tuple[Trajectory, Cost]:
-        """From event to event, an integrator for each mode of the contact."""
+        """Integrates from event to event, with an integrator for each mode of the contact."""
         begun = perf_counter()
         t = request.problem.times
         pair = oblique(request.problem.scene)

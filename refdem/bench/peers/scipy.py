@@ -1,5 +1,4 @@
 """SciPy's DOP853 and LSODA (Hairer, Norsett and Wanner 1993;
-
 Petzold 1983), the right-hand side in Python.
 """
 

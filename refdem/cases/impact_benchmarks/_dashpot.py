@@ -10,7 +10,7 @@ from refdem.errors import UsageError
 
 
 def dashpot_of(v: Any, mass: Any) -> Any:
-    """The dashpot [kg/s] of `v.restitution` for an effective mass [kg];
+    """The dashpot [kg/s] of `v.restitution` for an effective mass [kg].
 
     UsageError where no damping below the critical one makes it.
     """

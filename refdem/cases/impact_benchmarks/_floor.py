@@ -22,8 +22,8 @@ class OnFloor(Member):
     """What the members have in common: one law, gravity."""
 
     def values(self, p: Parameters) -> Any:
-        """With the dashpot that makes the restitution of the sphere on the floor, without
-        gravity.
+        """The parameters with the dashpot that makes the restitution of the sphere on the floor,
+        without gravity.
         """
         v = super().values(p)
         v.effective = v.mass

@@ -22,7 +22,7 @@ class HertzWall(Wall):
     """Hertz's law, and friction of full size whenever there is slip."""
 
     def values(self, p: Any) -> Any:
-        """With the stiffness of the material."""
+        """The parameters with the contact stiffness of the material."""
         from refdem.truth.contact_law import hertz_wall_stiffness
 
         v = super().values(p)

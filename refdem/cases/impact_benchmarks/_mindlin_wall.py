@@ -21,7 +21,7 @@ class MindlinWall(HertzWall):
     """8 G* sqrt(R d) s across, against 4/3 E* sqrt(R d) d along."""
 
     def values(self, p: Any) -> Any:
-        """With both stiffnesses of the material."""
+        """The parameters with the normal and the tangential stiffness of the material."""
         from refdem.truth.contact_law import hertz_modulus, mindlin_modulus, mindlin_wall_stiffness
 
         v = super().values(p)
@@ -60,7 +60,7 @@ class MindlinWall(HertzWall):
         )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Closed form between proven switches."""
+        """The certified motion, in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import MindlinWallImpact
 
         numbers = {

@@ -20,7 +20,7 @@ class HertzPair(Member):
     """Two equal ones, head-on, centre of mass at rest; overlap and its rate."""
 
     def values(self, p: Parameters) -> Any:
-        """With the effective mass and Hertz's stiffness."""
+        """The parameters with the effective mass and Hertz's stiffness."""
         from refdem.truth.contact_law import hertz_pair_stiffness
 
         v = super().values(p)
@@ -66,7 +66,7 @@ class HertzPair(Member):
 
 
 def touching(v: Any) -> list[Body]:
-    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin;
+    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin.
 
     `masses`, `radii`, `spins` of both, closing `speed`.
     """

@@ -43,8 +43,8 @@ class Path(Member):
     frame: Any = PLAIN
 
     def written(self, p: Parameters) -> dict[str, Any]:
-        """With the path: it passes at `off`, the radii less the greatest overlap, and begins at
-        -`begin`, where they are apart.
+        """The parameters with the path: it passes at `off`, the radii less the greatest overlap,
+        and begins at -`begin`, where they are apart.
 
         They touch at half a chord from the middle, sqrt(d (2 (R1 + R2) - d)) for the greatest
         overlap d; it begins 5/4 as far away.
@@ -66,7 +66,7 @@ class Path(Member):
         }
 
     def values(self, p: Parameters) -> Any:
-        """With `half` the length of the chord [m], rounded, for the scales."""
+        """The parameters with `half` the length of the chord [m], rounded, for the scales."""
         v = super().values(p)
         v.damping = Fraction(0)
         v.cutoff = "zero_overlap"
@@ -118,7 +118,7 @@ class Path(Member):
         return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """What body 1 has got, and the path."""
+        """The motion of body 1, and its place on the path."""
         mass = float(HEAVY)
         moment = 0.4 * float(HEAVY) * float(v.radius) ** 2
         columns = [
@@ -131,7 +131,7 @@ class Path(Member):
         return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """In closed form between proven switches."""
+        """The truth in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
 
         names = ("stiffness", "tangential_stiffness", "friction")

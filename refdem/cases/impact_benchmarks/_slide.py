@@ -21,7 +21,7 @@ class Slide(OnFloor):
     """
 
     def values(self, p: Parameters) -> Any:
-        """With friction, for without it the sphere slides for ever."""
+        """The parameters; UsageError without friction, where the sphere slides for ever."""
         v = super().values(p)
         if not v.friction:
             raise UsageError(

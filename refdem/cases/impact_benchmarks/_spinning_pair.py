@@ -25,8 +25,8 @@ class SpinningPair(Member):
     bodies: ClassVar[int] = 2
 
     def values(self, p: Parameters) -> Any:
-        """With masses, radii and spins of both, the effective mass, and the dashpot that makes the
-        restitution.
+        """The parameters with masses, radii and spins of both spheres, the effective mass, and the
+        dashpot that makes the restitution.
         """
         from refdem.truth.contact_law import sphere_mass
 

@@ -19,7 +19,7 @@ from refdem.scene import Body, Scene, Sphere
 
 
 class Squeeze(Member):
-    """`partner_radius` and `partner_spin` are the large ones';
+    """`partner_radius` and `partner_spin` are the large ones'.
 
     `speed` and `angle` those of each against the small one.
     """
@@ -27,8 +27,8 @@ class Squeeze(Member):
     bodies: ClassVar[int] = 3
 
     def values(self, p: Parameters) -> Any:
-        """With the large spheres' mass, and the dashpot that makes the restitution of each against
-        the small one, which stays.
+        """The parameters with the mass of the large spheres, and the dashpot that makes the
+        restitution of each against the small one, which stays.
         """
         from refdem.truth.contact_law import sphere_mass
         from refdem.truth.reals import cosine, sine

@@ -17,7 +17,9 @@ from refdem.scene.elements.plane import Plane
 
 
 class Stack(OnFloor):
-    """At rest at a quarter and three quarters of the height; all three contacts press and stay."""
+    """Both spheres start at rest at a quarter and three quarters of the height; all three contacts
+    press and stay.
+    """
 
     bodies: ClassVar[int] = 2
 

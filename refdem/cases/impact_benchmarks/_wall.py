@@ -22,8 +22,8 @@ class Wall(Member):
     """
 
     def values(self, p: Any) -> Any:
-        """With `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness, Hertz's
-        `hertz`.
+        """The parameters with `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness,
+        Hertz's `hertz`.
         """
         from refdem.truth.reals import cosine, sine
 

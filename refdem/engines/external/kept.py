@@ -15,7 +15,7 @@ MOST_FILES = 32
 
 
 def kept(folder: Path, name: str) -> Path | None:
-    """Copies the files of a failed run beside the store and drops older ones;
+    """Copies the files of a failed run beside the store and drops older ones.
 
     None if nothing can be written there.
     """

@@ -38,8 +38,8 @@ _BUSY: set["Supervised"] = set()
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Of a run: time [s], bytes of each file that it writes, bytes of memory of each of its
-    processes.
+    """The limits of a run: time [s], bytes of each file that it writes, bytes of memory of each of
+    its processes.
     """
 
     timeout: float

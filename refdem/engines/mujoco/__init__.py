@@ -1,4 +1,4 @@
-"""MuJoCo 4 (Google DeepMind, Apache-2.0): what the adapter claims, refuses and runs;
+"""MuJoCo 4 (Google DeepMind, Apache-2.0): what the adapter claims, refuses and runs.
 
 MuJoCo itself is imported when it runs.
 """

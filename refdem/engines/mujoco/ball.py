@@ -31,7 +31,7 @@ class BallFreedom(Freedom):
 
     @property
     def arm(self) -> Array:
-        """From the joint to the centre of mass, in body axes."""
+        """The vector (3,) [m] from the joint to the centre of mass, in body axes."""
         return -np.array(self.joint.anchor_a)
 
     def say(self, mujoco: Any, world: Any) -> Any:
@@ -56,7 +56,7 @@ class BallFreedom(Freedom):
 
 
 def of_ball_joints(scene: Scene) -> str | None:
-    """None if every ball joint can be said."""
+    """None if every ball joint is supported, else the reason why not."""
     joints = scene.all(BallJoint)
     if not joints:
         return None

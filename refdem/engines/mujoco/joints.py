@@ -34,7 +34,9 @@ class Freedom(ABC):
 
     @property
     def lineage(self) -> "tuple[Freedom, ...]":
-        """Whose coordinates tell the body's state: its own, after those of what it hangs from."""
+        """The freedoms whose coordinates give the body's state: its own, after those of what it
+        hangs from.
+        """
         return (self,)
 
     @abstractmethod

@@ -96,7 +96,7 @@ def of_rods(scene: Scene) -> str | None:
 
 
 def _reaches_the_world(above: dict[int, int], body: int) -> bool:
-    """From body to body upwards, the rods end at the world."""
+    """True if the rods, followed upwards from body to body, end at the world."""
     for _ in above:
         if body not in above:
             return False

@@ -59,7 +59,7 @@ def _said(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:
 
 
 def _turns(scene: Scene, number: int) -> bool:
-    """The body needs a free joint."""
+    """True if the body needs a free joint."""
     return "rotation" in scene.features and bool(scene.bodies.inertia[number].any())
 
 

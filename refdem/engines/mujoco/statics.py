@@ -66,7 +66,7 @@ def meshed(piece: Piece) -> dict[str, float] | None:
 def _of_geom(
     piece: Piece, *, mesh: dict[str, Any] | None = None, **geom: Any
 ) -> dict[str, float] | None:
-    """Mass, place and tensor of the compiled body;
+    """Mass, place and tensor of the compiled body.
 
     None for what a geom cannot be: hollow, or asked about another point.
     """

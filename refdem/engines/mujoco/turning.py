@@ -120,7 +120,7 @@ class Hinge(Freedom):
         return np.array([angle - before[0]]), np.array([rate - before[1]])
 
     def read(self, q: Array, v: Array) -> Columns:
-        """From the coordinates of the lineage, (T, its length) each."""
+        """The state of the body from the coordinates of the lineage, (T, its length) each."""
         angle = np.cumsum(q, axis=1)
         rate = np.cumsum(v, axis=1)
         length = np.array([hinge.rod.length for hinge in self.lineage])

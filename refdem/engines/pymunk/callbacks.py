@@ -45,7 +45,7 @@ def drive(
 def _push(
     space: pymunk.Space, body: pymunk.Body, forces: list[Force], start: float, step: float
 ) -> None:
-    """These forces [N] on one body; Chipmunk has counted the step that it is in."""
+    """Applies these forces [N] to one body; Chipmunk has counted the step that it is in."""
 
     def updated(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:
         t = start + step * engine.cpSpaceGetTimestamp(space._space)

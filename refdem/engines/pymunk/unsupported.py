@@ -61,7 +61,7 @@ def _element_reason(scene: Scene) -> str | None:
 
 
 def fading(scene: Scene) -> float | None:
-    """The rate [1/s] at which the dashpots take velocity from every body alike;
+    """The rate [1/s] at which the dashpots take velocity from every body alike.
 
     None if they do not.
     """

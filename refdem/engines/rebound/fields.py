@@ -40,18 +40,21 @@ def fields_of(scene: Scene) -> Fields:
     dashpots = scene.all(Dashpot)
     drives = scene.all(Force)
     rotors = turning(scene)
+    # The total acceleration of all uniform fields; zero without one.
+    fields = [field.g for field in gravity] or [(0.0, 0.0, 0.0)]
+    spring_rows = [
+        (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs
+    ]
+    dashpot_rows = [(d.damping, d.van_der_pol, *d.anchor_b) for d in dashpots]
+    drive_rows = [(f.amplitude, f.frequency, f.phase, *f.axis) for f in drives]
+    rod_anchors = [rod.anchor_b for rod in rods]
     doubles = {
         "mass": scene.bodies.mass,
-        "gravity": np.sum([g.g for g in gravity] or [(0.0, 0.0, 0.0)], axis=0),
-        "spring": np.array(
-            [
-                (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic)
-                for s in springs
-            ]
-        ),
-        "dashpot": np.array([(d.damping, d.van_der_pol, *d.anchor_b) for d in dashpots]),
-        "drive": np.array([(f.amplitude, f.frequency, f.phase, *f.axis) for f in drives]),
-        "rod_anchor": np.array([rod.anchor_b for rod in rods]),
+        "gravity": np.sum(fields, axis=0),
+        "spring": np.array(spring_rows),
+        "dashpot": np.array(dashpot_rows),
+        "drive": np.array(drive_rows),
+        "rod_anchor": np.array(rod_anchors),
         "tension": np.zeros(len(rods)),
         "inertia": scene.bodies.inertia[rotors],
     }

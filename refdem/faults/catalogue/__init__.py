@@ -11,7 +11,7 @@ from refdem.faults.fault import Fault
 
 @cache
 def faults() -> tuple[Fault, ...]:
-    """All of them, class by class."""
+    """All faults of the catalogue, class by class."""
     found: list[Fault] = []
     for path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
         found += import_module(f"{__name__}.{path.stem}").FAULTS

@@ -19,7 +19,7 @@ def _of_field(force: Any) -> Inside:
 
 
 def _one_slope(field: Any, s: Any) -> Any:
-    """Both flanks with the slope of the first."""
+    """The field with the slope of the first flank on both."""
     return max(field.k1 * (min(s, -s) - field.x1), 0.0)
 
 

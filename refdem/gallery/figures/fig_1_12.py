@@ -25,8 +25,8 @@ SIZE = (380, 320)
 
 
 def figure() -> Figure:
-    """In flight, then on the slope: the way, and the angular velocity about the first and second
-    axis.
+    """The way of the body in flight and then on the slope, and the angular velocity about the first
+    and second axis.
     """
     flight = seen("neglected-gyroscopic", samples=600)
     fall = seen("neglected-gyroscopic", **TUMBLING)

@@ -48,11 +48,11 @@ def motion(run: Seen, force: str, ink: int) -> Panel:
     """The place over the time, its beginning in grey."""
     begin = slice(0, SETTLED + 1)
     rest = slice(SETTLED, SHOWN)
+    x = run["x"]
+    settling = Series(x=run.t[begin], y=x[begin], ink=-1)
+    settled = Series(x=run.t[rest], y=x[rest], ink=ink)
     return Panel(
-        series=(
-            Series(x=run.t[begin], y=run["x"][begin], ink=-1),
-            Series(x=run.t[rest], y=run["x"][rest], ink=ink),
-        ),
+        series=(settling, settled),
         x=Axis(title="t [s]", ends=(0, SHOWN / 10)),
         y=Axis(title="x [m]", ends=(-2.6, 2.6)),
         title=f"p = {force}",

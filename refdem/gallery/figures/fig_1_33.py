@@ -17,7 +17,7 @@ PICKED = (0, 130, 300)
 
 
 def figure() -> Figure:
-    """Both tables: the points at four moments, and three of their paths."""
+    """The two tables, with the points at four moments and three of their paths."""
     head = instance("phase-flow", points=1024, centre=("-1", "-1/2"), size="1/4").problem
     points = np.stack((head.position[:, 0, 0], head.velocity[:, 0, 0]), axis=1)
     panels = []

@@ -20,11 +20,11 @@ class Catch(Link, frozen=True, kw_only=True, tag="catch"):
         return self.b < 0
 
     def features(self) -> frozenset[str]:
-        """A constraint that begins at an event."""
+        """The feature `catch`: a constraint that begins at an event."""
         return frozenset({"catch", "constraint"})
 
     def faults(self) -> list[str]:
-        """A reach that catches nothing."""
+        """Faults of the fields: a reach within which nothing is caught."""
         if self.radius > 0:
             return []
         return [f"radius is {self.radius}, expected > 0"]

@@ -18,7 +18,7 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
     gm: GravityParameter
 
     def faults(self) -> list[str]:
-        """A field that repels is not Newton's."""
+        """Faults of the fields: a field that repels is not Newton's."""
         if self.gm > 0:
             return []
         return [f"gm is {self.gm}, expected > 0"]

@@ -58,7 +58,9 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return 1.0
 
     def dimension(self, field: str) -> Dimension | None:
-        """Those of Hertz's stiffnesses [N/m^(3/2)] follow from the exponent."""
+        """The dimension of a field; those of Hertz's stiffnesses [N/m^(3/2)] follow from the
+        exponent.
+        """
         stiff = field in ("stiffness", "tangential_stiffness")
         if stiff:
             return Dimension(1, 1 - self.exponent, -2)

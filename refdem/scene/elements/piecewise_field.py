@@ -46,13 +46,13 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
         return found
 
     def force(self, s: Array) -> Array:
-        """F [N] at s [m], of any shape."""
+        """The force F [N] of any shape at positions s [m]."""
         rising = self.k1 * np.maximum(s - self.x1, 0.0)
         falling = self.k2 * np.minimum(s - self.x2, 0.0)
         return np.where(s <= 0, rising, falling)
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`-integral F` of every body (T,) [J]."""
+        """The potential energy `-integral F` of every body (T,) [J]."""
         s = (position - np.asarray(self.point)) @ np.asarray(self.axis)
         low = np.clip(s, self.x1, 0.0) - self.x1
         high = np.clip(s, 0.0, self.x2) - self.x2

@@ -15,7 +15,7 @@ class Plane(Element, frozen=True, kw_only=True, tag="plane"):
     normal: Direction = (0.0, 0.0, 1.0)
 
     def faults(self) -> list[str]:
-        """A normal that is not a unit vector."""
+        """Faults of the fields: a normal that is not a unit vector."""
         size = sum(x * x for x in self.normal)
         if abs(size - 1) < 1e-12:
             return []

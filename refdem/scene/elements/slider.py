@@ -41,7 +41,7 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     @property
     def drives(self) -> bool:  # type: ignore[override]
-        """A belt that moves does work."""
+        """True if the belt moves and so does work."""
         return self.belt_velocity != 0
 
     @property
@@ -50,7 +50,7 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         return self.law == "coulomb" and self.belt_velocity == 0
 
     def dimension(self, field: str) -> Dimension | None:
-        """That of `lambda1` follows from the law."""
+        """The dimension of a field; that of `lambda1` follows from the law."""
         if field == "lambda1" and self.law == "stribeck_linear":
             return Dimension(0, -1, 1)
         return super().dimension(field)

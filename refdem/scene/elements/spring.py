@@ -30,7 +30,7 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         return self.b < 0
 
     def dimension(self, field: str) -> Dimension | None:
-        """That of `stiffness` [N/m**exponent] follows from the exponent."""
+        """The dimension of a field; `stiffness` [N/m**exponent] depends on the exponent."""
         if field == "stiffness":
             return Dimension(1, 1 - self.exponent, -2)
         return super().dimension(field)

@@ -7,10 +7,10 @@ from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
 
 BATTERY = Battery(
     id="contacts",
-    title="Simultaneous contacts, overlap at the start",
+    title="Simultaneous contacts and initial overlap",
     question=(
-        "How many contacts may begin at the same instant, and how small or deep an overlap may a"
-        " motion start with?"
+        "How many contacts may begin at the same instant, and with how small or"
+        " deep an overlap may a motion start?"
     ),
     ladders=(
         Ladder(
@@ -20,7 +20,7 @@ BATTERY = Battery(
             rungs=("2", "3", "4", "5", "6", "8", "12", "24"),
             measure=Parameters(lambda x: {"hits": f"{x}"}),
             promised="4",
-            basis="contacts that begin within round-off are one event",
+            basis="contacts that begin within round-off of each other are one event",
         ),
         Ladder(
             name="shallower overlap",
@@ -29,7 +29,7 @@ BATTERY = Battery(
             rungs=("1/2", "1e-1", "1e-2", "1e-4", "1e-6", "1e-9", "1e-12", "1e-15"),
             measure=Parameters(lambda x: {"overlap": f"{x}"}),
             promised="1e-12",
-            basis="an overlap at the start is a contact from the start",
+            basis="an initial overlap is a contact from the start",
         ),
         Ladder(
             name="deeper overlap",
@@ -38,7 +38,7 @@ BATTERY = Battery(
             rungs=("1/64", "1/16", "1/4", "1/2", "3/4", "7/8"),
             measure=Parameters(lambda x: {"overlap": f"{x}"}),
             promised="1/2",
-            basis="the force is linear up to the centres",
+            basis="the contact force is linear up to the centres",
         ),
     ),
 )

@@ -11,8 +11,8 @@ BATTERY = Battery(
     id="denormals",
     title="Denormal numbers",
     question=(
-        "How small may a scene be? Squares of lengths underflow first, then the lengths themselves"
-        " lose digits."
+        "How small may a scene be? Squares of lengths underflow first, then the"
+        " lengths themselves lose digits."
     ),
     ladders=tuple(
         Ladder(

@@ -29,7 +29,7 @@ def dyadic(x: float) -> float:
 
 
 def turned(instance: Instance, x: float) -> Symmetry:
-    """By an angle of x rad, about z in a plane."""
+    """A rotation by an angle of x rad, about z in a plane."""
     if "dimension:3" in instance.scene.features:
         axis = np.array([2.0, 1.0, 2.0]) / 3
     else:
@@ -53,7 +53,7 @@ FRAMES: tuple[
         "shifted",
         FAR,
         "1e8",
-        "positions are rounded to u times their size",
+        "positions are rounded in proportion to their size, by u",
         lambda instance, x: Symmetry(shift=dyadic(x) * instance.scales.length * along(instance)),
     ),
     (
@@ -62,7 +62,7 @@ FRAMES: tuple[
         "boosted",
         FAR,
         "1e8",
-        "positions and velocities are rounded to u times their size",
+        "positions and velocities are rounded in proportion to their size, by u",
         lambda instance, x: Symmetry(boost=dyadic(x) * instance.scales.speed * along(instance)),
     ),
     (
@@ -71,7 +71,7 @@ FRAMES: tuple[
         "rotated",
         ANGLES,
         "3",
-        "a turned vector is rounded in every component",
+        "a rotated vector is rounded in every component",
         turned,
     ),
     (
@@ -89,7 +89,7 @@ FRAMES: tuple[
         "rescaled",
         UNITS,
         "1e12",
-        "units that are powers of two round nothing",
+        "changing to units that are powers of two causes no rounding",
         units(0, 1, 0),
     ),
     (
@@ -98,7 +98,7 @@ FRAMES: tuple[
         "rescaled",
         UNITS,
         "1e12",
-        "units that are powers of two round nothing",
+        "changing to units that are powers of two causes no rounding",
         units(0, -1, 0),
     ),
     (
@@ -107,7 +107,7 @@ FRAMES: tuple[
         "rescaled",
         UNITS,
         "1e12",
-        "units that are powers of two round nothing",
+        "changing to units that are powers of two causes no rounding",
         units(0, 0, 1),
     ),
     (
@@ -116,7 +116,7 @@ FRAMES: tuple[
         "rescaled",
         UNITS,
         "1e12",
-        "units that are powers of two round nothing",
+        "changing to units that are powers of two causes no rounding",
         units(1, 0, 0),
     ),
 )
@@ -158,10 +158,10 @@ def _ladders() -> Iterator[Ladder]:
 
 BATTERY = Battery(
     id="frame",
-    title="Far away, boosted, turned, later, in other units",
+    title="Scenes shifted, boosted, rotated, delayed and in other units",
     question=(
-        "Mechanics is the same there, and may differ by round-off of numbers of that size alone: is"
-        " it, and how far?"
+        "The laws of mechanics are the same there, so only round-off of larger"
+        " numbers may differ. How far does that hold?"
     ),
     ladders=tuple(_ladders()),
 )

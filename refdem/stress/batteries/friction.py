@@ -6,24 +6,22 @@ from refdem.stress.measures.parameters import Parameters
 LESS = ("1", "1e-1", "1e-3", "1e-6", "1e-12", "0")
 MORE = ("1", "1e1", "1e3", "1e6", "1e12")
 SLOWER = ("1", "1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0")
-STOPS = "each half cycle is in closed form, and where there is no friction none is taken off"
-HOLDS = "what friction can hold does not move at all, however large it is"
+STOPS = "each half cycle has a closed form, and without friction none is subtracted"
+HOLDS = "a body that static friction can hold does not move at all, however large the friction is"
 GRIPS = (
-    "spheres stick until the force has all but gone, and the slip that is left is 1/mu as long; its"
-    " ends are events"
+    "spheres stick until the force has almost vanished, then slip for a time"
+    " of 1/mu; both ends are events"
 )
 BEYOND = (
-    "a given step goes on beyond the end of the force, where friction is mu times as large and"
-    " wrongly directed"
+    "a fixed step continues past the end of the force, where friction is mu"
+    " times as large and points the wrong way"
 )
-RUBS = "sliding friction has a direction for every speed but exactly 0, where it is 0"
+RUBS = "sliding friction has a direction at every speed except 0, where it is 0"
 
 BATTERY = Battery(
     id="friction",
-    title="Friction 0 and huge, zero tangential speed",
-    question=(
-        "How small, and how large, may friction be, and how small the speed that it acts against?"
-    ),
+    title="Friction from 0 to huge, vanishing tangential speed",
+    question=("How small and how large may friction be, and how small the speed that it opposes?"),
     ladders=(
         Ladder(
             name="less and less on an oscillator",

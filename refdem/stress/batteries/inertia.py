@@ -8,8 +8,8 @@ from refdem.stress.measures.parameters import Parameters
 RUNGS = tuple(f"1/{2**k}" for k in (3, 7, 10, 13, 20, 27, 33, 40, 46, 50))
 """Powers of two: moments that are rounded would be those of another body, and a needle shows it."""
 BASIS = (
-    "differences of moments are exact in binary64 (Sterbenz 1974), so that only their own rounding"
-    " counts, which S measures"
+    "differences of moments are exact in binary64 (Sterbenz 1974), so only"
+    " the rounding of the moments counts, and S measures it"
 )
 
 
@@ -28,10 +28,10 @@ def ladder(name: str, along: str, measure: Parameters, promised: str = RUNGS[-3]
 
 BATTERY = Battery(
     id="inertia",
-    title="Inertia nearly degenerate, flat, needle",
+    title="Inertia: nearly degenerate, flat, needle",
     question=(
-        "Which bodies can be turned? Nearly equal moments make a small denominator, flat ones and"
-        " needles a small numerator."
+        "Which bodies can be integrated? Nearly equal moments give small"
+        " denominators, flat bodies and needles small numerators."
     ),
     ladders=(
         ladder(

@@ -5,14 +5,14 @@ from refdem.stress.measures.many_steps import ManySteps
 
 RUNGS = (*(str(256 * 4**k) for k in range(1, 9)), str(2**27))
 BASIS = (
-    "a symplectic step keeps a quadratic form, and round-off of random sign adds as the square root"
-    " of the number of steps"
+    "a symplectic step conserves a quadratic form, and random round-off grows"
+    " as the square root of the number of steps"
 )
 
 BATTERY = Battery(
     id="many-steps",
     title="Many steps",
-    question="For how many steps does the run keep what the method's own map keeps?",
+    question="For how many steps does a run conserve what the map of its method conserves?",
     ladders=(
         Ladder(
             name="harmonic oscillator",
@@ -23,7 +23,10 @@ BATTERY = Battery(
             promised=str(2**20),
             basis=BASIS,
             exempt={
-                "rk4": ("4096", "truncation of a method that is not symplectic damps the motion")
+                "rk4": (
+                    "4096",
+                    "truncation error of a method that is not symplectic damps the motion",
+                )
             },
             costly=True,
         ),

@@ -7,8 +7,8 @@ from refdem.stress.measures.parameters import Parameters
 
 RUNGS = ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12")
 BASIS = (
-    "both masses enter by their sum and their product, which are rounded once: the promised range"
-    " is that of grains in a drum, 1e6"
+    "both masses enter by their sum and their product, which are rounded"
+    " once; the promised range is that of grains in a drum, 1e6"
 )
 
 
@@ -22,7 +22,7 @@ def ladder(name: str, case: str, along: str, measure: Parameters) -> Ladder:
 BATTERY = Battery(
     id="mass-ratio",
     title="Mass ratio",
-    question="How unequal may masses be?",
+    question="How different may masses be?",
     ladders=(
         ladder(
             "second sphere heavier",

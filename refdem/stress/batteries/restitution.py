@@ -8,14 +8,13 @@ NEARER = ("1e-1", "1e-3", "1e-6", "1e-12", "0")
 CRITICAL = ("1/2", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6")
 HARDER = ("1", "1e1", "30", "1e2", "1e4", "1e6")
 BASIS = (
-    "a linear contact ends at a known phase, and the phase is real for every loss below critical"
-    " damping"
+    "a linear contact ends at a known phase, which is real for every loss below critical damping"
 )
 
 BATTERY = Battery(
     id="restitution",
-    title="Restitution 1 and 0",
-    question="How little, and how much, may a collision lose?",
+    title="Restitution from 1 to 0",
+    question="How little and how much energy may a collision lose?",
     ladders=(
         Ladder(
             name="losing more and more, force that does not pull",

@@ -7,8 +7,8 @@ from refdem.stress.measures.parameters import Parameters
 
 RUNGS = (*(f"1e-{k}" for k in range(1, 13)), "1e-14", "1e-16", "1e-20")
 BASIS = (
-    "the distance from the separatrix is a number of its own in closed forms, and S says how much"
-    " of its rounding is seen"
+    "the distance from the separatrix is a separate number in closed forms,"
+    " and S gives the effect of its rounding"
 )
 
 
@@ -28,7 +28,7 @@ def ladder(name: str, case: str, along: str, measure: Parameters) -> Ladder:
 BATTERY = Battery(
     id="separatrix",
     title="Near the separatrix and the unstable axis",
-    question="How near to the separatrix may a motion start?",
+    question="How close to the separatrix may a motion start?",
     ladders=(
         ladder(
             "off axis 2, towards axis 1",

@@ -7,14 +7,17 @@ from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.frame import Frame
 
 RUNGS = tuple(f"1e-{k}" for k in range(2, 16))
-BASIS = "a part of x is seen to a tenth while round-off, 2 c u sqrt(n) S, is below a tenth of it"
+BASIS = (
+    "a difference of x is resolved to a tenth while round-off, 2 c u sqrt(n)"
+    " S, is below a tenth of it"
+)
 
 BATTERY = Battery(
     id="single-precision",
-    title="Single precision inside",
+    title="Hidden single precision",
     question=(
-        "To how small a part are two starts told apart? A code that passes through single precision"
-        " ends at 1e-6."
+        "How small a difference between two starts is resolved? A code that"
+        " passes through single precision ends at 1e-6."
     ),
     ladders=tuple(
         Ladder(

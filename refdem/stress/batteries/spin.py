@@ -4,10 +4,7 @@ from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.parameters import Parameters
 
 RUNGS = ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6")
-BASIS = (
-    "a dentist's drill turns with 1e5 rad/s; the phase is known to u times the angle that was"
-    " turned"
-)
+BASIS = "a dentist's drill rotates at 1e5 rad/s; the phase is known to u times the total angle"
 
 
 def ladder(name: str, case: str, measure: Parameters, *, costly: bool = False) -> Ladder:
@@ -27,7 +24,7 @@ def ladder(name: str, case: str, measure: Parameters, *, costly: bool = False) -
 BATTERY = Battery(
     id="spin",
     title="Spin",
-    question="How fast may a body turn?",
+    question="How fast may a body rotate?",
     ladders=(
         ladder(
             "tumbling for a second",

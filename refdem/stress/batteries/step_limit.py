@@ -23,16 +23,16 @@ RUNGS = (
 )
 ALONG = "step in units of 2/omega"
 THEORY = (
-    "the limit of Verlet's method is 2/omega, that of classical Runge-Kutta 2.83/omega (Hairer,"
-    " Norsett and Wanner 1996, IV.2)"
+    "the stability limit of velocity Verlet is 2/omega, that of classical"
+    " Runge-Kutta 2.83/omega (Hairer, Norsett and Wanner 1996, IV.2)"
 )
 
 BATTERY = Battery(
     id="step-limit",
-    title="Step up to and past the stability limit",
+    title="Steps up to and above the stability limit",
     question=(
-        "How long may the step be before the run grows without bound? 1000 steps must stay within"
-        " 100 times the motion's size."
+        "How large may the step be before the run grows without bound? 1000 steps"
+        " must stay within 100 times the size of the motion."
     ),
     ladders=(
         Ladder(

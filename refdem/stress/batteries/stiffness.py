@@ -6,12 +6,12 @@ from refdem.stress.measures.parameters import Parameters
 HARDER = ("1e2", "1e4", "1e6", "1e9", "1e12")
 SOFTER = ("1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
 STIFF = ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6", "1e8")
-BASIS = "a stiffness only sets the unit of time, and steps are taken in that unit"
+BASIS = "the stiffness only sets the unit of time, and steps are taken in that unit"
 
 BATTERY = Battery(
     id="stiffness",
     title="Stiffness over twelve decades",
-    question="How hard, and how soft, may a spring or a contact be?",
+    question="How stiff and how soft may a spring or a contact be?",
     ladders=(
         Ladder(
             name="harder spheres",
@@ -55,7 +55,7 @@ BATTERY = Battery(
             along="damping rate / frequency",
             rungs=STIFF,
             promised="1e8",
-            basis="both rates are in closed form, the slow one as omega^2 over the fast one",
+            basis="both rates have closed forms, the slow one as omega^2 over the fast one",
             measure=Parameters(lambda x: {"delta": f"{x}", "duration": "4"}, samples=8),
             costly=True,
         ),

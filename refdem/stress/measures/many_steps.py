@@ -73,7 +73,7 @@ class Drift(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest change of the form."""
+        """One finding about the largest change of the quadratic form."""
         run = runs[subject.finest].trajectory
         level = subject.levels[-1]
         scales = subject.instance.scales

@@ -15,7 +15,7 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class Parameters(Measure):
-    """`given` has the parameters of the rung, each as text;
+    """`given` has the parameters of the rung, each as text.
 
     `samples` intervals are seen; invariants alone judge without truth.
     """
@@ -29,5 +29,5 @@ class Parameters(Measure):
         return case.at(**with_samples({**self.given(x), **given}, self.samples))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """All of a run's that need one run."""
+        """The checks of `refdem run` that need one run only."""
         return plain_checks(subject)

@@ -33,7 +33,7 @@ class StepLimit(Measure):
     def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
-        """What has no step has no limit."""
+        """The reason why there is no limit: the method or problem has no step."""
         if method.control != "step":
             return "the method does not have a fixed step"
         if not isinstance(instance.problem, Motion):

@@ -9,7 +9,7 @@ from refdem.core.truth import SampledTruth
 
 
 def truth_here(instance: Instance) -> SampledTruth | None:
-    """The sampled truth of a scene of this folder;
+    """The sampled truth of a scene of this folder.
 
     None for cases of the catalogue, whose truth is proved in workers and kept.
     """

@@ -72,7 +72,7 @@ class HalfSine(ClosedForm):
         return {"overlap": overlap, "rate": rate, **others}
 
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
-        """From a start that is larger by `amount`."""
+        """The motion from a start that is larger by `amount`."""
         d, rate = self.start
         if axis == 0:
             start = (d + amount, rate)
@@ -82,7 +82,7 @@ class HalfSine(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """That of one body times the number of bodies."""
+        """The growth for one body times the number of bodies."""
         rate = arb_of(self.square).sqrt()
         return Times(Growth(self.stretches(), Norm([1, 1]), step=narrow(rate)), arb(self.bodies))
 

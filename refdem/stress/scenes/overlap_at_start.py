@@ -18,7 +18,7 @@ STIFFNESS = 128.0
 
 
 class OverlapAtStart(Case):
-    """At rest, overlapping by `overlap` on x."""
+    """Two spheres start at rest, overlapping by `overlap` on x."""
 
     id = "overlap-at-start"
     title = "Overlap at the start"

@@ -80,7 +80,9 @@ class Simultaneous(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Of all pairs with the middle one, that which is farthest from the others' mean."""
+        """The quantities of the pair with the middle sphere that is farthest from the mean of the
+        others.
+        """
         apart = trajectory.position[:, 1:] - trajectory.position[:, :1]
         distance = np.linalg.norm(apart, axis=2)
         relative = trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]
@@ -104,7 +106,7 @@ class Simultaneous(Case):
 
 
 def _oddest(values: Array) -> Array:
-    """Of each row (T, n) the value that differs most from the row's mean (T,)."""
+    """The value of each row (T, n) that differs most from the row's mean (T,)."""
     away = np.abs(values - values.mean(axis=1, keepdims=True))
     farthest = away.argmax(axis=1)
     found: Array = values[np.arange(len(values)), farthest]

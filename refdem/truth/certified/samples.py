@@ -20,7 +20,7 @@ from refdem.truth.certified.writing import sealed
 
 
 class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One line of samples/<case>.jsonl;
+    """One line of samples/<case>.jsonl.
 
     `job` is the digest of all that was asked and of all code that had a part in the line.
     """

@@ -89,7 +89,7 @@ def statements(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _file(module: str) -> Path | None:
-    """The file of a module;
+    """The path of the file of a module.
 
     None for a name inside one, or for a package, whose __init__ says nothing but what it is.
     """

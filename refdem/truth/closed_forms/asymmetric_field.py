@@ -37,7 +37,9 @@ class Start:
 
 @dataclass(frozen=True)
 class Phase:
-    """Its region (left, rising, falling, right), its begin [s], and its end (None: never)."""
+    """A phase with its region (left, rising, falling, right), its begin [s], and its end (None:
+    never).
+    """
 
     region: str
     start: Start

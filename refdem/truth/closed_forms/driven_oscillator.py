@@ -163,7 +163,7 @@ class DrivenOscillator(SmoothFlow):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters mass, stiffness, gravity, delta, f0, drive, x0, v0;
+    """The truth at parameters mass, stiffness, gravity, delta, f0, drive, x0, v0.
 
     `scale` of x and v.
     """

@@ -146,8 +146,8 @@ class Duffing(FromRest, OfAnEquation):
         return {"x": reach * x, "v": reach * motion.rate * slope}
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """As of any start from rest; of an equilibrium those of its linear equation, d'' = -(alpha
-        + 3 beta A^2) d = 2 alpha d.
+        """The rates as of any start from rest; of an equilibrium those of its linear equation, d''
+        = -(alpha + 3 beta A^2) d = 2 alpha d.
         """
         if self.alpha + self.beta * self.amplitude**2 != 0:
             return super().rates(t)

@@ -38,7 +38,7 @@ CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
 
 
 class HeavyTop(ValidatedFlow):
-    """theta, phi, psi (continuous) and thetadot;
+    """theta, phi, psi (continuous) and thetadot.
 
     L_z and w3 are states that stay, so that S knows of their errors.
     """
@@ -296,7 +296,7 @@ def field(p: Mapping[str, Fraction]) -> Field:
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
-    """The truth at these parameters (those of the case, all);
+    """The truth at these parameters (those of the case, all).
 
     `rate` [rad/s] is the scale of w3, and with J1 of L_z.
     """

@@ -69,8 +69,8 @@ class HertzSpheres(SmoothFlow):
 
     @per_precision
     def growth(self) -> Grows:
-        """By scaling: contacts of other speeds are the same ones in other units; the force is
-        steepest where it is deepest.
+        """The growth S by scaling: contacts of other speeds are the same ones in other units; the
+        force is steepest where it is deepest.
         """
         contact, touch = self.contact()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])

@@ -68,8 +68,8 @@ def cuboid(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 
 def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
-    """Without its copy scaled by `factor` about the centre, in x and y alone if `across`: volumes
-    and moments subtract (1.31).
+    """The solid without its copy scaled by `factor` about the centre, in x and y alone if `across`:
+    volumes and moments subtract (1.31).
     """
     if across:
         part = factor**2

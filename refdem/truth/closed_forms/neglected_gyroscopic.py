@@ -64,7 +64,7 @@ class Flight(GuardedTruth):
 
 
 class Tumbling(HybridFlow):
-    """The quantities of the case on the slope;
+    """The quantities of the case on the slope.
 
     S displaces attitude, spin, place and velocity, each component by its scale.
     """

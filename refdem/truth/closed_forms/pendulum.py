@@ -65,7 +65,7 @@ class Swing(PendulumMotion):
         return arb.atan2(self.k * sn, dn), 2 * self.k * self.w0 * cn
 
     def neighbour(self, t: arb) -> Neighbour:
-        """By m = k^2 = 1/2 + H/(2 w0^2)."""
+        """The neighbouring motion by m = k^2 = 1/2 + H/(2 w0^2)."""
         u = self.w0 * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
         m_slope = 1 / (2 * self.w0 * self.w0)
@@ -96,7 +96,7 @@ class Revolution(PendulumMotion):
         )
 
     def neighbour(self, t: arb) -> Neighbour:
-        """By k^2 = 1/2 + H/(2 w0^2), the parameter being 1/k^2."""
+        """The neighbouring motion by k^2 = 1/2 + H/(2 w0^2), the parameter being 1/k^2."""
         rate = self.k * self.w0
         u = rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)

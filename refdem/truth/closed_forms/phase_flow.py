@@ -104,7 +104,7 @@ class PhaseFlow(GuardedTruth):
         return found | area
 
     def sensitivity(self, t: Fraction) -> float:
-        """That of the corner which feels its start most."""
+        """The sensitivity S(t) of the corner that feels its start most."""
         return max(motion.sensitivity(t) for motion in self.motions)
 
     def scalars(self) -> dict[str, Ball]:
@@ -112,7 +112,7 @@ class PhaseFlow(GuardedTruth):
         return {"area_0": Ball(self.first_area(), Fraction(0))}
 
     def first_area(self) -> Fraction:
-        """Of the polygon, positive against the clock."""
+        """The area of the polygon at the start, positive against the clock."""
         return sum((a[0] * b[1] - b[0] * a[1] for a, b in self.sides()), Fraction(0)) / 2
 
     def sides(self) -> list[tuple[Corner, Corner]]:
@@ -120,7 +120,7 @@ class PhaseFlow(GuardedTruth):
         return list(zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True))
 
     def area(self, t: arb) -> arb:
-        """At the current precision;
+        """Every quantity at time t, at the current precision.
 
         UndecidedError where balls cannot tell how often a part has turned.
         """
@@ -213,7 +213,7 @@ def _piece(a: Any, b: Any, reach: arb) -> arb:
 
 
 def _dot(a: Any, b: Any) -> arb:
-    """Of two vectors; a power of a ball that holds 0 would be nan."""
+    """The dot product of two vectors; a power of a ball that holds 0 would be nan."""
     found: arb = a[0] * b[0] + a[1] * b[1]
     return found
 
@@ -242,7 +242,7 @@ def _positive(value: arb) -> bool:
 
 
 def truth(p: Parameters, corners: Sequence[Corner], scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters flow, mass, stiffness, delta, friction_force, length, gravity;
+    """The truth at parameters flow, mass, stiffness, delta, friction_force, length, gravity.
 
     `scale` of x_k and v_k.
     """

@@ -105,8 +105,8 @@ class PowerOscillator(FromRest):
 
     @per_precision
     def growth(self) -> Grows:
-        """By scaling: motions of other amplitudes are the same ones in other units; the force is
-        steepest at the turning point.
+        """The growth S by scaling: motions of other amplitudes are the same ones in other units;
+        the force is steepest at the turning point.
         """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
         power = arb_of(Fraction(2) / (self.exponent + 1))

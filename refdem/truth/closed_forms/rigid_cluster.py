@@ -269,7 +269,7 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
-    """The truth at these parameters (masses, positions, omega);
+    """The truth at these parameters (masses, positions, omega).
 
     `rate` [rad/s] is the scale of omega.
     """

@@ -33,7 +33,7 @@ class SpinningSpheres(TwoSpheres):
         return self.quantities([x, y, arb(0), vx, vy, arb(0), *map(arb_of, self.spheres.spins)])
 
     def units(self) -> list[Fraction]:
-        """Of r, v, o1, o2 [m, m/s, 1/s]."""
+        """The units of r, v, o1, o2 [m, m/s, 1/s]."""
         phases = self.phases
         radii = self.spheres.radii
         return [

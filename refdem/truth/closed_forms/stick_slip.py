@@ -32,7 +32,7 @@ STICK = "stick"
 
 @dataclass(frozen=True)
 class StickSlip:
-    """Exact parameters in SI units (mass and stiffness are 1);
+    """Exact parameters in SI units (mass and stiffness are 1).
 
     `law` is quadratic or linear, the last term of mu. State: x, u, t.
     """
@@ -109,7 +109,7 @@ class StickSlip:
         return Fraction(1)
 
     def landing(self, y: State) -> Entry:
-        """At u = 0: it sticks or crosses, by the pull."""
+        """The entry at u = 0: it sticks or crosses, by the pull."""
         wave = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos()
         limit = arb_of(self.limit)
         pull = wave - y[0] - arb_of(self.friction(abs(self.belt)))
@@ -144,8 +144,8 @@ class StickSlip:
         return Entry(STICK, None, {side: 1})
 
     def leaves(self, y: State) -> tuple[str, arb] | None:
-        """On a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the first time after the clock
-        of y, or never.
+        """The event that ends sticking on a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the
+        first time after the clock of y, or never.
         """
         found = {}
         for side, offset in ((FORWARD, 2 * self.limit), (BACKWARD, Fraction(0))):

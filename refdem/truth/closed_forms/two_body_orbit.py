@@ -33,7 +33,7 @@ State = Sequence[arb]
 
 
 class Orbit(SmoothFlow):
-    """x, y [m] and vx, vy [m/s] at t; scalar period [s];
+    """x, y [m] and vx, vy [m/s] at t; scalar period [s].
 
     `stiffness` [1/s^2, unit mass] is None for Kepler's field.
     """
@@ -275,7 +275,7 @@ def _newton(mean: arb, c: arb, s: arb) -> arb:
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler);
+    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler).
 
     `scale` of x, y, vx, vy.
     """

@@ -85,7 +85,7 @@ class WedgeCollision(SmoothFlow):
         return Growth(self.stretches(), Norm([1, 1]), step=narrow(self.rate()))
 
     def stretches(self) -> Iterator[Stretch]:
-        """In by scaling, out and away by linear laws.
+        """The stretches of the motion: in by scaling, out and away by linear laws.
 
         At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v,
         which shifts the time of the turn, is multiplied by their ratio, one of the place stays.

@@ -70,7 +70,7 @@ class Watched:
 
 
 def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
-    """A ball of the times in (low, high] at which each motion of the set first has a zero;
+    """A ball of the times in (low, high] at which each motion of the set first has a zero.
 
     None if it is proved that none has any.
     """
@@ -142,7 +142,7 @@ def undecided(watched: Watched, low: arb, high: arb) -> SwitchError:
 
 
 def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | None:
-    """The guard that is first zero in (low, high] and a ball of when;
+    """The guard that is first zero in (low, high] and a ball of when.
 
     None if none is. SwitchError where two may come together.
     """
@@ -175,7 +175,7 @@ def crossing_before(watched: Watched, low: arb, found: tuple[str, arb]) -> arb |
 
 
 def sign(value: arb, what: str) -> int:
-    """-1, 0 (an exact 0 only) or 1;
+    """The sign of a ball: -1, 0 (an exact 0 only) or 1.
 
     UndecidedError (a corner) where the ball holds zero and more.
     """

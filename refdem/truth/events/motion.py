@@ -105,7 +105,7 @@ class HybridMotion(Guarded):
         ).at(before[-1])
 
     def reached(self) -> Fraction:
-        """Up to about which time [s] the motion has been followed."""
+        """The time [s], about, up to which the motion has been followed."""
         last = self.phases[-1]
         return ball_of(last.entered[-1]).mid + last.searched
 

@@ -130,7 +130,7 @@ class HybridFlow(ClosedForm):
         ]
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
-        """Balls at the lowest precision at which all radii are small enough;
+        """Balls at the lowest precision at which all radii are small enough.
 
         NotCertifiedError with code, time and last state.
         """
@@ -151,7 +151,7 @@ class HybridFlow(ClosedForm):
     def followed(
         self, evaluate: Callable[[Any], Found], what: str, ladder: Sequence[int] = LADDER
     ) -> Found:
-        """What is found from the motion at the lowest precision of the ladder;
+        """What is found from the motion at the lowest precision of the ladder.
 
         NotCertifiedError with code, time and last state.
         """
@@ -247,7 +247,7 @@ class HybridFlow(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """From event to event, by the variational equation and the jump matrices."""
+        """The growth S from event to event, by the variational equation and the jump matrices."""
         motion = self.motion(ctx.prec)
         readings = partial(self.readings, motion)
         return Growth(
@@ -259,7 +259,7 @@ class HybridFlow(ClosedForm):
         )
 
     def _sensitivity(self, t: Fraction) -> float:
-        """At the precisions of the motion, whose pieces are there already."""
+        """The sensitivity S(t) at the precisions of the motion, whose pieces are there already."""
         return self.followed(
             lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed()
         )

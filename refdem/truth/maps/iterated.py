@@ -38,7 +38,7 @@ UNSURE = 1e-12
 
 
 class BoundaryError(UndecidedError):
-    """A branch that cannot be decided;
+    """A branch that cannot be decided.
 
     `code` says what is hit, `gap` is the ball whose sign is not known.
     """
@@ -49,7 +49,7 @@ class BoundaryError(UndecidedError):
 
 
 class Iterated(GuardedTruth):
-    """Iterates n = 0, 1, ... of a map;
+    """Iterates n = 0, 1, ... of a map.
 
     `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives.
     """

@@ -46,7 +46,7 @@ class Crossings:
 
 
 def crossings(start: Fraction, rate: Fraction, size: Fraction) -> Crossings:
-    """Of start + rate t with the walls at (k + 1/2) size."""
+    """The crossings of start + rate t with the walls at (k + 1/2) size."""
     if rate == 0:
         return Crossings(Fraction(0), None)
     if rate > 0:
@@ -111,7 +111,7 @@ class Rectangle(GuardedTruth):
         return Rectangle(self.size, self.start, self.direction, self.scale, digits=digits)
 
     def bounce(self, n: int) -> tuple[Fraction, int]:
-        """Time of bounce n (in units of 1/|direction|) and its wall's axis;
+        """Time of bounce n (in units of 1/|direction|) and its wall's axis.
 
         NotCertifiedError at a corner and after it.
         """

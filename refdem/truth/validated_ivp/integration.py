@@ -122,7 +122,7 @@ class Integration(Guarded):
         self.first, self.widest = arb(1), arb(0)
 
     def at(self, t: arb) -> list[arb]:
-        """The state at the time t >= 0 [s] (every point of the ball);
+        """The state at the time t >= 0 [s] (every point of the ball).
 
         NotCertifiedError or UndecidedError where it is not proved.
         """
@@ -138,7 +138,7 @@ class Integration(Guarded):
 
     @property
     def end(self) -> Fraction:
-        """Up to where pieces are made."""
+        """The time up to which pieces are made."""
         if self.pieces:
             return self.pieces[-1].end
         return Fraction(0)
@@ -167,7 +167,7 @@ class Integration(Guarded):
         return found
 
     def advance(self) -> None:
-        """Makes the next piece and moves the set to its end;
+        """Makes the next piece and moves the set to its end.
 
         UndecidedError where none is proved, whose `time` is the end so far.
         """
@@ -199,8 +199,8 @@ class Integration(Guarded):
         self.begins.append(begin)
 
     def least_weights(self, radii: Sequence[arb]) -> list[arb]:
-        """For each coordinate: a small part of it, much more than the set (but no more than it),
-        and 2^-2bits of the largest it was.
+        """The least weight of each coordinate: a small part of it, much more than the set (but no
+        more than it), and 2^-2bits of the largest it was.
         """
         sizes = [outward(value) for value in self.centre]
         seen = self.largest or sizes
@@ -253,7 +253,7 @@ class Integration(Guarded):
 
 
 def unequal(weights: Sequence[arb]) -> int:
-    """By how many bits, at most UNEQUAL, the largest weight is above the smallest."""
+    """The number of bits, at most UNEQUAL, by which the largest weight is above the smallest."""
     sizes = [float(weight) for weight in weights]
     ratio = max(sizes) / max(min(sizes), 1e-300)
     return min(UNEQUAL, int(log2(max(1.0, min(ratio, 1e300)))))

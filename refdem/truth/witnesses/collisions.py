@@ -319,7 +319,7 @@ def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """In with k2 d^2, out with k1 d."""
+    """The collision with a wedge: in with k2 d^2, out with k1 d."""
     mass, k1, k2, speed = (
         arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")
     )

@@ -168,8 +168,8 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """In with -k2 d^2 to the deepest point, out with -k1 d to touch, then free: Newton's law for
-    each.
+    """The collision with a wedge: in with -k2 d^2 to the deepest point, out with -k1 d to touch,
+    then free; Newton's law for each.
     """
     e = {name: arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")}
     m = e["mass"]

@@ -23,7 +23,9 @@ METHOD = (
 
 
 def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Of the area under dry friction nothing is said but what it was."""
+    """The motion of every corner of the outline, and the area; under dry friction that at the start
+    alone.
+    """
     corners = p["corners"]
     (x, v), halves = corners[0], Fraction(0)
     for (xa, va), (xb, vb) in pairwise(corners[1:]):

@@ -60,7 +60,7 @@ def ball_mass(density: Any, radius: Any) -> arb:
 
 
 def effective_mass(p: Mapping[str, Any]) -> arb:
-    """Of the contact whose restitution is named [kg]."""
+    """The effective mass [kg] of the contact whose restitution is given."""
     if "large" in p:
         return arb_of(p["large"])
     own = arb_of(p["mass"])

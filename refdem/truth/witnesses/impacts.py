@@ -277,7 +277,7 @@ MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Sa
 
 
 def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """As the member's law asks for."""
+    """The impact under the law of the member."""
     yield from MEMBERS[p["member"]](impact_numbers(p), times, claimed)
 
 

@@ -114,7 +114,7 @@ def lifted(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Both bobs in Cartesian coordinates relative to what they hang from; the rods' forces from
+    """The two bobs in Cartesian coordinates relative to what they hang from; the rods' forces from
     |r1'|^2 + r1.r1'' = 0 and the like.
     """
     (m1, m2), lengths = (

@@ -115,7 +115,7 @@ class Trio(Spheres):
         return super().slip(self.pair(0, s) if len(s) == 17 else s)
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """With the accelerations of both bodies."""
+        """The rate of the normal force, with the accelerations of both bodies."""
         pair = self.pair(0, s)
         ex, ey, distance, along, across, _ = self.geometry(pair)
         rates = self.field(self.law("slip+" if float(self.slip(pair)) > 0 else "slip-"))(None, s)
@@ -224,7 +224,7 @@ class Mindlin:
         self.step = float(normal) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
 
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
-        """In s, while it sticks (0) or slides to a side."""
+        """The rates by s, while it sticks (0) or slides to a side."""
         w, v, _, vy, spin, _, stretch = y
         if side == 0:
             pull = w * self.kt * stretch
@@ -238,7 +238,7 @@ class Mindlin:
         return self.mu * self.k * y[0] * y[0] - side * self.kt * y[6]
 
     def surplus(self, side: int, y: Sequence[Any]) -> Any:
-        """By what a slide exceeds its limit's rate."""
+        """The rate by which a slide exceeds that of its limit."""
         return side * self.kt * (y[3] + y[4]) - self.mu * self.k * y[1]
 
     def phases(self) -> Iterator[tuple[Solution, arb]]:
@@ -375,7 +375,7 @@ class Passing(Spheres):
         return -self.k * self.geometry(s)[3]
 
     def law(self, phase: str) -> Value:
-        """On body 2 along the tangent."""
+        """The force on body 2 along the tangent."""
         if phase == "slip-":
             side = -1
         else:

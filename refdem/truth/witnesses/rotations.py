@@ -98,7 +98,9 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
 
 
 def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """From omega_body and `offset` times its size along the axis `direction`."""
+    """The motion of a free body from omega_body plus `offset` times its size along the axis
+    `direction`.
+    """
     omega = [arb_of(part) for part in vector(p, "omega_body")]
     size = sum((part * part for part in omega), arb(0)).sqrt()
     omega[int(str(p["direction"])) - 1] += arb_of(number(p, "offset")) * size

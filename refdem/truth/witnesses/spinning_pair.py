@@ -57,7 +57,7 @@ class Moment:
 
     @cached_property
     def arms(self) -> list[list[Any]]:
-        """From the centres to where friction acts."""
+        """The vectors (3) from the centres to where friction acts."""
         shorter = self.its.beta * self.overlap
         return [
             [x * (radius - shorter) * sense for x in self.normal]
@@ -97,7 +97,7 @@ class Moment:
         )
 
     def friction(self, phase: str) -> list[Any]:
-        """On body 1, where the spring stands or the surfaces slip."""
+        """The friction force (3) on body 1, where the spring stands or the surfaces slip."""
         if phase in ("stick", "clip"):
             return [x * -self.its.kt for x in self.s[18:21]]
         if phase == "free":
@@ -106,8 +106,8 @@ class Moment:
         return [-x * limit for x in self.slip]
 
     def stretching(self, phase: str) -> list[Any]:
-        """It turns with the normal and takes the slip; clipped, it keeps mu F/k_t in place of its
-        own growth.
+        """The rate (3) of the spring: it turns with the normal and takes the slip; clipped, it
+        keeps mu F/k_t in place of its own growth.
         """
         stretch = self.s[18:21]
         if phase not in ("stick", "clip"):

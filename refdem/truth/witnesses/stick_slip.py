@@ -102,7 +102,7 @@ class Law:
         ]
 
     def end(self, phase: Solution, side: int, begin: arb, last: Fraction) -> arb | None:
-        """When the slip ends (u = 0), or the sticking (|P| = a mu0);
+        """When the slip ends (u = 0), or the sticking (|P| = a mu0).
 
         None if not before the last time.
         """

@@ -25,7 +25,7 @@ Claimed = Mapping[str, Fraction]
 
 @dataclass(frozen=True)
 class Witness:
-    """`method` says how;
+    """What a witness computes; `method` says how.
 
     `values` gives what it knows of the scalars (None) and of the quantities at the times (rising).
     """

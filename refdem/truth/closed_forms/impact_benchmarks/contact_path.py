@@ -36,7 +36,7 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Passing:
-    """Exact numbers in SI units;
+    """Exact parameters of the path and both spheres, in SI units.
 
     `frame` has the axes of the plane, then its normal, as columns (a rational rotation).
     """
@@ -77,7 +77,9 @@ class Place:
 
 @dataclass(frozen=True)
 class Piece:
-    """From x on: sticking with the constant C of the way, or sliding to one side."""
+    """A piece of the contact from x on: sticking with the constant C of the way, or sliding to one
+    side.
+    """
 
     begin: arb
     side: int
@@ -110,12 +112,12 @@ class ContactPath(ClosedForm):
 
     @per_precision
     def numbers(self) -> dict[str, Any]:
-        """Of the path from its start."""
+        """The numbers of the path from its start."""
         return self.numbers_from([arb_of(value) for value in self.path.start])
 
     def numbers_from(self, state: Sequence[Any]) -> dict[str, Any]:
-        """Of the path through a place with a velocity: b, x there, V along x, and the coefficients
-        g, a, e of the slip's way.
+        """The numbers of the path through a place with a velocity: b, x there, V along x, and the
+        coefficients g, a, e of the slip's way.
         """
         p = self.path
         x, y, u, v = state
@@ -145,7 +147,7 @@ class ContactPath(ClosedForm):
         return Place(x, self.numbers()["b"])
 
     def constant_side(self, piece: Piece) -> int:
-        """On which side of its limit the spring is where a stick begins; 0 at touch."""
+        """The side of its limit on which the spring is where a stick begins; 0 at touch."""
         number = self.pieces().index(piece)
         if number:
             return self.pieces()[number - 1].side
@@ -197,7 +199,7 @@ class ContactPath(ClosedForm):
         return self.limit(x, order) - side * held
 
     def surplus(self, side: int, order: int, x: arb) -> arb:
-        """By how much a clipped spring would outgrow its limit."""
+        """The amount by which a clipped spring would outgrow its limit."""
         return side * self.slip(x, order) - self.limit(x, order + 1)
 
     @per_precision
@@ -343,7 +345,7 @@ class ContactPath(ClosedForm):
         }
 
     def turned(self, vector: list[arb]) -> list[arb]:
-        """From the frame of the path to space."""
+        """The vector rotated from the frame of the path to space axes."""
         return [
             sum((arb_of(row[j]) * vector[j] for j in range(3)), arb(0)) for row in self.path.frame
         ]
@@ -588,7 +590,7 @@ class PathGrowth:
 
 
 def sum_of_sizes(entries: Sequence[arb], scales: Sequence[arb]) -> arb:
-    """Of a row of answers, for an error of one scale in every coordinate."""
+    """The sum over a row of answers, for an error of one scale in every coordinate."""
     terms = (abs(entry) * scale for entry, scale in zip(entries, scales, strict=True))
     return sum(terms, arb(0))
 

@@ -61,7 +61,7 @@ class Sliding:
     """7/2 mu."""
 
     def caught(self, slack: arb) -> tuple[int, arb] | None:
-        """Leg and x where the limit rises faster, or falls more slowly, than the spring at it;
+        """Leg and x where the limit rises faster, or falls more slowly, than the spring at it.
 
         None if it does not before the end.
         """
@@ -91,8 +91,8 @@ class Sliding:
 
 @dataclass(frozen=True)
 class Phase:
-    """From a time [s] since touch on; the way of the slip until then [m], and the stretch [m] at
-    the begin.
+    """A phase from a time [s] since touch on; the way of the slip until then [m], and the stretch
+    [m] at the begin.
     """
 
     begin: arb
@@ -269,7 +269,7 @@ class MindlinWallImpact(HertzWallImpact):
     def coordinate(
         self, spring: MindlinSpring, leg: int | None, depth: arb, rate: arb
     ) -> tuple[int, arb]:
-        """On the leg that is asked for, which near its ends balls could not tell."""
+        """The coordinate on the leg that is asked for, which near its ends balls could not tell."""
         if leg is None:
             return spring.coordinate(depth, rate)
         return leg, (depth, -rate, -depth)[leg]

@@ -36,7 +36,7 @@ class Squeezed(SpherePair):
 
     @property
     def effective_mass(self) -> Number:
-        """That of the outer sphere [kg]."""
+        """The effective mass [kg]: that of the outer sphere."""
         return self.masses[0]
 
     @property

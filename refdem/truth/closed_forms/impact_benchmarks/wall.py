@@ -29,7 +29,7 @@ MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 
 @dataclass(frozen=True, kw_only=True)
 class WallPair:
-    """Numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z;
+    """Numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z.
 
     `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
     """
@@ -115,7 +115,7 @@ class WallPhases(ContactPhases):
 
 
 class WallImpact(TwoSpheres):
-    """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0;
+    """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0.
 
     S counts what moves in the plane.
     """
@@ -149,7 +149,7 @@ class WallImpact(TwoSpheres):
         return self.climbed(self.extremes, "scalars")
 
     def extremes(self, motion: ContactMotion) -> dict[str, arb]:
-        """Those of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and
+        """The scalars of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and
         rebound_spin [rad/s].
         """
         found = super().extremes(motion)
