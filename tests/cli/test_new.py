@@ -1,4 +1,4 @@
-"""`refdem new` writes files that are well formed under any name that it takes, and refuses others."""
+"""`refdem new` writes well-formed files under any name that it takes, and refuses other names."""
 
 import ast
 import re
@@ -89,8 +89,10 @@ def test_one_file_in_the_way_keeps_all_from_being_written(
 
 @pytest.mark.parametrize(
     "name",
-    ["", "a", "1st", "Ball", "two balls", "two_balls", "-x", "x-", "x--y", "../x", "x.py", "é1"]
-    + ["class", "external", LONG + "x"],
+    [
+        *("", "a", "1st", "Ball", "two balls", "two_balls", "-x", "x-", "x--y", "../x", "x.py"),
+        *("é1", "class", "external", LONG + "x"),
+    ],
 )
 def test_a_name_that_cannot_be_one_is_refused(name: str, tree: Path, command_line: Run) -> None:
     before = files(tree)
