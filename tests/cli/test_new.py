@@ -79,7 +79,7 @@ def test_one_file_in_the_way_keeps_all_from_being_written(
     kind: str, tree: Path, command_line: Run
 ) -> None:
     *_, last = skeleton.SKELETONS[kind].files.values()
-    (tree / last.format(module="one")).write_text("mine")
+    (tree / last.format(name="one", module="one")).write_text("mine")
     before = files(tree)
     done = command_line("new", kind, "one", "--package", str(tree))
     assert done.returncode == 2

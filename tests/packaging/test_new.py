@@ -21,6 +21,7 @@ WRITTEN = {
     "refdem/cases/new_throw.py",
     "refdem/truth/witnesses/new_throw.py",
     "tests/cases/test_new_throw.py",
+    "validation/margins/new-throw.toml",
     "refdem/checks/new_line.py",
     "refdem/faults/catalogue/new_line.py",
     "tests/checks/test_new_line.py",
