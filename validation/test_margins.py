@@ -266,7 +266,7 @@ with the reason.
 
 
 BESIDE = Path(__file__).with_name("margins")
-"""Reasons that came with a case of its own, in one file each; kept here they would all be in one."""
+"""Reasons that came with a case, a file each."""
 
 
 def reasons_beside(kind):

@@ -26,9 +26,9 @@ ARGUMENTS = (
 class Skeleton:
     """One kind of thing that can be added.
 
-    `files` gives the place of every template, in which {name} and {module} stand for the name; `homes` are
-    the folders in which no file or folder may have the name already; `then` are the commands that
-    come next.
+    `files` gives the place of every template, in which {name} and {module} stand for the name;
+    `homes` are the folders in which no file or folder may have the name already; `then` are the
+    commands that come next.
     """
 
     files: dict[str, str]
