@@ -44,6 +44,7 @@ DISCOVERING = (
     "tests/checks",
     "tests/core/test_iteration.py",
     "tests/engines/test_claimed_orders.py",
+    "tests/engines/test_every_engine.py",
     "tests/engines/test_new_hop.py",
     "tests/faults/test_kill_matrix.py",
     "tests/kernels/test_loading.py",
