@@ -8,7 +8,6 @@
 PYTHON ?= python3
 JOBS ?= 2
 BIN := .venv/bin
-ENGINES := mujoco pymunk rebound
 PIP := $(BIN)/pip --disable-pip-version-check install --quiet
 # Nothing is installed of which requirements.lock does not have the digest.
 HASHED := $(PIP) --require-hashes --requirement
@@ -118,8 +117,8 @@ clean:
 	$(PYTHON) -m venv .venv
 	touch $@
 
-.venv/for-runs: .venv/made pyproject.toml requirements.lock ci/dependencies.py
-	$(BIN)/python ci/dependencies.py --locked $(ENGINES) >.venv/wanted.txt
+.venv/for-runs: .venv/made pyproject.toml requirements.lock ci/dependencies.py $(wildcard refdem/engines/*/requirements.in)
+	$(BIN)/python ci/dependencies.py --locked engines >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 

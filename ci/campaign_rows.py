@@ -14,11 +14,12 @@ import pytest
 
 from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification, named
+from refdem.core import discovery
 from refdem.core.finding import BROKEN, DECIDED, Record
 from refdem.core.store import Store, default_path
 
 MAIN = named("main")
-ENGINES = ("reference", "mujoco", "pymunk", "rebound")
+ENGINES = tuple(discovery.own_names("engines"))
 
 
 def name_of(entry: Entry) -> str:

@@ -1,5 +1,6 @@
 """Prints what refdem needs, one requirement a line: its build, its dependencies and the extras
-named as arguments.
+named as arguments. `engines` stands for all that adapters ask for: the extras that are named for
+one, and the `requirements.in` beside one; `every` stands for those and all extras.
 
 With --locked, that and all that it depends on, as requirements.lock pins it: a version, and the
 digests of all files of that release, so that `pip install --require-hashes` takes nothing else.
@@ -34,14 +35,31 @@ def plain(requirement: str) -> str:
     return re.sub(r"[-_.]+", "-", found[0]).lower()
 
 
+def of_engines(optional: dict[str, list[str]]) -> list[str]:
+    """The requirements of all adapters: an extra has the name of one, or its folder a file."""
+    adapters = ROOT / "refdem" / "engines"
+    found = []
+    for extra, requirements in optional.items():
+        if (adapters / extra).is_dir() or (adapters / f"{extra}.py").is_file():
+            found += requirements
+    for path in sorted(adapters.glob("*/requirements.in")):
+        found += path.read_text().split("\n")
+    return [line for line in found if line and not line.startswith("#")]
+
+
 def wanted(extras: list[str]) -> list[str]:
-    """The requirements that pyproject.toml has for the build, for refdem and for some extras."""
+    """The requirements of the build, of refdem and of some extras."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     optional = project["project"]["optional-dependencies"]
     found = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
     for extra in extras:
-        found += optional[extra]
-    return found
+        if extra in ("engines", "every"):
+            found += of_engines(optional)
+        else:
+            found += optional[extra]
+        if extra == "every":
+            found += [line for lines in optional.values() for line in lines]
+    return list(dict.fromkeys(found))
 
 
 def locked(text: str) -> list[Locked]:

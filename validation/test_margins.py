@@ -2,7 +2,9 @@
 inside its bounds has a reason here.
 """
 
+import tomllib
 from fnmatch import fnmatch
+from pathlib import Path
 from statistics import median
 
 import pytest
@@ -261,6 +263,23 @@ LOOSE = (
 """Groups above round-off that are far inside their bounds, by patterns of check, case and engine,
 with the reason.
 """
+
+
+BESIDE = Path(__file__).with_name("margins")
+"""Reasons that came with a case, a file each."""
+
+
+def reasons_beside(kind):
+    """The rows of the files: `at_round_off` or `loose`."""
+    found = []
+    for path in sorted(BESIDE.glob("*.toml")):
+        for row in tomllib.loads(path.read_text()).get(kind, []):
+            found.append((row["check"], row["case"], row["engine"], row["reason"]))
+    return tuple(found)
+
+
+AT_ROUND_OFF += reasons_beside("at_round_off")
+LOOSE += reasons_beside("loose")
 
 
 def has_reason(group):

@@ -26,9 +26,9 @@ ARGUMENTS = (
 class Skeleton:
     """One kind of thing that can be added.
 
-    `files` gives the place of every template, in which {module} stands for the name; `homes` are
-    the folders in which no file or folder may have the name already; `then` are the commands that
-    come next.
+    `files` gives the place of every template, in which {name} and {module} stand for the name;
+    `homes` are the folders in which no file or folder may have the name already; `then` are the
+    commands that come next.
     """
 
     files: dict[str, str]
@@ -41,6 +41,7 @@ SKELETONS = {
         files={
             "case.py.in": "refdem/cases/{module}.py",
             "case_witness.py.in": "refdem/truth/witnesses/{module}.py",
+            "case_margins.toml.in": "validation/margins/{name}.toml",
             "case_test.py.in": "tests/cases/test_{module}.py",
         },
         homes=("refdem/cases",),
@@ -92,13 +93,14 @@ def written(kind: str, name: str, root: Path) -> list[Path]:
     module = name.replace("-", "_")
     refuse_taken_name(kind, skeleton, name, root)
     texts = {
-        root / place.format(module=module): text_of(template, name)
+        root / place.format(name=name, module=module): text_of(template, name)
         for template, place in skeleton.files.items()
     }
     for path in texts:
         if path.exists():
             raise UsageError(f"{path} is there already; take another name")
     for path, text in texts.items():
+        path.parent.mkdir(exist_ok=True)
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     return list(texts)

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 LOCKS = ("requirements.lock", "validation/codes/requirements.txt")
 DIGEST = re.compile(r"--hash=sha256:[0-9a-f]{64}\b")
-EXTRAS = ["mujoco", "pymunk", "rebound", "bench", "test", "browser", "mutants", "lint"]
+EXTRAS = ["every"]
 
 
 def needed(*arguments: str) -> str:

@@ -17,7 +17,11 @@ from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
 from refdem.errors import UsageError
 
-ENGINES = ("mujoco", "pymunk", "rebound")
+ENGINES = [
+    name
+    for name in discovery.own_names("engines")
+    if not discovery.engine(name).is_reference and discovery.engine(name).missing() is None
+]
 TRIED = ("0", "1/2", "1", "3")
 """Values of a number that make a scene simpler or other: nothing, a half, one, a whole odd number.
 """
