@@ -250,7 +250,8 @@ def held(world: World, depth: Number) -> Number:
 def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """One step of h, in pieces between changes of mode."""
     if m.world.is_smooth:
-        return step(m, state, load, h)  # type: ignore[no-any-return]
+        whole: tuple[State, Loads] = step(m, state, load, h)
+        return whole
     left = h
     for _ in range(MOST_EVENTS):
         after, load_after = step(m, state, load, left)
@@ -267,7 +268,8 @@ def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tup
         left = left - part * left
         if not left:
             return state, load
-    return step(m, state, load, left)  # type: ignore[no-any-return]
+    rest: tuple[State, Loads] = step(m, state, load, left)
+    return rest
 
 
 def _cut(

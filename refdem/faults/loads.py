@@ -165,7 +165,9 @@ def meeting(
 
 def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
     """From the centre of a body to the corner of a pair, in space."""
-    return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
+    attitude = state.q[world.pairs[number][0]]
+    arm: Vector = parts.to_space(attitude, world.corners[number])
+    return arm
 
 
 def _corner(

@@ -159,7 +159,8 @@ def rates(m: Moving, state: State) -> Rates:
 
     def spun(i: int) -> Vector:
         torque = vec.plus(parts.gyroscopic(m.world.inertia[i], state.w[i]), load.torque[i])
-        return parts.spun_up(vec.ZERO, torque, m.world.inertia[i], 1.0)
+        rate: Vector = parts.spun_up(vec.ZERO, torque, m.world.inertia[i], 1.0)
+        return rate
 
     still = (0.0, 0.0, 0.0, 0.0)
     return (
