@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypedDict
 
 from tree_copy import KERNELS, ROOT, TreeCopy
 
@@ -46,6 +47,22 @@ FLAGS = ("-O0", "--coverage", "-DREFDEM_ONE_CPU=x86-64", "-include", str(ROOT / 
 """Counted lines have one version for all processors: each of its clones would be a function of its
 own.
 """
+
+
+class KeptTest(TypedDict):
+    """What is kept of one test that passed."""
+
+    name: str
+    seconds: float
+    lines: dict[str, list[int]]
+
+
+class Kept(TypedDict):
+    """What is kept of a file of tests: its digest, that of every source it runs, and its tests."""
+
+    digest: str
+    sources: dict[str, str]
+    tests: list[KeptTest]
 
 
 @dataclass(frozen=True)
@@ -87,10 +104,11 @@ def is_fresh(file: str) -> bool:
     return path.exists() and read_kept(path)["digest"] == digest(file)
 
 
-def read_kept(path: Path) -> dict[str, "object"]:
+def read_kept(path: Path) -> Kept:
     """What is kept of one file of tests."""
     with gzip.open(path, "rt") as text:
-        return json.load(text)
+        entry: Kept = json.load(text)
+    return entry
 
 
 def executed() -> list[Executed]:
@@ -104,11 +122,11 @@ def executed() -> list[Executed]:
         if not is_fresh(file):
             continue
         entry = read_kept(kept(file))
-        for test in entry["tests"]:  # type: ignore[attr-defined]
+        for test in entry["tests"]:
             known = {}
             for name, lines in test["lines"].items():
                 sources.setdefault(name, digest(name))
-                is_same = sources[name] == entry["sources"][name]  # type: ignore[index]
+                is_same = sources[name] == entry["sources"][name]
                 known[name] = set(lines) if is_same else {UNKNOWN}
             found.append(Executed(test["name"], test["seconds"], known))
     return found

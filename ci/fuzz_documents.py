@@ -46,6 +46,7 @@ def changed(document: Document, path: Path, change: Callable[[Document], Documen
     """A copy with another part at a path."""
     if not path:
         return change(document)
+    copy: Document
     if isinstance(document, dict):
         copy = dict(document)
     else:
@@ -58,6 +59,7 @@ def removed(document: Document, path: Path) -> Document:
     """A copy without what is at a path."""
 
     def without(part: Document) -> Document:
+        copy: Document
         if isinstance(part, dict):
             copy = dict(part)
         else:

@@ -28,7 +28,7 @@ from refdem.core.outside import one_line
 from refdem.core.problem import Request, Solid
 from refdem.core.store import Store
 from refdem.core.trajectory_csv import read_trajectory
-from refdem.engines.external import description
+from refdem.engines.external import sense
 from refdem.errors import RefdemError
 from refdem.gate import baseline
 from refdem.report import read_records, write_report
@@ -622,7 +622,7 @@ def targets(folder: Path) -> list[Target]:
         Target("solids", [of_solids()], solids),
     ]
     settings = [
-        Target("descriptions", [DESCRIPTION], toml("refdem.toml", description.read), toml_tree),
+        Target("descriptions", [DESCRIPTION], toml("refdem.toml", sense.read), toml_tree),
         Target("campaigns", [CAMPAIGN], toml("own.toml", campaign), toml_tree),
         Target("deviations", [EXPECTED], in_expected, toml_tree),
     ]

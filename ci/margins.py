@@ -19,6 +19,7 @@ from typing import Any
 
 import _pytest.assertion.rewrite as rewrite
 import numpy as np
+from numpy.typing import ArrayLike
 
 LARGEST = 1e-6
 NAME = "__refdem_margin__"
@@ -176,9 +177,13 @@ def _another_seed(seed: int) -> None:
     alone would.
     """
     real = np.random.default_rng
-    np.random.default_rng = lambda first=None: real(
-        None if first is None else [*np.atleast_1d(first).tolist(), seed]
-    )
+
+    def other(first: ArrayLike | None = None) -> np.random.Generator:
+        if first is None:
+            return real()
+        return real([*np.atleast_1d(first).tolist(), seed])
+
+    setattr(np.random, "default_rng", other)  # noqa: B010  (the type of numpy's own takes more)
 
 
 def _short(path: str) -> str:

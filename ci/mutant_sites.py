@@ -88,9 +88,9 @@ def sites(root: Path, path: str) -> list[Site]:
     """All sites of one file."""
     text = (root / path).read_bytes()
     if path.endswith(".py"):
-        found = of_python(path, text)
+        found = list(of_python(path, text))
     else:
-        found = of_c(path, text)
+        found = list(of_c(path, text))
     return sorted(found, key=lambda site: (site.begin, site.end, site.instead))
 
 

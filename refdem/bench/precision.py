@@ -52,7 +52,8 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
         return late
     # How far along the line, in logarithms, from the point before to the one that meets it.
     part = math.log(before.error / target) / math.log(before.error / after.error)
-    return early * (late / early) ** part
+    met: float = early * (late / early) ** part
+    return met
 
 
 def order(points: Sequence[Point]) -> float | None:

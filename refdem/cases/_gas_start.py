@@ -59,7 +59,8 @@ def velocities(rng: np.random.Generator, n: int, mean_square: float) -> Array:
         left = int(whole[:, axis].sum())
         whole[: abs(left) % n, axis] -= np.sign(left)
         whole[:, axis] -= np.sign(left) * (abs(left) // n)
-    return whole * grid
+    velocity: Array = whole * grid
+    return velocity
 
 
 def bodies(position: Array, velocity: Array, mass: float, diameter: float) -> Bodies:

@@ -121,7 +121,8 @@ def laplace(r: Array, v: Array, gm: float) -> Array:
 def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
     """Fradkin's tensor (T, 3, 3) over the energy at the start, so that its trace is 1."""
     tensor: Array = mass * v[:, :, None] * v[:, None] + stiffness * r[:, :, None] * r[:, None]
-    return tensor / np.trace(tensor[0])
+    scaled: Array = tensor / np.trace(tensor[0])
+    return scaled
 
 
 def turned(kept: Array) -> float:

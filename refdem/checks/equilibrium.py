@@ -142,7 +142,8 @@ def _in_proportion(subject: Subject, delta: float) -> Array:
 
 
 def _arms(scene: Scene, position: Array) -> Array:
-    return position - np.array(scene.all(Rod)[0].anchor_b)
+    arms: Array = position - np.array(scene.all(Rod)[0].anchor_b)
+    return arms
 
 
 def _is_top(scene: Scene) -> bool:

@@ -189,7 +189,8 @@ def _fallen(
     coarse = _defect(subject, runs[Variant(subject.levels[-2], "reversed")].trajectory, "reversed")
     order = subject.order
     octaves = math.log2(subject.levels[-2] / level)
-    return ROOM * coarse / 2.0 ** (order * octaves) + COUNTING_FLOOR * subject.noise(level) * growth
+    of_order: float = ROOM * coarse / 2.0 ** (order * octaves)
+    return of_order + COUNTING_FLOOR * subject.noise(level) * growth
 
 
 def _is_exact(subject: Subject) -> bool:

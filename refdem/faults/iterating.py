@@ -122,7 +122,7 @@ def _next(state: State, asked: Any, parts: MapParts) -> State:
         hit = tuple(
             n * h if n else x
             for n, h, x in zip(normal, (asked.width / 2, asked.height / 2), hit, strict=True)
-        )  # type: ignore[assignment]
+        )
     return (*hit, *parts.reflected(direction, normal))
 
 

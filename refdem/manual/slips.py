@@ -242,7 +242,8 @@ def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
     """(q - p) x (r - p), for points (..., 2): positive where r lies to the left of p -> q."""
     along = q - p
     aside = r - p
-    return along[..., 0] * aside[..., 1] - along[..., 1] * aside[..., 0]
+    side: np.ndarray = along[..., 0] * aside[..., 1] - along[..., 1] * aside[..., 0]
+    return side
 
 
 def norm(values: np.ndarray) -> float:

@@ -18,4 +18,5 @@ def kinetic(mass: Array, inertia: Array, velocity: Array, attitude: Array, omega
     # T = (sum m v.v + sum J_k omega_k^2)/2, omega in body axes.
     of_flight = np.einsum("n,tnk,tnk->t", mass, velocity, velocity)
     of_spin = np.einsum("nk,tnk,tnk->t", inertia, body_omega, body_omega)
-    return 0.5 * (of_flight + of_spin)
+    energy: Array = 0.5 * (of_flight + of_spin)
+    return energy

@@ -47,7 +47,7 @@ def rigid_freedom(position: ArrayLike) -> int:
     turns that move some point.
     """
     points = np.asarray(position, float)
-    dimension = points.shape[1]
+    dimension = int(points.shape[1])
     # Turns of the directions in which the points have no extent move nothing:
     # D + D (D - 1)/2 - I (I - 1)/2 for I such directions.
     idle = dimension - rank(points - points.mean(axis=0))

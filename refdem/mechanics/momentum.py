@@ -10,16 +10,20 @@ Array = NDArray[np.float64]
 
 def linear(mass: Array, velocity: Array) -> Array:
     """Momentum sum m v (T, 3) [kg m/s] for mass (N,), velocity (T, N, 3)."""
-    return np.einsum("n,tnk->tk", mass, velocity)
+    momentum: Array = np.einsum("n,tnk->tk", mass, velocity)
+    return momentum
 
 
 def orbital(mass: Array, position: Array, velocity: Array) -> Array:
     """Orbital angular momentum sum m r x v (T, 3) [kg m^2/s]."""
-    return np.einsum("n,tnk->tk", mass, np.cross(position, velocity))
+    momentum: Array = np.einsum("n,tnk->tk", mass, np.cross(position, velocity))
+    return momentum
 
 
 def spin(inertia: Array, attitude: Array, omega: Array) -> Array:
     """Spin angular momentum sum J_s omega (T, 3) [kg m^2/s]; principal inertia (N, 3), omega (T, N,
     3) in space axes.
     """
-    return rotated(attitude, inertia * rotated(conjugate(attitude), omega)).sum(axis=1)
+    of_each = rotated(attitude, inertia * rotated(conjugate(attitude), omega))
+    momentum: Array = of_each.sum(axis=1)
+    return momentum

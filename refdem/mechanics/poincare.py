@@ -26,7 +26,8 @@ class Exponent(NamedTuple):
         # -1, 0 or 1: below zero, within the errors of it, above zero.
         is_clear = np.abs(self.value) > SIGMAS * self.error
         side = (np.sign(self.value) * is_clear).astype(int)
-        return np.array(["periodic", "quasi-periodic", "chaotic"])[side + 1]
+        kinds: NDArray[np.str_] = np.array(["periodic", "quasi-periodic", "chaotic"])[side + 1]
+        return kinds
 
 
 def exponent(growth: Array, seconds: Array) -> Exponent:

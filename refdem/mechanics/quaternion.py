@@ -22,7 +22,8 @@ def product(p: Array, q: Array) -> Array:
 
 def conjugate(q: Array) -> Array:
     """The conjugate (w, -x, -y, -z), (..., 4); of a unit quaternion the inverse."""
-    return np.asarray(q, float) * np.array([1.0, -1.0, -1.0, -1.0])
+    turned_back: Array = np.asarray(q, float) * np.array([1.0, -1.0, -1.0, -1.0])
+    return turned_back
 
 
 def rotated(q: Array, v: Array) -> Array:
@@ -45,7 +46,8 @@ def angle_between(p: Array, q: Array) -> Array:
     relative = product(p, conjugate(q))
     sine = np.linalg.norm(relative[..., 1:], axis=-1)
     cosine = np.abs(relative[..., 0])
-    return 2.0 * np.arctan2(sine, cosine)
+    angle: Array = 2.0 * np.arctan2(sine, cosine)
+    return angle
 
 
 def matrix(q: Array) -> Array:

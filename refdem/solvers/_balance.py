@@ -66,7 +66,8 @@ def unbalanced(scene: Scene) -> str | None:
 def _end(scene: Scene, spring: Spring) -> Array:
     """Where the second end of a spring is (3,) [m]: at a body, or fixed in space."""
     if spring.b >= 0:
-        return scene.bodies.position[spring.b]
+        end: Array = scene.bodies.position[spring.b]
+        return end
     return np.array(spring.anchor_b)
 
 

@@ -20,7 +20,8 @@ ORDINARY = 2.0**20
 def gravity(scene: Scene) -> Array:
     """Acceleration (3,) [m/s^2] of all uniform fields together."""
     fields = [np.asarray(field.g, float) for field in scene.all(UniformGravity)]
-    return np.sum([np.zeros(3), *fields], axis=0)
+    together: Array = np.sum([np.zeros(3), *fields], axis=0)
+    return together
 
 
 def unsupported(scene: Scene, *kinds: type[Element]) -> str | None:

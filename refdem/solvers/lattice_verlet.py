@@ -95,7 +95,8 @@ def _reach(line: Line) -> tuple[float, float] | None:
 
     def potential(x: float) -> float:
         power = spring.stiffness * abs(x) ** (spring.exponent + 1) / (spring.exponent + 1)
-        return power + spring.cubic * x**4 / 4 - line.weight * x
+        energy: float = power + spring.cubic * x**4 / 4 - line.weight * x
+        return energy
 
     energy = potential(line.place) + line.mass * line.speed**2 / 2
     size = ldexp(1.0, frexp(abs(line.place) or abs(line.speed) or 1.0)[1] - 2)

@@ -288,7 +288,8 @@ def _lost(scene: Scene, number: int, pivot: Pivot, work: Array) -> Array:
     # Energy of the pivot per mass [J/kg].
     kinetic = 0.5 * np.sum(pivot.velocity**2, axis=1)
     energy: Array = kinetic - pivot.place @ single.gravity(scene)
-    return work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
+    lost: Array = work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
+    return lost
 
 
 METHOD = RodChain()

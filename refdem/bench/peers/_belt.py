@@ -154,10 +154,10 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
             return y[1] + speed, belt.pull(now, frequency, y[0]) - side * belt.friction(side * y[1])
 
         def stops(now: float, y: np.ndarray) -> float:
-            return side * y[1]
+            return float(side * y[1])
 
         def turns(now: float, y: np.ndarray) -> float:
-            return y[1] + speed
+            return float(y[1] + speed)
 
         stops.terminal = True  # type: ignore[attr-defined]
         stops.direction = -1  # type: ignore[attr-defined]
@@ -173,7 +173,7 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
             return (-belt.amplitude * frequency * math.sin(frequency * now) - speed,)
 
         def passes(now: float, y: np.ndarray) -> float:
-            return belt.limit - abs(y[0])
+            return float(belt.limit - abs(y[0]))
 
         passes.terminal = True  # type: ignore[attr-defined]
         passes.direction = -1  # type: ignore[attr-defined]

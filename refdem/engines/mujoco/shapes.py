@@ -26,7 +26,8 @@ def box_sides(shape: Polyhedron) -> Array | None:
         and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
     )
     if is_box:
-        return 2 * half
+        sides: Array = 2 * half
+        return sides
     return None
 
 
@@ -70,4 +71,5 @@ def _turned_up(normal: tuple[float, float, float]) -> Array:
         w, a, b, c = _turned_up((x, -y, -z))
         return np.array([-a, w, -c, b])
     half = np.array([1 + z, -y, x, 0.0])
-    return half / np.linalg.norm(half)
+    attitude: Array = half / np.linalg.norm(half)
+    return attitude

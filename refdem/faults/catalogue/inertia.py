@@ -3,20 +3,24 @@
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.faults.change import of_bodies
 from refdem.faults.fault import Fault
 
+Array = NDArray[np.float64]
+
 inertia = partial(Fault, kind="inertia")
 
 
-def _mean(moments):  # type: ignore[no-untyped-def]
+def _mean(moments: Array) -> Array:
     return np.repeat(moments.mean(axis=1, keepdims=True), 3, axis=1)
 
 
-def _inverse(moments):  # type: ignore[no-untyped-def]
+def _inverse(moments: Array) -> Array:
     """1/J, with a constant added that makes it a body's."""
-    return 1 / moments + (1 / moments).max()
+    inverse: Array = 1 / moments + (1 / moments).max()
+    return inverse
 
 
 FAULTS = (

@@ -52,7 +52,7 @@ def _absorbed(direction: tuple[float, float], normal: tuple[float, float]) -> tu
 def _nearest_only(place: tuple[float, float], direction: tuple[float, float], table: Any) -> float:
     """The walls across x alone are seen: the point flies through the others."""
     u = direction[0]
-    half = table.width / 2
+    half: float = table.width / 2
     if u:
         return (half - place[0] if u > 0 else -half - place[0]) / u
     return inf

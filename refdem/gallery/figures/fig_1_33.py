@@ -71,7 +71,8 @@ def wall(geometry: str, size: Array) -> Array:
     """The border of the table (N, 2) [m]."""
     half = size / 2
     if geometry == "rectangle":
-        return half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+        rectangle: Array = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+        return rectangle
     turn = np.linspace(-np.pi / 2, np.pi / 2, 61)
     centre = [half[0] - half[1], 0.0]
     arc = half[1] * np.stack((np.cos(turn), np.sin(turn)), axis=1) + centre

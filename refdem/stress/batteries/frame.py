@@ -20,7 +20,9 @@ WHERE = np.array([1.0, -0.5, 0.25])
 def along(instance: Instance) -> np.ndarray:
     """A direction (3,) in which the scene may move without leaving its dimensions."""
     features = instance.scene.features
-    return WHERE * np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    is_free = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    direction: np.ndarray = WHERE * is_free
+    return direction
 
 
 def dyadic(x: float) -> float:
