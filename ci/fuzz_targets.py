@@ -326,7 +326,7 @@ def standing_in(folder: Path) -> Iterator[None]:
 WORK = [
     "refdem.campaign.campaign.Campaign.sheets",
     "refdem.campaign.smoke.smoke",
-    "refdem.campaign.kills.Trial.matrix",
+    "refdem.campaign.kills.FaultTrial.matrix",
     "refdem.campaign.certification.Certification.run",
     "refdem.campaign.reproof.contradictions",
     "refdem.cli.diagnose._ran",
