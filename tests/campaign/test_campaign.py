@@ -129,3 +129,18 @@ def test_a_new_fingerprint_runs_everything_again(played, tmp_path, monkeypatch):
         type(discovery.engine("played")), "fingerprint", lambda self, method: "played 2"
     )
     assert records(tmp_path, method="good")[1].runs_made == made.runs_made
+
+
+def test_a_campaign_that_is_run_twice_counts_the_runs_of_each_time(played, tmp_path):
+    specification = Specification(
+        name="test",
+        case=[Entry("harmonic-oscillator")],
+        engines=["played"],
+        method="good",
+        levels=3,
+    )
+    campaign = Campaign(specification, Store(tmp_path / "store.sqlite"), jobs=0, use_store=False)
+    (first, *found), (second, *again) = campaign.sheets(), campaign.sheets()
+    assert first.runs_made > 0
+    assert (second.runs_made, second.runs_read) == (first.runs_made, first.runs_read)
+    assert len(found) == len(again)

@@ -6,11 +6,14 @@ from functools import partial
 from math import pi
 from typing import Any
 
+import msgspec
+
 from refdem.core.problem import Request
 from refdem.faults import vectors as vec
 from refdem.faults.change import late, of_elements, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.spring import Spring
@@ -28,21 +31,13 @@ def _per_mass(request: Request) -> Request:
 def _restarted(request: Request) -> Request:
     """Forces count the time from the first sample."""
     start = float(request.problem.times[0])
-    changed = tuple(
-        (
-            Force(
-                a=e.a,
-                amplitude=e.amplitude,
-                frequency=e.frequency,
-                phase=e.phase + e.frequency * start,
-                axis=e.axis,
-            )
-            if isinstance(e, Force)
-            else e
-        )
-        for e in request.problem.scene.elements
-    )
-    return request.with_scene(type(request.problem.scene)(request.problem.scene.bodies, changed))
+    scene = request.problem.scene
+    elements = list(scene.elements)
+    for number, force in enumerate(elements):
+        if isinstance(force, Force):
+            phase = force.phase + force.frequency * start
+            elements[number] = msgspec.structs.replace(force, phase=phase)
+    return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
 
 def _odd_square(p: Parts) -> dict[str, Any]:
