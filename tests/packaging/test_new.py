@@ -38,21 +38,21 @@ PROVED = {
 }
 """What `refdem certify` writes: the values of the case, and the sums of all files beside them."""
 DISCOVERING = (
-    "tests/campaign/test_campaign_settings.py",
-    "tests/campaign/test_every_row.py",
+    "tests/validation/test_campaigns.py",
+    "tests/properties/test_every_row.py",
     "tests/cases",
     "tests/checks",
-    "tests/core/test_iteration.py",
-    "tests/engines/test_claimed_orders.py",
-    "tests/engines/test_every_engine.py",
+    "tests/core/test_problem_of_iterations.py",
+    "tests/engines/test_engines_claimed_orders.py",
+    "tests/properties/test_every_engine.py",
     "tests/engines/test_new_hop.py",
-    "tests/faults/test_kill_matrix.py",
-    "tests/kernels/test_loading.py",
+    "tests/attacks/test_kill_matrix.py",
+    "tests/kernels/test_kernels.py",
     "tests/solvers/test_new_fall.py",
-    "tests/solvers/test_who_answers.py",
-    "tests/truth/certified/test_store.py",
-    "tests/truth/held_out",
-    "tests/truth/test_more_digits.py",
+    "tests/engines/test_reference_answers.py",
+    "tests/truth/certified/test_certified_store.py",
+    "tests/properties/held_out",
+    "tests/properties/test_more_digits.py",
     "tests/truth/witnesses",
 )
 """Tests that look at every case, check, engine or kernel."""
