@@ -88,7 +88,7 @@ def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool
 
 
 def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu
+    """The rate by which a tangential spring at its limit would outgrow the limit, k_t |s'| - mu
     F' [N/s]; 0 without one.
     """
     law = m.world.law
