@@ -73,5 +73,5 @@ def _part(
             clock=(skip, keep, BLOCKS, most),
             outputs=(counts, sums, out),
         )
-        call.answered(FAMILY)
+        call.made(FAMILY)
     return [row[: int(n)].copy() for row, n in zip(out, counts, strict=True)], sums

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Problem, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.kernels import load, pointer, prepared, repeats, timed
 from refdem.solvers._scene_pattern import SceneSolver
@@ -49,20 +49,30 @@ class KernelCall:
     outputs: tuple[Any, ...]
     steps: int = 0
 
+    def arguments(self, family: str) -> list[Any]:
+        """The arguments as the function takes them."""
+        told = [_input(family, value) for value in (*self.inputs, *self.clock)]
+        written = [_output(family, array) for array in self.outputs]
+        return told + written
+
+    def made(self, family: str) -> int:
+        """Calls once; returns what the kernel returned."""
+        function = getattr(load(family).lib, self.function)
+        return int(function(*self.arguments(family)))
+
     def answered(self, family: str) -> tuple[float, int]:
-        """Seconds of one call, and what the kernel returned.
+        """Seconds of one call, and what the kernel returned; within `repeated` it calls more often.
 
         Where the kernel makes something of the start before it is asked for samples, the call has
         two parts, and the first is set-up.
         """
         lib = load(family).lib
-        told = [_input(family, value) for value in (*self.inputs, *self.clock)]
-        written = [_output(family, array) for array in self.outputs]
+        arguments = self.arguments(family)
         prepare = getattr(lib, f"{self.function}_prepare", None)
         if prepare is None:
-            return timed(getattr(lib, self.function), *told, *written)
+            return timed(getattr(lib, self.function), *arguments)
         motion = prepared(family)
-        prepare(*told, *written, motion)
+        prepare(*arguments, motion)
         return timed(getattr(lib, f"{self.function}_run"), motion)
 
 
@@ -99,7 +109,7 @@ class Elapsed:
     For kernels that run forward only: a motion backwards is one with flipped velocities.
     """
 
-    def __init__(self, problem: Motion) -> None:
+    def __init__(self, problem: Problem) -> None:
         self.start = float(problem.times[0])
         self.sense = float(np.sign(problem.interval))
         self.since: Array = self.sense * (problem.times - problem.times[0])

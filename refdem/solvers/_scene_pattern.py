@@ -83,17 +83,17 @@ class ScenePattern:
     def _of_elements(self, scene: Scene) -> str | None:
         for element in scene.elements:
             if not isinstance(element, tuple(self.elements)):
-                return f"{element.kind} acts; expected {self._kinds()}"
+                return f"an element of kind {element.kind}; expected {self._kinds()}"
         for kind, allowed in self.elements.items():
             number = len(scene.all(kind))
             if number not in allowed:
-                return f"{number} elements of kind {_name(kind)}; expected {allowed}"
+                return f"{number or 'no'} elements of kind {_name(kind)}; expected {allowed}"
         return None
 
     def _kinds(self) -> str:
         """The kinds of the elements in words."""
         if not self.elements:
-            return "bodies on which nothing acts"
+            return "none"
         return "only " + ", ".join(_name(kind) for kind in self.elements)
 
     def _of_bodies(self, bodies: Bodies) -> str | None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Trajectory
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
@@ -118,7 +118,7 @@ def unrounded(scene: Scene, overlap: float) -> float:
 
 
 def met(
-    problem: Motion,
+    problem: Problem,
     pressed: Array,
     rate: Array,
     channels: dict[str, Array],

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.solvers._kernel_solver import KernelCall, samples
 from refdem.solvers._mindlin_spring import Spring, course
 from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
@@ -135,13 +135,13 @@ class Impact:
         out = np.empty((len(t), 2))
         touch = np.empty(3)
         law = np.array([self.law.stiffness, self.law.exponent])
-        laws = pointer("power_contact", law)
-        kernel = load("power_contact").lib
-        buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
-        since = np.ascontiguousarray(t)
-        samples = pointer("power_contact", since)
-        start = (self.overlap, self.rate)
-        kernel.refdem_power_contact(self.mass, laws, laws, *start, len(t), samples, *buffers)
+        call = KernelCall(
+            function="refdem_power_contact",
+            inputs=(self.mass, law, law, self.overlap, self.rate),
+            clock=samples(t),
+            outputs=(touch, out),
+        )
+        call.made("power_contact")
         return out, touch
 
     def stop(self, impulse: float, touch: Array) -> float:

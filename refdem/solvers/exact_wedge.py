@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics.quaternion import product
 from refdem.scene import Scene
@@ -105,7 +105,7 @@ class _Meeting:
         return _stored(self.outward, deepest) - _stored(self.inward, deepest)
 
 
-def _meeting(problem: Motion, sense: float) -> _Meeting:
+def _meeting(problem: Problem, sense: float) -> _Meeting:
     """Wedge and wall at the start, time counted upwards."""
     scene = problem.scene
     bodies = scene.bodies

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
@@ -80,8 +80,7 @@ class TumblingBody(KernelSolver):
             return None
         if problem.interval < 0:
             return "friction runs forward only"
-        _, count = _call(problem).answered(FAMILY)
-        if count < 0:
+        if _call(problem).made(FAMILY) < 0:
             return (
                 "a corner that presses comes to a stop: friction without a tangential spring does"
                 " not say what holds it"
@@ -133,7 +132,7 @@ def _law_unsupported(law: Contact) -> str | None:
     return "corners that pull"
 
 
-def _call(problem: Motion) -> KernelCall:
+def _call(problem: Problem) -> KernelCall:
     """The kernel's call for a motion: it returns the number of events, below 0 where it does not
     reach the last sample.
     """
