@@ -120,9 +120,17 @@ def test_other_scenes_are_refused():
     (body,) = scene.bodies.single()
     many = msgspec.structs.replace(body.shape, vertices=body.shape.vertices * 5)
     points = [msgspec.structs.replace(body, shape=many)]
-    assert "at most 32 corners" in refused(Scene.of(points, scene.elements))
-    assert "not one free body" in refused(Scene.of(scene.bodies.single() * 2, scene.elements))
+    assert "expected 1 to 32" in refused(Scene.of(points, scene.elements))
+    assert "2 bodies; expected one" in refused(Scene.of(scene.bodies.single() * 2, scene.elements))
 
 
 def refused(scene):
     return ENGINE.unsupported_motion(Motion(scene, LONG), ENGINE.method("tumbling-body"))
+
+
+def test_time_that_runs_backwards_is_refused():
+    # The kernel looked for events before the start and wrote beyond its buffers.
+    scene = flat()
+    times = np.linspace(0.0, -0.1, 5)
+    reason = ENGINE.unsupported_motion(Motion(scene, times), ENGINE.method("tumbling-body"))
+    assert "backwards" in str(reason)
