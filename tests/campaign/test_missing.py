@@ -58,7 +58,8 @@ def test_a_finding_that_is_not_made_is_absent() -> None:
     found = with_missing([record(*all_but("order/state"))], IDS, "the list")
     assert outcomes(found) == {"order/state": "absent"}
     assert (
-        "The list contains this finding, and this run did not produce it" in found[0].findings[-1].sentence
+        "The list contains this finding, and this run did not produce it"
+        in found[0].findings[-1].sentence
     )
 
 

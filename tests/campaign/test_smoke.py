@@ -341,7 +341,10 @@ def test_the_other_sign_of_a_quaternion_is_the_same_attitude():
 
 def test_a_sentence_says_what_came_and_what_must_come():
     found = {f.quantity: f.sentence for f in smoke(Plain(changed("position", lambda r: -r)))}
-    assert "at t = 1 s the value is [ 2., -0., -0.], expected [-2.,  0.,  0.]" in found["line: position"]
+    assert (
+        "at t = 1 s the value is [ 2., -0., -0.], expected [-2.,  0.,  0.]"
+        in found["line: position"]
+    )
     assert found["line: position"].endswith("its position has the other sign")
 
 
