@@ -179,16 +179,13 @@ def _law_turns(subject: Subject) -> bool:
 
 def _as_trajectory(truth: SampledTruth) -> Trajectory:
     """The certified states of two spheres; their attitudes make no difference."""
-    r, v, omega = (
-        np.stack(
-            [
-                np.stack([truth.value(f"{kind}{body}.{axis}") for axis in "xyz"], axis=-1)
-                for body in (1, 2)
-            ],
-            axis=1,
-        )
-        for kind in KINDS
-    )
+
+    def vector(kind: str, body: int) -> Array:
+        components = [truth.value(f"{kind}{body}.{axis}") for axis in "xyz"]
+        return np.stack(components, axis=-1)
+
+    # Columns (T, 2, 3), as trajectories have them.
+    r, v, omega = (np.stack([vector(kind, 1), vector(kind, 2)], axis=1) for kind in KINDS)
     attitude = np.zeros((truth.until, 2, 4))
     attitude[..., 0] = 1.0
     return Trajectory(

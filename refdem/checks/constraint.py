@@ -54,6 +54,12 @@ class Constraint(Check):
                 bound = np.minimum(
                     allowed, left_at_finest(subject, coarse[quantity]) + COUNTING_FLOOR * rounding
                 )
+            reason = basis
+            if bound is not allowed:
+                reason = (
+                    f"{basis}, and truncation error extrapolated from the coarsest step with the"
+                    " claimed order"
+                )
             found.append(
                 worst(
                     check=self.name,
@@ -62,14 +68,7 @@ class Constraint(Check):
                     values=drift,
                     allowed=bound,
                     unit="1",
-                    basis=(
-                        basis
-                        if bound is allowed
-                        else (
-                            f"{basis}, and truncation error extrapolated from the coarsest step"
-                            " with the claimed order"
-                        )
-                    ),
+                    basis=reason,
                     what=f"The constraint drift of the rods ({quantity}), relative to its scale,",
                 )
             )

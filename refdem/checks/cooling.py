@@ -136,6 +136,10 @@ class Cooling(Check):
         grown = 2 * (t / haff) / (1 + t / haff)
         stored = gas.softness + ERRORS * np.sqrt(gas.softness / gas.n)
         allowed = ERRORS * loss_error(gas.restitution, gas.n, met) + THEORY * grown + stored
+        if np.isinf(haff):
+            compared = "its initial value"
+        else:
+            compared = "T0/(1 + t/tau)^2"
         return worst(
             check=self.name,
             quantity="temperature",
@@ -148,10 +152,7 @@ class Cooling(Check):
                 f"{ERRORS:g} standard errors of the energy lost in the collisions so far,"
                 f" {THEORY:.0%} of tau, and the energy held in contacts"
             ),
-            what=(
-                "The logarithm of the ratio of the temperature to"
-                f" {'its initial value' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}"
-            ),
+            what=f"The logarithm of the ratio of the temperature to {compared}",
         )
 
     def _distribution(self, gas: Gas, run: Trajectory) -> Finding:
@@ -237,13 +238,10 @@ def _gas(scene: Scene, frequency: float) -> Gas:
     volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
     (box,) = scene.all(PeriodicBox)
     packing = volume / box.size**3
-    return Gas(
-        n,
-        float(np.exp(-damping * lasts)) if damping else 1.0,
-        float(lasts),
-        float(packing),
-        frequency,
-    )
+    restitution = 1.0
+    if damping:
+        restitution = float(np.exp(-damping * lasts))
+    return Gas(n, restitution, float(lasts), float(packing), frequency)
 
 
 CHECK = Cooling()

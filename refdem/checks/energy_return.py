@@ -60,8 +60,10 @@ class EnergyReturn(Check):
         exact = subject.method.reversible or subject.method.control == "exact"
         if exact:
             back_off = 2 * subject.round_off(subject.levels[-1]) * growth**2
+            reason = "round-off of the forward and the backward run"
         else:
             back_off = 2 * allowed * growth
+            reason = "twice the error bound of the velocity, forward and backward"
         gain_error = judged(
             check=self.name,
             quantity="gain",
@@ -77,11 +79,7 @@ class EnergyReturn(Check):
             value=abs(gained + lost) / unit,
             bound=TERMS * back_off,
             unit="1",
-            basis=(
-                "round-off of the forward and the backward run"
-                if exact
-                else "twice the error bound of the velocity, forward and backward"
-            ),
+            basis=reason,
             what=(
                 "The net gain in kinetic energy after running forward and backward,"
                 " relative to m v^2,"

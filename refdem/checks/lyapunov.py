@@ -184,18 +184,15 @@ class Lyapunov(Check):
             "in a regular motion neighbours separate no faster than t^2 (1.132), so"
             " the exponent is zero"
         )
+        if bound > LARGEST_POWER:
+            basis += "; those of the true motion separate as fast between these samples"
         return judged(
             check=self.name,
             quantity="power",
             value=max(0.0, seen.power),
             bound=bound,
             unit="1",
-            basis=basis
-            + (
-                "; those of the true motion separate as fast between these samples"
-                if bound > LARGEST_POWER
-                else ""
-            ),
+            basis=basis,
             what=(
                 "The power of time with which neighbours separate at the end (exponent"
                 f" {seen.exponent:.2g} +- {seen.error:.1g})"
@@ -206,15 +203,16 @@ class Lyapunov(Check):
         """The finding that the exponent is two standard errors above zero, and grows faster than
         any power of time.
         """
-        is_chaotic = seen.is_exponential(ERRORS)
-        if is_chaotic:
+        if seen.is_exponential(ERRORS):
+            contradiction = 0.0
             verdict = "is that of"
         else:
+            contradiction = 1.0
             verdict = "is not that of"
         return judged(
             check=self.name,
             quantity="class",
-            value=0.0 if is_chaotic else 1.0,
+            value=contradiction,
             bound=0.0,
             unit="1",
             basis=(
@@ -237,23 +235,28 @@ class Lyapunov(Check):
             "three standard errors of both exponents, plus ln 10 over the time for"
             " the initial direction"
         )
-        tight = float(np.log(FASTER if faster else SLOWER)) / lasts
+        if faster:
+            factor = FASTER
+            beyond = f"except for a factor of {FASTER:g}"
+        else:
+            factor = SLOWER
+            beyond = f"and few grow less by a factor of {SLOWER:g}"
+        tight = float(np.log(factor)) / lasts
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight
-            if faster:
-                beyond = f"except for a factor of {FASTER:g}"
-            else:
-                beyond = f"and few grow less by a factor of {SLOWER:g}"
             basis = (
                 "the run follows the true trajectory, where no perturbation grows by more"
                 f" than S, {beyond}"
             )
+        unit = "1"
+        if isinstance(subject.instance.problem, Motion):
+            unit = "1/s"
         return judged(
             check=self.name,
             quantity="exponent",
             value=abs(seen.exponent - true.exponent),
             bound=bound,
-            unit="1/s" if isinstance(subject.instance.problem, Motion) else "1",
+            unit=unit,
             basis=basis,
             what=(
                 f"The error of the exponent ({seen.exponent:.4g} +- {seen.error:.2g}, true"

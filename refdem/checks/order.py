@@ -181,21 +181,21 @@ class Order(Check):
 
     def _nothing_left(self, seen: list[float], floor: list[float]) -> Finding:
         """Round-off at every level but perhaps the coarsest."""
-        from_first = seen[0] <= floor[0]
+        first = 0
+        what = "The error at every level"
+        if not seen[0] <= floor[0]:
+            first = 1
+            what = "The error at every level but the coarsest"
         return judged(
             check=self.name,
             quantity="state",
-            value=max(seen if from_first else seen[1:]),
-            bound=max(floor if from_first else floor[1:]),
+            value=max(seen[first:]),
+            bound=max(floor[first:]),
             unit="1",
             basis=(
                 "20 times round-off, so no truncation error is left from which to observe an order"
             ),
-            what=(
-                "The error at every level"
-                if from_first
-                else "The error at every level but the coarsest"
-            ),
+            what=what,
         )
 
     def _deficit(
@@ -339,11 +339,12 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     slope = float(x @ y) / spread
     left = len(x) - 2
     rest = float(np.sum((y - slope * x) ** 2))
-    return (
-        slope,
-        SCATTER / float(np.sqrt(spread)),
-        float(np.sqrt(rest / (left * spread))) if left else float("inf"),
-    )
+    expected = SCATTER / float(np.sqrt(spread))
+    # The standard error of a slope: residual variance over the spread of the abscissae.
+    shown = float("inf")
+    if left:
+        shown = float(np.sqrt(rest / (left * spread)))
+    return slope, expected, shown
 
 
 def lack(orders: list[float], claimed: float) -> float:

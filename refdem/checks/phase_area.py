@@ -59,14 +59,14 @@ class PhaseArea(Check):
         assert isinstance(case, EnsembleCase)
         x, v = case.outline(subject.instance.p, runs[subject.finest].trajectory)
         first = abs(truth.value("area")[0])
-        straight = (
-            polygon(x, v, BROKEN if "friction" in subject.instance.problem.features else SMOOTH)
-            / first
-        )
-        until = min(
-            truth.until,
-            int(np.argmax(straight > COARSE)) if np.any(straight > COARSE) else len(straight),
-        )
+        part = SMOOTH
+        if "friction" in subject.instance.problem.features:
+            part = BROKEN
+        straight = polygon(x, v, part) / first
+        until = truth.until
+        too_coarse = np.flatnonzero(straight > COARSE)
+        if len(too_coarse):
+            until = min(until, int(too_coarse[0]))
         if until < MIN_SAMPLES:
             return [
                 undecided(

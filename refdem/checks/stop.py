@@ -154,12 +154,10 @@ def _unseen(subject: Subject, speed: float, place: float) -> float:
         fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
     else:
         fast = np.zeros(0, int)
-    return max(
-        float(longest),
-        truth.scalars["stop_time"][0] - float(subject.instance.times[fast[-1]])
-        if len(fast)
-        else 0.0,
-    )
+    unseen = 0.0
+    if len(fast):
+        unseen = truth.scalars["stop_time"][0] - float(subject.instance.times[fast[-1]])
+    return max(float(longest), unseen)
 
 
 CHECK = Stop()

@@ -75,20 +75,26 @@ class Top(Check):
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
                 )
+            values = finest[name]
+            if keeps:
+                values = coarse
+            signal = None
+            if name.startswith("L_"):
+                signal = 1.0
+            measured = "change of"
+            if name.startswith("joint"):
+                measured = "separation of the"
             found.append(
                 worst(
                     check=self.name,
                     quantity=name,
                     t=subject.instance.times,
-                    values=coarse if keeps else finest[name],
+                    values=values,
                     allowed=allowed,
-                    signal=1.0 if name.startswith("L_") else None,
+                    signal=signal,
                     unit="1",
                     basis=basis,
-                    what=(
-                        f"The {'separation of the' if name.startswith('joint') else 'change of'}"
-                        f" {name}, relative to its scale,"
-                    ),
+                    what=f"The {measured} {name}, relative to its scale,",
                 )
             )
         return found

@@ -51,16 +51,16 @@ def command(
     matrix = FaultTrial(
         engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()
     ).matrix()
-    print(
-        msgspec.json.format(msgspec.json.encode(matrix)).decode()
-        if json
-        else "\n".join(lines(matrix))
-    )
+    if json:
+        print(msgspec.json.format(msgspec.json.encode(matrix)).decode())
+    else:
+        print("\n".join(lines(matrix)))
     if not matrix.kills:
         raise UsageError(
             f"nothing was judged: engine {engine} can carry none of the faults that were asked for"
         )
-    raise typer.Exit(1 if matrix.survivors() or matrix.alarms else 0)
+    has_failed = bool(matrix.survivors() or matrix.alarms)
+    raise typer.Exit(int(has_failed))
 
 
 def lines(matrix: "Matrix") -> list[str]:

@@ -93,11 +93,10 @@ def command(
     ).record()
     (out / "stress.json").write_bytes(msgspec.json.encode(record))
     written(out, record, store)
-    print(
-        msgspec.json.encode(record).decode()
-        if json
-        else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"])
-    )
+    if json:
+        print(msgspec.json.encode(record).decode())
+    else:
+        print("\n".join([*lines(record), f"stress: {out / 'stress.html'}"]))
     raise typer.Exit(status(record))
 
 

@@ -13,6 +13,7 @@ from refdem.core.finding import (
     CampaignSheet,
     Record,
     Sheet,
+    findings_of,
     worst_first,
 )
 from refdem.core.outside import one_line
@@ -79,8 +80,7 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
     records = [sheet for sheet in sheets if isinstance(sheet, Record)]
     judged = {
         record.engine
-        for record in records
-        for finding in record.findings
+        for record, finding in findings_of(records)
         if finding.outcome in (*DECIDED, *BROKEN)
     }
     reasons: dict[tuple[str, str, str], list[str]] = {}

@@ -3,7 +3,7 @@ these.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import msgspec
@@ -172,14 +172,19 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
 Sheet = Record | CaseSheet | EngineSheet | CampaignSheet
 
 
+def findings_of(sheets: Iterable[Sheet]) -> Iterator[tuple[Record, Finding]]:
+    """Every finding of the records among the sheets, with its record, in their order."""
+    for sheet in sheets:
+        if isinstance(sheet, Record):
+            for finding in sheet.findings:
+                yield sheet, finding
+
+
 def worst_first(sheets: Iterable[Sheet]) -> list[tuple[Record, Finding]]:
     """Every finding with its record: by outcome, then by margin."""
-    found = [
-        (sheet, finding)
-        for sheet in sheets
-        if isinstance(sheet, Record)
-        for finding in sheet.findings
-    ]
-    return sorted(
-        found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0)
-    )
+
+    def rank(pair: tuple[Record, Finding]) -> tuple[int, float]:
+        _, finding = pair
+        return WORST_FIRST.index(finding.outcome), finding.margin or 0.0
+
+    return sorted(findings_of(sheets), key=rank)

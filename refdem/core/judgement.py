@@ -119,6 +119,9 @@ def judged(
             f"Not decided: the bound {sight.bound:.2g} exceeds a tenth of the signal"
             f" {sight.signal:.2g}. {sentence}"
         )
+    sharpness = None
+    if sight is not None:
+        sharpness = sight.sharpness
     return Finding(
         check=check,
         quantity=quantity,
@@ -128,7 +131,7 @@ def judged(
         bound=float(bound),
         unit=unit,
         basis=basis,
-        sharpness=None if sight is None else sight.sharpness,
+        sharpness=sharpness,
         **more,
     )
 
@@ -248,7 +251,9 @@ def errors(
     else:
         found = {}
     late = {name: values for name, values in observed.items() if name in by_velocity - by_position}
-    return found | (_errors(instance, late, truth.delayed(delay)) if late else {})
+    if late:
+        found |= _errors(instance, late, truth.delayed(delay))
+    return found
 
 
 def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:

@@ -193,10 +193,11 @@ def labelled(label: str) -> tuple[str, dict[str, str]]:
         raise UsageError(
             f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]"
         )
-    first, *others = (match[2] or "").split() or [""]
-    return match[1], settings(
-        [f"member={first}" if first and "=" not in first else first, *others] if first else []
-    )
+    pairs = (match[2] or "").split()
+    # `case[name]` is short for `case[member=name]`.
+    if pairs and "=" not in pairs[0]:
+        pairs[0] = f"member={pairs[0]}"
+    return match[1], settings(pairs)
 
 
 def settings(pairs: list[str]) -> dict[str, str]:

@@ -250,10 +250,10 @@ class Identity(Static):
                     f"operation {each.name} ({each.operation}) has operands of sizes {got} (-1:"
                     " unknown)"
                 )
-                raise UsageError(
-                    f"{told}; expected {expected if result > 0 else 'one of ' + ', '.join(SIZES)},"
-                    " each name once"
-                )
+                wanted = str(expected)
+                if result <= 0:
+                    wanted = f"one of {', '.join(SIZES)}"
+                raise UsageError(f"{told}; expected {wanted}, each name once")
             known[each.name] = result
 
     @property

@@ -182,7 +182,9 @@ class Symmetry:
         if space:
             return tuple((length * (self.q @ np.array(value) + self.shift)).tolist())
         x, y, z = value
-        return (-x * length if self.mirrored else x * length, y * length, z * length)
+        if self.mirrored:
+            x = -x
+        return (x * length, y * length, z * length)
 
 
 def of(instance: Instance, name: str) -> Symmetry:

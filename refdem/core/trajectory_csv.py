@@ -199,11 +199,11 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
 
 def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
     """One event; raises EngineError if it is none."""
-    time, body = (
-        (number_in(line[0]), number_in(line[2]))
-        if len(line) == len(EVENT_COLUMNS)
-        else (None, None)
-    )
+    time = None
+    body = None
+    if len(line) == len(EVENT_COLUMNS):
+        time = number_in(line[0])
+        body = number_in(line[2])
     if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
         came = one_line(",".join(line), 80)
         raise EngineError(

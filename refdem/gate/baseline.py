@@ -4,7 +4,7 @@ from pathlib import Path
 
 import msgspec
 
-from refdem.core.finding import DECIDED, Finding, Outcome, Record
+from refdem.core.finding import DECIDED, Finding, Outcome, Record, findings_of
 from refdem.core.outside import one_line
 from refdem.core.reading import content, json_as
 from refdem.errors import StoreError, UsageError
@@ -98,8 +98,7 @@ def write(path: Path, records: list[Record], why: str) -> int:
         )
     kept = [
         accepted(record, finding)
-        for record in records
-        for finding in record.findings
+        for record, finding in findings_of(records)
         if finding.outcome in DECIDED
     ]
     if not kept:
@@ -124,10 +123,9 @@ def write(path: Path, records: list[Record], why: str) -> int:
 def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
     """What blessing would change, a line each, so that it is seen."""
     now = {
-        record.id(f): accepted(record, f)
-        for record in records
-        for f in record.findings
-        if f.outcome in DECIDED
+        record.id(finding): accepted(record, finding)
+        for record, finding in findings_of(records)
+        if finding.outcome in DECIDED
     }
     lines = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
     lines += [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]

@@ -35,15 +35,10 @@ def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise)
     """The records with findings turned worse or lost, and what is gone absent or under the error
     that explains it.
     """
-    changed = [
-        msgspec.structs.replace(
-            record,
-            findings=tuple(
-                _compared(record, finding, baseline, noise) for finding in record.findings
-            ),
-        )
-        for record in records
-    ]
+    changed = []
+    for record in records:
+        findings = [_compared(record, finding, baseline, noise) for finding in record.findings]
+        changed.append(msgspec.structs.replace(record, findings=tuple(findings)))
     decided = [name for name, entry in baseline.items() if entry.outcome in DECIDED]
     return with_missing(changed, decided, "the baseline")
 

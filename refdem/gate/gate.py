@@ -12,7 +12,7 @@ from refdem.campaign.schedule import Progress
 from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.engine import Engine
-from refdem.core.finding import DECIDED, Finding, Record, Sheet
+from refdem.core.finding import DECIDED, Finding, Record, Sheet, findings_of
 from refdem.core.parameters import labelled
 from refdem.core.selection import Selection
 from refdem.core.store import Store, default_path
@@ -59,7 +59,7 @@ class Gate:
         sheets = Campaign(
             self.specification(), self.store, self.jobs, use_store=False, progress=self.progress
         ).sheets()
-        findings = [f for sheet in sheets if isinstance(sheet, Record) for f in sheet.findings]
+        findings = [finding for _, finding in findings_of(sheets)]
         if not self.baseline.is_file() and not any(
             f.outcome in (*DECIDED, "error") for f in findings
         ):
@@ -85,23 +85,17 @@ class Gate:
             entry = Entry(*labelled(record.label))
             base = msgspec.structs.replace(self.specification(), case=[entry], method=record.method)
             moved = [msgspec.structs.replace(base, perturbed_ulps=ulps) for ulps in ULPS]
-            campaigns = [
-                Campaign(specification, self.store, self.jobs, use_store=False)
-                for specification in moved
-            ]
-            self._noise[key] = [
-                sheet
-                for campaign in campaigns
-                for sheet in campaign.sheets()
-                if isinstance(sheet, Record)
-            ]
+            records: list[Record] = []
+            for specification in moved:
+                campaign = Campaign(specification, self.store, self.jobs, use_store=False)
+                records += [sheet for sheet in campaign.sheets() if isinstance(sheet, Record)]
+            self._noise[key] = records
         name = record.id(finding)
         now = compare.size(finding)
         again = [
-            compare.size(f)
-            for other in self._noise[key]
-            for f in other.findings
-            if other.id(f) == name
+            compare.size(moved_finding)
+            for other, moved_finding in findings_of(self._noise[key])
+            if other.id(moved_finding) == name
         ]
         return max(
             (abs(value - now) for value in again if value is not None and now is not None),

@@ -8,7 +8,7 @@ from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.engine import Engine
-from refdem.core.finding import BROKEN, Record
+from refdem.core.finding import BROKEN, Record, findings_of
 from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.gate.gate import supported
@@ -33,7 +33,6 @@ def broken(found: Iterable[Record]) -> list[str]:
     """One text for every finding that closes the gate: its id and its sentence."""
     return [
         f"{record.id(finding)}: {finding.sentence}"
-        for record in found
-        for finding in record.findings
+        for record, finding in findings_of(found)
         if finding.outcome in BROKEN
     ]

@@ -136,8 +136,14 @@ def _add_tendon(
 ) -> None:
     """A spring as a spatial tendon between two sites."""
     tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
-    linear, cube = (spring.stiffness, 0.0) if spring.exponent == 1 else (0.0, spring.stiffness)
-    tendon.stiffness = (linear, 0.0, cube + spring.cubic)
+    # F = linear s + cubic s^3 in the stretch s; exponents other than 1 and 3 are unsupported.
+    if spring.exponent == 1:
+        linear = spring.stiffness
+        cubic = spring.cubic
+    else:
+        linear = 0.0
+        cubic = spring.stiffness + spring.cubic
+    tendon.stiffness = (linear, 0.0, cubic)
     for end, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b)):
         place: Any = anchor
         if end >= 0 and not freedoms[end].turns:

@@ -100,15 +100,13 @@ class Hinge(Freedom):
 
     def hanging(self) -> tuple[float, float]:
         """Angle from straight down and its rate at the start."""
-        place, speed = (
-            (self.above.body.position, self.above.body.velocity)
-            if self.above
-            else (self.rod.anchor_b, (0.0, 0.0, 0.0))
-        )
-        (x, y, _), (u, v, _) = (
-            np.subtract(self.body.position, place),
-            np.subtract(self.body.velocity, speed),
-        )
+        place: Any = self.rod.anchor_b
+        speed: Any = (0.0, 0.0, 0.0)
+        if self.above:
+            place = self.above.body.position
+            speed = self.above.body.velocity
+        x, y, _ = np.subtract(self.body.position, place)
+        u, v, _ = np.subtract(self.body.velocity, speed)
         return float(np.arctan2(x, -y)), float((x * v - y * u) / self.rod.length**2)
 
     def start(self) -> tuple[Array, Array]:
