@@ -2,7 +2,7 @@
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
 .PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
-.PHONY: kernel-lines manual lint
+.PHONY: kernel-lines coverage manual lint
 .PHONY: develop codes lock clean help
 
 PYTHON ?= python3
@@ -31,6 +31,7 @@ help:
 	@echo 'make nightly    all of that, every fault at every seed, the full campaign, mutants'
 	@echo 'make mutants    plant small errors in the code and count those that no test sees'
 	@echo 'make kernel-lines  the lines of the kernels that campaign main runs'
+	@echo 'make coverage   the lines of Python that the tests run, file by file, the least first'
 	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
@@ -69,6 +70,7 @@ nightly: test test-all
 	$(BIN)/refdem run --campaign full --out build/nightly
 	$(MAKE) test-machines
 	$(MAKE) kernel-lines
+	$(MAKE) coverage
 	$(MAKE) fuzz MINUTES=60
 	$(MAKE) mutants
 
@@ -77,6 +79,13 @@ mutants: .venv/refdem .venv/for-mutants
 
 kernel-lines: .venv/refdem .venv/for-mutants
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/kernel_lines.py
+
+# By itself and at night: counting lines slows the tests down by more than a tenth.
+coverage: .venv/refdem .venv/for-mutants
+	rm -rf build/coverage && mkdir -p build/coverage
+	$(BIN)/coverage run -m pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%) --ignore=$(MATRIX)
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report
 
 # Inputs that are wrong: `make fuzz MINUTES=10` for so long from the seed of the day, and what it learns goes
 # into tests/corpus; without MINUTES the same so many every time, as in CI.

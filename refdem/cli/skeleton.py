@@ -135,7 +135,10 @@ def refuse_bad_name(name: str) -> None:
 
 def refuse_other_tree(root: Path) -> None:
     """Raises UsageError for a folder that is not the root of a tree of refdem."""
-    missing = [mark for mark in MARKS if not (root / mark).exists()]
+    try:
+        missing = [mark for mark in MARKS if not (root / mark).exists()]
+    except OSError as error:
+        raise UsageError(f"--package {str(root)[:80]!r}: {error.strerror}") from None
     if missing:
         raise UsageError(
             f"{root} is no tree of refdem, for it has no {missing[0]}; call this in the root of a"

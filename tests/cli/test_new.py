@@ -116,6 +116,13 @@ def test_a_folder_that_is_no_tree_is_refused(tmp_path: Path, command_line: Run) 
     assert files(tmp_path) == set()
 
 
+def test_a_folder_that_no_system_can_have_is_refused(command_line: Run) -> None:
+    done = command_line("new", "case", "one", "--package", "x" * 5000)
+    assert done.returncode == 2
+    assert "--package 'xxx" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_a_case_in_a_folder_of_its_own_and_a_method_in_another_file_are_taken(
     tree: Path, command_line: Run
 ) -> None:
