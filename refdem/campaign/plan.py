@@ -76,7 +76,7 @@ class Row:
 
     @property
     def delays(self) -> tuple[float, ...]:
-        """By how much [s] the velocities of some method lag at one of its levels."""
+        """The times [s] by which velocities of some method lag at one of its levels."""
         delays: set[float] = set()
         for _, asked in self.subjects:
             for subject, _ in asked:

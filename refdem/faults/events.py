@@ -88,8 +88,8 @@ def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool
 
 
 def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu
-    F' [N/s]; 0 without one.
+    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s'| - mu F'
+    [N/s]; 0 without one.
     """
     law = m.world.law
     if law is None or not (

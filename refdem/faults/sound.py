@@ -23,7 +23,7 @@ from refdem.scene.elements.spring import Spring
 
 
 def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
-    """Force [N] on end a."""
+    """The force [N] of a spring on its end a."""
     apart = vec.minus(b, a)
     if spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic):
         return vec.times(spring.stiffness, apart)
@@ -71,7 +71,7 @@ def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
 
 
 def turn_rate(q: Quaternion, omega: Vector) -> Quaternion:
-    """q' = q omega_body / 2."""
+    """The rate q' = q omega_body / 2 of the attitude."""
     w, x, y, z = vec.product(q, (0.0, *omega))
     return w / 2, x / 2, y / 2, z / 2
 
@@ -127,22 +127,22 @@ def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
-    """Position after h [s]."""
+    """The position after a drift of h [s]."""
     return vec.moved(r, h, v)
 
 
 def reaction(force: Vector) -> Vector:
-    """What the other body feels."""
+    """The force that the other body feels: the reaction."""
     return -force[0], -force[1], -force[2]
 
 
 def away(a: Vector, b: Vector) -> Vector:
-    """From the centre of a to that of b [m]."""
+    """The vector (3) [m] from the centre of a to that of b."""
     return vec.minus(b, a)
 
 
 def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
-    """Depth of the contact [m]."""
+    """The overlap [m] of two spheres in contact."""
     return (radius_a + radius_b) - distance
 
 
@@ -253,7 +253,7 @@ def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Num
 
 
 def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
-    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease);
+    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease).
 
     `pull` is the relative acceleration without it.
     """
