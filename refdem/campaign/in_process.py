@@ -14,9 +14,10 @@ from refdem.core.case import Instance
 from refdem.core.engine import Engine, finished
 from refdem.core.finding import Record
 from refdem.core.problem import Request
-from refdem.core.run import Run
+from refdem.core.run import Failure, Run
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.errors import RefdemError
 
 
 def truth_of(instance: Instance) -> SampledTruth:
@@ -66,10 +67,16 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
 
 
 def run_of(engine: Engine, request: Request) -> Run:
-    """One run; whatever an engine raises becomes a Failure."""
-    # As a worker gets it.
-    asked = Request.unpacked(request.packed())
-    reply = finished(worker.reply_of(engine.name, asked, engine))
+    """One run; whatever an engine raises becomes a Failure, as does a request that cannot be
+    written.
+    """
+    try:
+        # As a worker gets it.
+        asked = Request.unpacked(request.packed())
+    except RefdemError as error:
+        reply = worker.Reply(failure=Failure(kind="contract", sentence=str(error)))
+    else:
+        reply = finished(worker.reply_of(engine.name, asked, engine))
     return Run(
         key="",
         request=request,
