@@ -40,7 +40,7 @@ def between(low: float, high: float, unit: int = 32) -> Draw:
 
 
 def either(*values: Any) -> Draw:
-    """One of the given texts, drawn."""
+    """One of these values, each as likely as the others."""
     return lambda rng, _: values[int(rng.integers(len(values)))]
 
 

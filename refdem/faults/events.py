@@ -88,8 +88,8 @@ def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool
 
 
 def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """The rate by which a tangential spring at its limit would outgrow the limit, k_t |s'| - mu
-    F' [N/s]; 0 without one.
+    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s'| - mu F'
+    [N/s]; 0 without one.
     """
     law = m.world.law
     if law is None or not (
@@ -194,12 +194,12 @@ def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, 
 
 
 def least(found: list[tuple[Number, Change]]) -> Number:
-    """The smallest margin of all events."""
+    """The smallest margin."""
     return min((margin for margin, _ in found), default=1.0)
 
 
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
-    """Carries out one change of mode in place."""
+    """Makes one change of mode."""
     kind, number = change
     if kind == "contact":
         _, depth, _, _ = meeting(m.world, state, m.parts, number)

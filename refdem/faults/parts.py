@@ -37,7 +37,7 @@ class HoldingParts:
 
 @dataclass(frozen=True, kw_only=True)
 class PositionalParts:
-    """Parts of forces that place and orientation choose."""
+    """The parts of positional forces, by name."""
 
     field_force: Callable[[PiecewiseField, Number], Number]
     wedge_force: Callable[[Wedge, Number, bool, Number], Number]
@@ -66,7 +66,7 @@ Located = Callable[[Callable[[float], float], float, float, float], float]
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
-    """All parts of a step, by name."""
+    """All parts of the engine, by name."""
 
     spring_force: Callable[[Spring, Vector, Vector], Vector]
     dashpot_force: Callable[[Dashpot, Vector, Vector], Vector]

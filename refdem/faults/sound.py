@@ -127,22 +127,22 @@ def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
-    """The position [m] after drifting for h [s]."""
+    """The position after a drift of h [s]."""
     return vec.moved(r, h, v)
 
 
 def reaction(force: Vector) -> Vector:
-    """What the other body feels."""
+    """The force that the other body feels: the reaction."""
     return -force[0], -force[1], -force[2]
 
 
 def away(a: Vector, b: Vector) -> Vector:
-    """The vector [m] from the centre of a to that of b."""
+    """The vector (3) [m] from the centre of a to that of b."""
     return vec.minus(b, a)
 
 
 def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
-    """Depth of the contact [m]."""
+    """The overlap [m] of two spheres in contact."""
     return (radius_a + radius_b) - distance
 
 
@@ -234,8 +234,7 @@ def slider_force(slider: Slider, side: int, speed: Number) -> Vector:
 
 def holds(slider: Slider, along: Number) -> bool:
     """Dry friction balances a force [N] along its axis at rest."""
-    limit: float = slider.coefficient(0.0) * slider.normal_force
-    return bool(abs(along) <= limit)
+    return abs(along) <= slider.coefficient(0.0) * slider.normal_force
 
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:

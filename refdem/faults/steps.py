@@ -138,7 +138,7 @@ class Rates(NamedTuple):
 
 
 def rates(m: Moving, state: State) -> Rates:
-    """The rates of change of a state."""
+    """The rates of the state of every body."""
     parts = m.parts
     load = parts.loads(m.world, state, parts)
     found = Rates(list(state.v), [], [], [])

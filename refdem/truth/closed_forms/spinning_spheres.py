@@ -62,7 +62,7 @@ class SpinningSpheres(TwoSpheres):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth of case two-spheres, in its plane or in space;
+    """The truth of case two-spheres, in its plane or in space.
 
     `scale` of the 18 quantities NAMES.
     """

@@ -94,8 +94,8 @@ class TwoSpheres(HybridFlow):
         )
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """That of the contact, half a period of its spring, which the scalars ask for whatever t
-        is; what comes after it costs nothing.
+        """The forecast time of the contact, half a period of its spring, which the scalars ask for
+        whatever t is; what comes after it costs nothing.
         """
         if self.spheres.is_head_on:
             return 0.0
@@ -113,7 +113,7 @@ class TwoSpheres(HybridFlow):
         )
 
     def units(self) -> list[Fraction]:
-        """Of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
+        """The units of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
         turns = [self.phases.speed / radius for radius in self.spheres.radii]
         return [self.phases.length] * 2 + [self.phases.speed] * 2 + turns
 
@@ -173,7 +173,7 @@ class TwoSpheres(HybridFlow):
 
     @per_precision
     def growth(self) -> Grows:
-        """In the clock of the phases."""
+        """The growth S in the clock of the phases."""
         return Retimed(super().growth(), self.phases.time)
 
     def beside(self, inner: arb_mat) -> arb_mat:
@@ -252,7 +252,7 @@ class TwoSpheres(HybridFlow):
         return MOVED
 
     def own_scales(self) -> list[arb]:
-        """Those of the quantities; of what only the mode knows, its unit."""
+        """The scales of the quantities; of what only the mode knows, its unit."""
         sizes = [arb_of(self.scale[name]) for name in self.counted()]
         return sizes + [arb(1)] * (self.phases.size - 1 + len(self.drifting()) - len(sizes))
 
