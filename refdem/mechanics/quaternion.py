@@ -16,7 +16,7 @@ def product(p: Array, q: Array) -> Array:
     q_vector = q[..., 1:]
     # (a, u)(b, v) = (a b - u.v, a v + b u + u x v).
     scalar = p_scalar * q_scalar - np.sum(p_vector * q_vector, axis=-1, keepdims=True)
-    vector = p_scalar * q_vector + q_scalar * p_vector + np.cross(p_vector, q_vector)
+    vector = p_scalar * q_vector + q_scalar * p_vector + _cross(p_vector, q_vector)
     return np.concatenate([scalar, vector], axis=-1)
 
 
@@ -33,8 +33,8 @@ def rotated(q: Array, v: Array) -> Array:
     scalar = q[..., :1]
     vector = q[..., 1:]
     # q v q* = v + w s + u x s with s = 2 u x v, for q = (w, u).
-    twist = 2.0 * np.cross(vector, v)
-    return v + scalar * twist + np.cross(vector, twist)
+    twist = 2.0 * _cross(vector, v)
+    return v + scalar * twist + _cross(vector, twist)
 
 
 def angle_between(p: Array, q: Array) -> Array:
@@ -58,3 +58,20 @@ def matrix(q: Array) -> Array:
     z_axis = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
     rows = [np.stack(row, axis=-1) for row in (x_axis, y_axis, z_axis)]
     return np.stack(rows, axis=-2)
+
+
+def _cross(u: Array, v: Array) -> Array:
+    """u x v (..., 3), to the bit as np.cross; that moves axes first, which takes most of the time
+    for one vector or a few.
+    """
+    u_x = u[..., 0]
+    u_y = u[..., 1]
+    u_z = u[..., 2]
+    v_x = v[..., 0]
+    v_y = v[..., 1]
+    v_z = v[..., 2]
+    crossed = np.empty(np.broadcast_shapes(u.shape, v.shape))
+    crossed[..., 0] = u_y * v_z - u_z * v_y
+    crossed[..., 1] = u_z * v_x - u_x * v_z
+    crossed[..., 2] = u_x * v_y - u_y * v_x
+    return crossed

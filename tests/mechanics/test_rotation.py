@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from refdem.mechanics import rotation
-from refdem.mechanics.quaternion import angle_between, matrix, product, rotated
+from refdem.mechanics.quaternion import _cross, angle_between, matrix, product, rotated
 
 GENERATOR = np.random.default_rng(11)
 ATTITUDES = [q / np.linalg.norm(q) for q in GENERATOR.normal(size=(20, 4))]
@@ -66,3 +66,12 @@ def test_real_and_complex_matrices_multiply_as_quaternions_do():
     assert rotation.real_matrix(p) @ q == pytest.approx(product(p, q), abs=1e-14)
     both = rotation.complex_matrix(p) @ rotation.complex_matrix(q)
     assert both == pytest.approx(rotation.complex_matrix(product(p, q)), abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("left", "right"), [((3,), (3,)), ((7, 3), (7, 3)), ((5, 1, 3), (4, 3)), ((3,), (6, 3))]
+)
+def test_the_cross_product_is_numpys_to_the_bit(left, right):
+    u = GENERATOR.normal(size=left)
+    v = GENERATOR.normal(size=right)
+    np.testing.assert_array_equal(_cross(u, v), np.cross(u, v))

@@ -229,7 +229,8 @@ def opens_all_files():
 
 @before
 def makes_many_files():
-    for number in range(3000):
+    # More than a process may hold open (1024).
+    for number in range(1100):
         open(f"file {number}", "w").close()
 
 
@@ -532,9 +533,10 @@ def silent_pipe(*_):
 
 @after
 def deep(*_):
-    for _ in range(3000):
-        os.mkdir("d")
-        os.chdir("d")
+    # Deeper than Python recurses (1000), and its path is longer than the system takes (4096).
+    for _ in range(1100):
+        os.mkdir("deep")
+        os.chdir("deep")
 
 
 @after

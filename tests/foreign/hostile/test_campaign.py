@@ -140,8 +140,8 @@ def test_no_process_and_no_folder_is_left(campaign) -> None:
     # A worker that is killed just as it makes its folder leaves that to the next start of refdem.
     sweep = "from refdem.engines.external.folders import sweep; sweep()"
     environment = os.environ | {"TMPDIR": str(folder / "temporary")}
-    while list((folder / "temporary").iterdir()):
-        assert time.monotonic() < until
+    while still_there := list((folder / "temporary").iterdir()):
+        assert time.monotonic() < until, still_there
         subprocess.run([sys.executable, "-c", sweep], env=environment, check=True)
         time.sleep(0.05)
 
