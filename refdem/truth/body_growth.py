@@ -157,7 +157,8 @@ def dyadic(width: Fraction) -> Fraction:
 class BodyGrowth(ABC):
     """S of a body with this tensor [kg m^2]; what is read of it needs its `attitude` in space."""
 
-    def __init__(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
+    def begin(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
+        """Sets what both kinds of motion begin with."""
         self.scales = scales
         self.attitude = attitude
         self.tensor = tensor
@@ -267,7 +268,7 @@ class Tumbling(BodyGrowth):
     """S of a body whose momentum is not along its omega."""
 
     def __init__(self, tensor: Balls, body: FreeBody, scales: Scales, attitude: Attitude) -> None:
-        super().__init__(tensor, scales, attitude)
+        self.begin(tensor, scales, attitude)
         self.body = body
         omega = body.omega(arb(0))
         momentum = rotation.applied(tensor, omega)
@@ -445,7 +446,7 @@ class Spinning(BodyGrowth):
     def __init__(
         self, tensor: Tensor, omega: Sequence[Number], scales: Scales, attitude: Attitude
     ) -> None:
-        super().__init__([[arb_of(x) for x in row] for row in tensor], scales, attitude)
+        self.begin([[arb_of(x) for x in row] for row in tensor], scales, attitude)
         self.omega = [arb_of(x) for x in omega]
         self.rate = rotation.dot(self.omega, self.omega).sqrt()
         moment = own_moment(tensor, omega)

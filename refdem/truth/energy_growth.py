@@ -74,14 +74,15 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Line:
-    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, and a period [s] if
-    there is one.
+    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, a period [s] if
+    there is one, and a bound of |f'| along it.
     """
 
     state: Callable[[arb], tuple[arb, arb]]
     force: Callable[[arb], arb]
     neighbour: Callable[[arb], Neighbour]
     period: arb | None
+    steepest: arb
 
 
 @dataclass(frozen=True)
@@ -101,14 +102,13 @@ class EnergyGrowth:
         line: Line,
         place: Fraction,
         speed: Fraction,
-        steepest: arb,
         readings: Callable[[tuple[arb, arb]], arb_mat],
     ) -> None:
         self.line = line
         self.readings = readings
         self.place, self.speed = arb_of(place), arb_of(speed)
         ratio = self.place / self.speed
-        quick = arb.max(1 / ratio, ratio * steepest)
+        quick = arb.max(1 / ratio, ratio * line.steepest)
         self.quick = float(quick.upper()) * UPWARDS
         # Cells of a width at whose ends an error has changed by the part WIDEST, at most.
         # A power of two between WIDEST/2 and WIDEST over `quick`, which is m 2^e with 1/2 <= m < 1.

@@ -44,9 +44,16 @@ def refuse_rounded(
     annotated: 1/3 of ints is rounded. An annotation that has float in it (a scale, against which
     errors count) is left alone.
     """
-    found = signature(constructor)
-    owner = constructor.__qualname__.partition(".")[0]
-    for name, value in found.bind(None, *given, **named).arguments.items():
+    refuse_rounded_arguments(constructor, (None, *given), named)
+
+
+def refuse_rounded_arguments(
+    function: Callable[..., Any], given: Sequence[Any], named: Mapping[str, Any]
+) -> None:
+    """The same for all arguments of a function that makes a truth."""
+    found = signature(function)
+    owner = function.__qualname__.partition(".")[0]
+    for name, value in found.bind(*given, **named).arguments.items():
         refuse_rounded_part(owner, name, value, str(found.parameters[name].annotation))
 
 

@@ -13,9 +13,10 @@ from flint import arb
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import UsageError
-from refdem.truth.balls import GuardedTruth, arb_of
+from refdem.truth.balls import Guarded, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Told
+from refdem.truth.refiner import Refiner
 
 POSITION = ("x", "y", "z")
 VELOCITY = ("vx", "vy", "vz")
@@ -47,7 +48,8 @@ class Uniform(ClosedForm):
         omega: Numbers,
         attitude: Numbers = (1, 0, 0, 0),
     ) -> None:
-        super().__init__({name: scale.get(name) or 1.0 for name in (*self.state, *ATTITUDE)})
+        names = (*self.state, *ATTITUDE)
+        self.refiner = Refiner.of({name: scale.get(name) or 1.0 for name in names})
         if sum(Fraction(part) ** 2 for part in attitude) != 1:
             raise UsageError(
                 f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add"
@@ -120,7 +122,7 @@ class Uniform(ClosedForm):
         ]
 
 
-class Still(GuardedTruth):
+class Still(Guarded, Truth):
     """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
 
     method = "equilibrium"

@@ -18,10 +18,11 @@ from flint import arb, arb_mat, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, most, narrow
 from refdem.truth.kepler_growth import CentralGrowth
+from refdem.truth.refiner import GROWTH_BITS, Refiner, Sensitivity
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
@@ -32,7 +33,7 @@ LOSSES = 9
 State = Sequence[arb]
 
 
-class Orbit(SmoothFlow):
+class Orbit(ClosedForm, SmoothFlow):
     """x, y [m] and vx, vy [m/s] at t; scalar period [s];
 
     `stiffness` [1/s^2, unit mass] is None for Kepler's field.
@@ -51,11 +52,12 @@ class Orbit(SmoothFlow):
         eccentricity: Fraction,
         stiffness: Fraction | None,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.gm = gm
         self.semi_major = semi_major
         self.eccentricity = eccentricity
         self.stiffness = stiffness
+        self.proof_of_s = Sensitivity(self.growth_bits())
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
@@ -111,13 +113,13 @@ class Orbit(SmoothFlow):
         )
 
     def growth_bits(self) -> Sequence[int]:
-        """A comet's errors grow as a power of 1/(1 - e) and shrink again: precisions that would
-        lose them are left out.
+        """Working precisions for S: a comet's errors grow as a power of 1/(1 - e) and shrink again,
+        and precisions that would lose them are left out.
         """
         if self.stiffness is not None:
-            return super().growth_bits()
+            return GROWTH_BITS
         digits = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
-        return [bits for bits in super().growth_bits() if bits >= LOSSES * (digits - 1)]
+        return [bits for bits in GROWTH_BITS if bits >= LOSSES * (digits - 1)]
 
     def constants(self) -> dict[str, arb]:
         """The period [s]."""

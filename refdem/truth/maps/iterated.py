@@ -15,11 +15,11 @@ from typing import Any, Self
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError, UsageError
-from refdem.truth.balls import GuardedTruth, UndecidedError, arb_of, ball_of, precision, refined
-from refdem.truth.closed_form import Size
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision, refined
 from refdem.truth.growth import BOUNDLESS, ROUNDING, Array, Norm, bounded, doubles
+from refdem.truth.refiner import Size
 
 MOST_BITS = 2**13
 """Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost
@@ -48,7 +48,7 @@ class BoundaryError(UndecidedError):
         super().__init__(f"{code}: {gap} has no sign", code=code if is_hit else "precision")
 
 
-class Iterated(GuardedTruth):
+class Iterated(Guarded, Truth):
     """Iterates n = 0, 1, ... of a map;
 
     `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives.

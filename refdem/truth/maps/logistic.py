@@ -14,10 +14,10 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.closed_form import Size
 from refdem.truth.exact import numbers
 from refdem.truth.growth import bounded
 from refdem.truth.maps.iterated import Iterated, whole
+from refdem.truth.refiner import Refiner, Size
 
 HALF = Fraction(1, 2)
 
@@ -39,7 +39,7 @@ class LogisticMap(Iterated):
     def __init__(
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.refiner = Refiner.of(scale, digits=digits)
         self.eta = eta
         self.x0 = x0
 
@@ -68,7 +68,7 @@ class LogisticFlow(Iterated):
     def __init__(
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.refiner = Refiner.of(scale, digits=digits)
         self.eta = eta
         self.x0 = x0
 

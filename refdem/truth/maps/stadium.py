@@ -13,8 +13,8 @@ from fractions import Fraction
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import Size
 from refdem.truth.maps.iterated import BoundaryError, Iterated
+from refdem.truth.refiner import Refiner, Size
 
 WALL = "wall"
 ARC = "arc"
@@ -62,7 +62,7 @@ class Stadium(Iterated):
         *,
         digits: int = 40,
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.refiner = Refiner.of(scale, digits=digits)
         self.size = size
         self.start = start
         self.direction = direction

@@ -20,9 +20,10 @@ from typing import Any, Self
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import Grows, UnsharpError, upper
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.slopes import Sloped, parameters
 from refdem.truth.swept_growth import Span, largest_growth
 
@@ -97,7 +98,7 @@ class ContactPath(ClosedForm):
     )
 
     def __init__(self, scale: Mapping[str, Size], path: Passing) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:

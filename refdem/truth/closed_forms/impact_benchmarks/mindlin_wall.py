@@ -18,12 +18,13 @@ from functools import partial
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     HERTZ,
     STATE,
     STILL,
-    HertzWallImpact,
+    AgainstWall,
+    impact_constants,
 )
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import (
@@ -39,6 +40,8 @@ from refdem.truth.growth import (
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, root, started
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
+from refdem.truth.smooth_flow import SmoothFlow
 
 COORDINATES = (*STATE, "stretch")
 """What errors grow in: the spring remembers them."""
@@ -109,11 +112,12 @@ class Phase:
         return slope * spring.pace(leg, x), self.way + stretch - self.stretch
 
 
-class MindlinWallImpact(HertzWallImpact):
+class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and
     `stiffness_ratio` = k_t/k are not 0.
     """
 
+    state = STATE
     method = (
         "closed form: incomplete beta function along, 2F1 across while it sticks; switches proved"
         " by bisection and interval Newton"
@@ -121,9 +125,28 @@ class MindlinWallImpact(HertzWallImpact):
     witness = "Taylor integration in w = sqrt(overlap), switches found anew"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, stiffness_ratio: Fraction, **numbers: Number
+        self,
+        scale: Mapping[str, Size],
+        *,
+        mass: Number,
+        radius: Fraction,
+        stiffness: Number,
+        stiffness_ratio: Fraction,
+        friction: Fraction,
+        normal: Number,
+        across: Number,
+        spin: Fraction,
     ) -> None:
-        super().__init__(scale, **numbers)  # type: ignore[arg-type]
+        self.refiner = Refiner.of(scale)
+        self.strike(
+            mass=mass,
+            radius=radius,
+            stiffness=stiffness,
+            friction=friction,
+            normal=normal,
+            across=across,
+            spin=spin,
+        )
         self.stiffness_ratio = stiffness_ratio
 
     @per_precision
@@ -304,6 +327,9 @@ class MindlinWallImpact(HertzWallImpact):
             (side * slip - along) / radius,
         )
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
+
+    def constants(self) -> dict[str, arb]:
+        return impact_constants(self)
 
     @per_precision
     def growth(self) -> Grows:

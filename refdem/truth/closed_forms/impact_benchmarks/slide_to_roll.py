@@ -17,9 +17,10 @@ from typing import Self
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
 
 STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
@@ -43,7 +44,7 @@ class SlideToRoll(ClosedForm):
         friction: Fraction,
         speed: Fraction,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.radius = radius
         self.gravity = gravity
         self.friction = friction
