@@ -11,7 +11,7 @@ from flint import arb, arb_mat
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.contact_phases import LinearContact
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
-from refdem.truth.events.motion import HybridMotion, first_entry
+from refdem.truth.events.motion import Followed, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Traced, along, lie_derivatives
 from refdem.truth.traced_field import Program, traced
@@ -87,16 +87,15 @@ def rates(
     return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
 
 
-class ContactMotion(HybridMotion):
+class ContactMotion(Followed):
     """A motion that knows when the spheres part, how deep they press, and how hard."""
 
     def __init__(self, traced_contact: TracedContact, bits: int) -> None:
         self.traced = traced_contact
         with precision(bits):
             start = [value() for value in traced_contact.phases.start()]
-            super().__init__(
-                traced_contact.modes, start, first_entry(traced_contact.phases.first, start), bits
-            )
+            entry = first_entry(traced_contact.phases.first, start)
+            self.begin(traced_contact.modes, start, entry, bits, None)
 
     def name(self, phase: Phase) -> str:
         """The mode of a phase."""

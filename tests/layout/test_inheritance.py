@@ -100,6 +100,8 @@ def is_implemented(cls: type, name: str) -> bool:
 def overridden(cls: type) -> Iterator[tuple[str, type]]:
     """Methods of a class that a base class of refdem implements, and that base class."""
     for name, member in vars(cls).items():
+        if name == "__init__" and issubclass(cls, Exception):
+            continue  # what an error says is its own
         is_special = name.startswith("__") and name not in CONSTRUCTORS
         if is_special or function_of(member) is None:
             continue

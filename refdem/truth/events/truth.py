@@ -32,7 +32,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import per_precision
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import HybridMotion, at_fixed_time, first_entry
+from refdem.truth.events.motion import Followed, HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, Mode, State, Traced, TracedModes, derivative_rows
 from refdem.truth.forecast import Course, follow
@@ -50,7 +50,7 @@ METHOD = (
     " sets through the jump matrix"
 )
 Found = TypeVar("Found")
-Motion = TypeVar("Motion", bound=HybridMotion, covariant=True)
+Motion = TypeVar("Motion", bound=Followed, covariant=True)
 
 
 class Switching(Protocol[Motion]):
@@ -244,7 +244,7 @@ class EventProof(Guarded, Generic[Motion]):
         found: float = self.kept["sensitivity", t]
         return found
 
-    def stretches(self, motion: HybridMotion) -> Iterator[Stretch]:
+    def stretches(self, motion: Followed) -> Iterator[Stretch]:
         """The pieces of a motion, made as they are asked for; the last of a phase ends with an
         event.
         """
@@ -255,7 +255,7 @@ class EventProof(Guarded, Generic[Motion]):
                 motion.follow()
             yield from self.pieces_of(motion, number)
 
-    def pieces_of(self, motion: HybridMotion, number: int) -> Iterator[Stretch]:
+    def pieces_of(self, motion: Followed, number: int) -> Iterator[Stretch]:
         """The pieces of a phase."""
         phase = motion.phases[number]
         for index in count():
@@ -285,7 +285,7 @@ class EventProof(Guarded, Generic[Motion]):
                 return
             yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
-    def errors(self, motion: HybridMotion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
+    def errors(self, motion: Followed, phase: Phase, piece: Piece, since: arb) -> arb_mat:
         """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in
         those of `chart`.
 
@@ -295,7 +295,7 @@ class EventProof(Guarded, Generic[Motion]):
             inner = phase.moved_by(piece, since)
             return self.system.chart(motion, phase, piece.at(since)) * self.system.beside(inner)
 
-    def handed_on(self, motion: HybridMotion, phase: Phase, after: Phase | None) -> arb_mat:
+    def handed_on(self, motion: Followed, phase: Phase, after: Phase | None) -> arb_mat:
         """What errors at the begin of a phase's last piece are after the event that ends it, at one
         time for all motions of the set.
         """

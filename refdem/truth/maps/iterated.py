@@ -6,10 +6,11 @@ if every branch is decided for the whole ball. So orbits need no device but prec
 loses a few bits a step, and they are put in at the start.
 """
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -56,20 +57,26 @@ class Iterated(Guarded, Truth):
 
     word = "step"
 
-    def __init__(self, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+    scale: dict[str, Fraction]
+    digits: int
+
+    def iterate(self, scale: Mapping[str, Size], *, digits: int) -> None:
+        """Sets the size of each quantity, and to how many digits it is told."""
         self.scale = {name: Fraction(size) for name, size in scale.items()}
         self.digits = digits
-        self.kept: dict[int, dict[int, Any]] = {}
-        self.grown: list[float] = [1.0]
-        self.front: tuple[Array, Array] | None = None
+
+    @cached_property
+    def kept(self) -> dict[int, dict[int, Any]]:
+        """Iterates that are known, by precision and number."""
+        return {}
+
+    @abstractmethod
+    def state(self, n: int) -> Any:
+        """Iterate n at the current precision."""
 
     @abstractmethod
     def first(self) -> Any:
         """Iterate 0 at the current precision."""
-
-    @abstractmethod
-    def step(self, state: Any) -> Any:
-        """The next iterate; BoundaryError where balls cannot choose a branch."""
 
     @abstractmethod
     def slope(self, state: Any, after: Any) -> arb_mat:
@@ -81,31 +88,10 @@ class Iterated(Guarded, Truth):
 
     def refined(self, digits: int) -> Self:
         """The same truth with radii of at most 10^-digits."""
+        _ = self.kept
         other = copy(self)
         other.digits = digits
         return other
-
-    def state(self, n: int) -> Any:
-        """Iterate n at the current precision, on from the last that is known."""
-        orbit = self.kept.setdefault(ctx.prec, {})
-        if not orbit:
-            orbit[0] = self.first()
-        if n in orbit:
-            at = n
-        else:
-            at = len(orbit) - 1
-        while at < n:
-            if at >= MOST_STEPS:
-                raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
-            after = self.step(orbit[at])
-            for name, value in self.values(
-                after
-            ).items():  # a ball as large as its scale grows without bound, its exponents too
-                if not value.rad() < arb_of(self.scale[name]):
-                    raise BoundaryError("precision", value)
-            orbit[at + 1] = after
-            at += 1
-        return orbit[n]
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         """Every quantity of the iterate t, a whole number; raises NotCertifiedError where it cannot
@@ -146,6 +132,78 @@ class Iterated(Guarded, Truth):
         message = f"{code}: certified up to {self.word} {last}, where {told}; {limit}"
         return NotCertifiedError(message, code=code, time=float(last), state=balls)
 
+    def jacobian(self, t: Fraction) -> arb_mat:
+        """The derivative of iterate t by the start at the current precision, each number in its
+        scale.
+        """
+        n = whole(t)
+        size = self.slope(self.state(0), self.state(1)).nrows()
+        total = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        for k in range(n):
+            total = self.slope(self.state(k), self.state(k + 1)) * total
+        return total
+
+
+class Stepped(Guarded, ABC):
+    """The part that all maps share: iterate by iterate, and S from the products of slopes."""
+
+    scale: dict[str, Fraction]
+    kept: dict[int, dict[int, Any]]
+
+    @abstractmethod
+    def first(self) -> Any:
+        """Iterate 0 at the current precision."""
+
+    @abstractmethod
+    def step(self, state: Any) -> Any:
+        """The next iterate; BoundaryError where balls cannot choose a branch."""
+
+    @abstractmethod
+    def slope(self, state: Any, after: Any) -> arb_mat:
+        """The derivative of one step, each number in its scale."""
+
+    @abstractmethod
+    def values(self, state: Any) -> dict[str, arb]:
+        """The quantities of a state."""
+
+    @abstractmethod
+    def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:
+        """The honest end: code, number of the last certified iterate, its state."""
+
+    @cached_property
+    def grown(self) -> list[float]:
+        """S of the iterates so far."""
+        return [1.0]
+
+    @cached_property
+    def front(self) -> list[tuple[Array, Array]]:
+        """Derivatives of the last iterate by every earlier one, and what is wrong in them; empty
+        before the first.
+        """
+        return []
+
+    def state(self, n: int) -> Any:
+        """Iterate n at the current precision, on from the last that is known."""
+        orbit = self.kept.setdefault(ctx.prec, {})
+        if not orbit:
+            orbit[0] = self.first()
+        if n in orbit:
+            at = n
+        else:
+            at = len(orbit) - 1
+        while at < n:
+            if at >= MOST_STEPS:
+                raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
+            after = self.step(orbit[at])
+            for name, value in self.values(
+                after
+            ).items():  # a ball as large as its scale grows without bound, its exponents too
+                if not value.rad() < arb_of(self.scale[name]):
+                    raise BoundaryError("precision", value)
+            orbit[at + 1] = after
+            at += 1
+        return orbit[n]
+
     def sensitivity(self, t: Fraction) -> float:
         """S: the largest sum of a row of the scaled derivative of iterate t by any earlier one, the
         start among them.
@@ -174,10 +232,11 @@ class Iterated(Guarded, Truth):
         if off > UNSURE * float(np.abs(slope).max()):
             raise UndecidedError("the slope of a step is not known")
         count = len(slope)
-        if self.front is None:
-            none = np.zeros((0, count, count))
-            self.front = none, np.zeros(0)
-        after, weights = self.front
+        if self.front:
+            after, weights = self.front.pop()
+        else:
+            after = np.zeros((0, count, count))
+            weights = np.zeros(0)
         size = Norm([1] * count)
         # The derivative of iterate n by every earlier one: that by iterate n - 1 was 1 before this
         # step.
@@ -189,18 +248,7 @@ class Iterated(Guarded, Truth):
         with np.errstate(over="ignore", invalid="ignore"):
             largest = float(size(carried).max()) + float((size(later) * weights).sum())
         self.grown.append(bounded(largest))
-        self.front = carried, weights
-
-    def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of iterate t by the start at the current precision, each number in its
-        scale.
-        """
-        n = whole(t)
-        size = self.slope(self.state(0), self.state(1)).nrows()
-        total = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
-        for k in range(n):
-            total = self.slope(self.state(k), self.state(k + 1)) * total
-        return total
+        self.front.append((carried, weights))
 
 
 def whole(t: Fraction) -> int:
