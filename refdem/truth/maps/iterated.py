@@ -55,7 +55,7 @@ class Iterated(Guarded, Truth):
     `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives.
     """
 
-    word = "step"
+    word: str
 
     scale: dict[str, Fraction]
     digits: int
@@ -123,14 +123,7 @@ class Iterated(Guarded, Truth):
                 limit = f"{MOST_BITS} bits are used up"
             else:
                 limit = f"{self.word} {last + 1} meets a {code}"
-            return self.ended(code, last, orbit[last], limit)
-
-    def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:
-        """The honest end: code, number of the last certified iterate, its state."""
-        balls = {name: ball_of(value) for name, value in self.values(state).items()}
-        told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in balls.items())
-        message = f"{code}: certified up to {self.word} {last}, where {told}; {limit}"
-        return NotCertifiedError(message, code=code, time=float(last), state=balls)
+            return ended(code, self.word, last, self.values(orbit[last]), limit)
 
     def jacobian(self, t: Fraction) -> arb_mat:
         """The derivative of iterate t by the start at the current precision, each number in its
@@ -149,6 +142,7 @@ class Stepped(Guarded, ABC):
 
     scale: dict[str, Fraction]
     kept: dict[int, dict[int, Any]]
+    word: str
 
     @abstractmethod
     def first(self) -> Any:
@@ -165,10 +159,6 @@ class Stepped(Guarded, ABC):
     @abstractmethod
     def values(self, state: Any) -> dict[str, arb]:
         """The quantities of a state."""
-
-    @abstractmethod
-    def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:
-        """The honest end: code, number of the last certified iterate, its state."""
 
     @cached_property
     def grown(self) -> list[float]:
@@ -193,7 +183,8 @@ class Stepped(Guarded, ABC):
             at = len(orbit) - 1
         while at < n:
             if at >= MOST_STEPS:
-                raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
+                limit = f"more than {MOST_STEPS} are not tried"
+                raise ended("time", self.word, at, self.values(orbit[at]), limit)
             after = self.step(orbit[at])
             for name, value in self.values(
                 after
@@ -249,6 +240,16 @@ class Stepped(Guarded, ABC):
             largest = float(size(carried).max()) + float((size(later) * weights).sum())
         self.grown.append(bounded(largest))
         self.front.append((carried, weights))
+
+
+def ended(
+    code: str, word: str, last: int, values: Mapping[str, arb], limit: str
+) -> NotCertifiedError:
+    """The honest end: code, word and number of the last certified iterate, its quantities."""
+    balls = {name: ball_of(value) for name, value in values.items()}
+    told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in balls.items())
+    message = f"{code}: certified up to {word} {last}, where {told}; {limit}"
+    return NotCertifiedError(message, code=code, time=float(last), state=balls)
 
 
 def whole(t: Fraction) -> int:

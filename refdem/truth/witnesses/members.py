@@ -345,6 +345,9 @@ def late(time: arb, y: Sequence[arb]) -> arb:
     return y[2] - time
 
 
+OTHER_SLIP = {"slip+": "slip-", "slip-": "slip+"}
+
+
 class Passing(Colliding):
     """Along x, body 1 at the origin and body 2 at (x, b) with a constant spin: momentum given to
     body 1, its torque's, and the spring.
@@ -414,9 +417,12 @@ class Passing(Colliding):
         return rates
 
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        if then == "caught":
-            return ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt])
-        return (then, list(s))
+        if then != "caught":
+            return then, list(s)
+        if not self.kt > 0:
+            # A slip that is prescribed passes through zero.
+            return OTHER_SLIP[phase], list(s)
+        return "stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt]
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
