@@ -231,7 +231,8 @@ def climbed(
         else:
             worst = max((ball.radius for ball in balls.values()), default=Fraction(0))
         is_met = worst is not None and worst <= target
-        if is_met or bits >= most or getattr(reason, "final", False):
+        is_final = isinstance(reason, UndecidedError) and reason.final
+        if is_met or bits >= most or is_final:
             return Climb(balls, reason, bits)
         if worst is None:
             lacking = bits

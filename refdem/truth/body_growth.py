@@ -44,6 +44,19 @@ and D depends on tau alone.
 All of this is known in balls. What is read, D and what errors are made of are then doubles with the
 bounds of near.py, entry by entry: D of a needle has entries of 1e12 that meet others of 1e-12, and
 no bound by norms could tell that little is lost.
+
+Hypotheses, and where each is checked:
+
+* W is not 0, so that the axes exist: the exact start decides which bodies spin steadily
+  (free_body.kind, RigidCluster.is_steady), and these are `Spinning`; a W whose ball holds 0 makes
+  what follows not finite, which `near` refuses with UndecidedError;
+* k is that of the motion: `FreeBody.lead`, in closed form for each kind of motion;
+* omega repeats after P: `FreeBody.period`, which is None on the separatrix;
+* a bounds the Jacobian of Euler's equations along the whole motion: `quickness`, from
+  `FreeBody.fastest`;
+* the cells cover all times at which errors are made: `BodyGrowth.cover`; errors of the cell that
+  holds t are `Tumbling.own`;
+* what doubles may have lost is a small part of S: `BodyGrowth.largest` compares it with LOST.
 """
 
 from abc import ABC, abstractmethod

@@ -21,6 +21,15 @@ fewest or the most.
 Theorem (cell): an error changes at most at the rate `quick` = max(1/rho, rho |f'|), both ways in
 time, in the norm that is the larger of both coordinates: |D(t, s)| <= |D(t, c)| exp(quick h) for |s
 - c| <= h.
+
+Hypotheses, and where each is checked:
+
+* the motion is no equilibrium, so that W > 0: families tell a `Line` of no other motion; `known`
+  raises UnsharpError where W is not known;
+* P, K and H' are those of the family: `Line.neighbour`, in closed form, which the families derive;
+* |f'| is at most `Line.steepest` all along the motion: an exact number of each family;
+* the cells cover all times at which errors are made: `found_at`, whose last cell is `own`;
+* what rounding may have lost is a small part of S: `grown` compares it with LOST.
 """
 
 from collections.abc import Callable

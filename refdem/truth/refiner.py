@@ -153,7 +153,7 @@ class Sensitivity:
                     return growth().at(t)
                 except (UndecidedError, NotCertifiedError) as error:
                     # An integration to few bits may end where one to more goes on.
-                    code = getattr(error, "code", "separatrix")
+                    code = error.code
                     why = str(error)
                     if isinstance(error, UndecidedError) and error.final:
                         break

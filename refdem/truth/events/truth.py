@@ -422,18 +422,17 @@ class HybridFlow(Guarded, Truth):
     def events_until(self, t: Fraction) -> list[tuple[str, str | None, Ball]]:
         """Names, modes entered and times [s] of the events before t."""
 
+        events: list[tuple[str, str | None]] = []
+
         def found(motion: HybridMotion) -> dict[str, arb]:
             motion.at(arb_of(t))
-            return {
-                f"{event.name} {event.mode} {n}": event.time
-                for n, event in enumerate(motion.events)
-                if event.time < arb_of(t)
-            }
+            before = [event for event in motion.events if event.time < arb_of(t)]
+            events[:] = [(event.name, event.mode) for event in before]
+            return {str(number): event.time for number, event in enumerate(before)}
 
         balls = self.proof.climbed(found, f"events until {float(t):.17g} s")
-        told = [(label.split(), ball) for label, ball in balls.items()]
         return [
-            (name, mode if mode in self.modes else None, ball) for (name, mode, _), ball in told
+            (name, mode, ball) for (name, mode), ball in zip(events, balls.values(), strict=True)
         ]
 
     def beside(self, inner: arb_mat) -> arb_mat:
