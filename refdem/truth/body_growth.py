@@ -698,14 +698,15 @@ def put(matrix: list[list[arb]], rows: slice, columns: slice, block: Balls) -> N
 
 def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:
     """The inverse of a symmetric tensor, by its cofactors; exact if the tensor is."""
-    cofactors = [
-        [
-            tensor[(i + 1) % 3][(j + 1) % 3] * tensor[(i + 2) % 3][(j + 2) % 3]
-            - tensor[(i + 1) % 3][(j + 2) % 3] * tensor[(i + 2) % 3][(j + 1) % 3]
-            for j in AXES
-        ]
-        for i in AXES
-    ]
+
+    def cofactor(i: int, j: int) -> Any:
+        first = tensor[(i + 1) % 3]
+        second = tensor[(i + 2) % 3]
+        k = (j + 1) % 3
+        m = (j + 2) % 3
+        return first[k] * second[m] - first[m] * second[k]
+
+    cofactors = [[cofactor(i, j) for j in AXES] for i in AXES]
     size = dot_exact(tensor[0], cofactors[0])
     return [[value / size for value in row] for row in cofactors]
 

@@ -345,11 +345,10 @@ class Elliptic(Nodal):
 
         # p: what changes their sizes.
         swell = m_slope / (2 * m1)
-        changed = {
-            self.other: cn * (a2_slope / (2 * a) - a * swell * sn * sn),
-            self.mid: self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn),
-            self.axis: self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn),
-        }
+        other = cn * (a2_slope / (2 * a) - a * swell * sn * sn)
+        mid = self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn)
+        axis = self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn)
+        changed = {self.other: other, self.mid: mid, self.axis: axis}
         momentum = self.momentum(t)
         omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
         rate = cross(momentum, omega)

@@ -194,11 +194,10 @@ class Modes(dict[str, Mode]):
 def rotation(q: Vector) -> list[list[Any]]:
     """R of a unit quaternion, body to space."""
     w, x, y, z = q
-    return [
-        [w * w + x * x - y * y - z * z, (x * y - w * z) * 2, (x * z + w * y) * 2],
-        [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2],
-        [(x * z - w * y) * 2, (y * z + w * x) * 2, w * w - x * x - y * y + z * z],
-    ]
+    first = [w * w + x * x - y * y - z * z, (x * y - w * z) * 2, (x * z + w * y) * 2]
+    second = [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2]
+    third = [(x * z - w * y) * 2, (y * z + w * x) * 2, w * w - x * x - y * y + z * z]
+    return [first, second, third]
 
 
 def dot(a: Vector, b: Vector) -> Any:

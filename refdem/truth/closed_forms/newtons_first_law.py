@@ -112,14 +112,15 @@ class Uniform(ClosedForm):
             along = (rate * t).sin() / (2 * rate)
         else:
             along = t / 2
-        w, x, y, z = (rate * t).cos(), *(arb_of(component) * along for component in self.start[6:])
+        # (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) times the attitude at the start.
+        w = (rate * t).cos()
+        x, y, z = (arb_of(component) * along for component in self.start[6:])
         a, b, c, d = (arb_of(part) for part in self.attitude)
-        return [
-            w * a - x * b - y * c - z * d,
-            w * b + x * a + y * d - z * c,
-            w * c + y * a + z * b - x * d,
-            w * d + z * a + x * c - y * b,
-        ]
+        turned_w = w * a - x * b - y * c - z * d
+        turned_x = w * b + x * a + y * d - z * c
+        turned_y = w * c + y * a + z * b - x * d
+        turned_z = w * d + z * a + x * c - y * b
+        return [turned_w, turned_x, turned_y, turned_z]
 
 
 class Still(Guarded, Truth):

@@ -197,20 +197,19 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     ]
     # By e at fixed a and time: E moves by sin E / d.
     later = s / d
-    wider = [
-        -a * s * later - a,
-        -a * e / b * s + a * b * c * later,
-        -a * n * (c * later / d - s * (e * s * later - c) / (d * d)),
-        a * n * (-e / b * c / d - b * s * later / d - b * c * (e * s * later - c) / (d * d)),
-    ]
+    stretched = e * s * later - c
+    wider_x = -a * s * later - a
+    wider_y = -a * e / b * s + a * b * c * later
+    wider_vx = -a * n * (c * later / d - s * stretched / (d * d))
+    wider_vy = a * n * (-e / b * c / d - b * s * later / d - b * c * stretched / (d * d))
+    wider = [wider_x, wider_y, wider_vx, wider_vy]
     # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n) / e, with 1 - b = e^2/(1 + b) taken out.
     small = e / (1 + b)
-    turn = [
-        a * s * (small + b * c) / d,
-        a * ((small + e) * c - 1 - c * c) / d,
-        a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube,
-        a * n * s * (-small + 2 * c - e * c * c) / cube,
-    ]
+    turn_x = a * s * (small + b * c) / d
+    turn_y = a * ((small + e) * c - 1 - c * c) / d
+    turn_vx = a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube
+    turn_vy = a * n * s * (-small + 2 * c - e * c * c) / cube
+    turn = [turn_x, turn_y, turn_vx, turn_vy]
     rows = zip((length, length, speed, speed), shift, scale, wider, turn, strict=True)
     return arb_mat([[entry / size for entry in row] for size, *row in rows])
 

@@ -323,8 +323,8 @@ class HybridFlow(Guarded, Truth):
     of its quantity of `state`.
 
     What a family adds is handed in: `finished` gives the quantities as they are told from those of
-    `quantities` (as they are by default); `still` names further ones that are exactly 0; `extremes`
-    gives the scalars.
+    `quantities` (as they are by default); `still` names quantities that are exactly 0 unless the
+    motion names them; `extremes` gives the scalars.
     """
 
     clock_unit = None

@@ -44,15 +44,14 @@ class Floor:
 WITNESS = "damped sines and parabolas in closed form with their switches found anew"
 
 
-def still(spheres: Sequence[str], moving: Sequence[str]) -> list[str]:
-    """Which of the nine quantities of each sphere are exactly zero: all but those that move."""
-    names = [
+def quantities_of(spheres: Sequence[str]) -> list[str]:
+    """The nine quantities of each sphere; those that its motion does not name are exactly 0."""
+    return [
         f"{kind}{sphere}.{axis}"
         for sphere in spheres
         for kind in ("r", "v", "omega")
         for axis in "xyz"
     ]
-    return [name for name in names if name not in moving]
 
 
 def bounce(
@@ -81,7 +80,7 @@ def bounce(
         state=moving,
         moved=(0, 1),
         witness=WITNESS,
-        still=still(("",), moving),
+        still=quantities_of(("",)),
         extremes=partial(apexes, floor, until),
     )
 
@@ -188,5 +187,5 @@ def stack(
         state=moving,
         moved=(0, 1, 2, 3),
         witness=WITNESS,
-        still=still(("1", "2"), moving),
+        still=quantities_of(("1", "2")),
     )

@@ -238,13 +238,12 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             else:
                 force = none
             (x1, x2), (v1, v2) = homogeneous(depth, rate, force, t - touch, power, one).table()
-            rows = [
-                [x1, x2, none, none, none],
-                [push * x1, push * x2, one, t, none],
-                [v1, v2, none, none, none],
-                [push * v1, push * v2, none, one, none],
-                [turn * v1, turn * v2, none, none, one],
-            ]
+            row_x = [x1, x2, none, none, none]
+            row_y = [push * x1, push * x2, one, t, none]
+            row_vx = [v1, v2, none, none, none]
+            row_vy = [push * v1, push * v2, none, one, none]
+            row_omega = [turn * v1, turn * v2, none, none, one]
+            rows = [row_x, row_y, row_vx, row_vy, row_omega]
             return arb_mat(
                 [
                     [entry / arb_of(self.scale[name]) for entry in row]

@@ -507,14 +507,13 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         (x1, v1), (x2, v2) = self.along_errors(t)
         none = arb(0)
         one = arb(1)
-        return [
-            [x1, x2, none, none, none, none],
-            [push * x1, push * x2, one, t, none, none],
-            [v1, v2, none, none, none, none],
-            [push * v1, push * v2, none, one, none, none],
-            [turn * v1, turn * v2, none, none, one, none],
-            [none, none, none, none, none, one],
-        ]
+        row_x = [x1, x2, none, none, none, none]
+        row_y = [push * x1, push * x2, one, t, none, none]
+        row_vx = [v1, v2, none, none, none, none]
+        row_vy = [push * v1, push * v2, none, one, none, none]
+        row_omega = [turn * v1, turn * v2, none, none, one, none]
+        row_stretch = [none, none, none, none, none, one]
+        return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]
 
     def sticking_errors(self, motion: Stretched, t: arb) -> list[list[arb]]:
         """The same while it sticks, where y is 2/7 s + 5/7 (v_y - 2/5 R omega) t and a constant.
@@ -542,11 +541,10 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         part = arb_of(Fraction(2, 7))
         kept = arb_of(Fraction(5, 7))
         radius = arb_of(self.radius)
-        return [
-            [x1, x2, none, none, none, none],
-            [*(part * value for value in stretches), kept * t, one],
-            [v1, v2, none, none, none, none],
-            [*(part * value for value in slips), kept, none],
-            [*(kept * value / radius for value in slips), -kept / radius, none],
-            [*stretches, none, none],
-        ]
+        row_x = [x1, x2, none, none, none, none]
+        row_y = [*(part * value for value in stretches), kept * t, one]
+        row_vx = [v1, v2, none, none, none, none]
+        row_vy = [*(part * value for value in slips), kept, none]
+        row_omega = [*(kept * value / radius for value in slips), -kept / radius, none]
+        row_stretch = [*stretches, none, none]
+        return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]
