@@ -242,9 +242,9 @@ def test_next_to_a_vertical_s_counts_what_errors_do_to_the_angles(given):
     with precision(truth.bits()):
         rows = truth.jacobian(t).table()
     sums = [sum(abs(float(entry.mid())) for entry in row) for row in rows]
+    # Rows of the angles are the last.
+    assert max(sums) == max(sums[7:])
     assert truth.sensitivity(t) >= max(sums) * (1 - 1e-12)
-    # The angles, the last rows, are those that grow most.
-    assert max(sums[7:]) > 1.5 * max(sums[:7])
 
 
 @pytest.mark.parametrize(
