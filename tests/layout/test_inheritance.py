@@ -11,7 +11,6 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import refdem
@@ -21,12 +20,6 @@ HELD = "refdem.truth"
 DEEPEST = 3
 """Classes of refdem in a line, the class itself among them: Truth, ClosedForm, a family."""
 CONSTRUCTORS = ("__init__", "__new__", "__post_init__")
-
-LEFT = set((Path(__file__).parent / "overrides_left.txt").read_text().split())
-"""Lines `module.Class.method` of refdem/truth that still override what is implemented, and
-`module.Class` that are deeper than DEEPEST. The list may only shrink: an entry that is mended is
-taken out, and none is added.
-"""
 
 
 def classes(package: str = "refdem") -> list[type]:
@@ -158,15 +151,11 @@ def test_an_override_of_what_is_implemented_is_seen_and_a_default_that_is_answer
 
 
 def test_no_method_of_truth_that_is_implemented_is_overridden() -> None:
-    assert set(overrides(HELD)) - LEFT == set()
+    assert overrides(HELD) == {}
 
 
 def test_no_class_of_truth_is_deep() -> None:
-    assert set(deep(HELD)) - LEFT == set()
-
-
-def test_what_is_mended_is_no_longer_listed() -> None:
-    assert LEFT - set(overrides(HELD)) - set(deep(HELD)) == set()
+    assert deep(HELD) == []
 
 
 if __name__ == "__main__":
