@@ -2,6 +2,8 @@
 tensor (1.30), hollow bodies (1.31).
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from refdem.core.quantity import Quantity, Scales
 from refdem.core.statics import MASS_PROPERTIES, Points, SolidDocument
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
+from refdem.errors import UsageError
 
 Array = NDArray[np.float64]
 
@@ -68,6 +71,15 @@ class MomentsOfInertia(Canonical):
             shape=(4,),
         ),
     )
+
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError for a quaternion that is no turn."""
+        attitude: Any = p["attitude"]
+        if not any(attitude):
+            raise UsageError(
+                f"parameter attitude: got {p.texts()['attitude']}; expected a quaternion other than"
+                " zero"
+            )
 
     def problem(self, p: Parameters) -> Solid:
         """The problem of every solid at these parameters."""

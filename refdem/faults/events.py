@@ -194,7 +194,7 @@ def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, 
 
 
 def least(found: list[tuple[Number, Change]]) -> Number:
-    """The smallest margin."""
+    """The smallest of all margins."""
     return min((margin for margin, _ in found), default=1.0)
 
 

@@ -234,7 +234,8 @@ def slider_force(slider: Slider, side: int, speed: Number) -> Vector:
 
 def holds(slider: Slider, along: Number) -> bool:
     """Dry friction balances a force [N] along its axis at rest."""
-    return abs(along) <= slider.coefficient(0.0) * slider.normal_force
+    limit = slider.coefficient(0.0) * slider.normal_force
+    return bool(abs(along) <= limit)
 
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:

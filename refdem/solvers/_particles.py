@@ -240,7 +240,7 @@ class ParticleSolver(KernelSolver):
 
     @abstractmethod
     def origin(self, scene: Scene) -> Array:
-        """From where places (3,) [m] are counted in the kernel."""
+        """The point (3,) [m] from which the kernel counts positions."""
 
     @abstractmethod
     def stride(self, request: Request) -> int:

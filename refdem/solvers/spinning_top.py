@@ -95,7 +95,7 @@ class SpinningTop(KernelSolver):
 
 
 def _arm(scene: Scene) -> Array:
-    """From the joint to the centre of mass (3,) [m], in body axes."""
+    """The vector (3,) [m] from the joint to the centre of mass, in body axes."""
     return -np.array(scene.all(BallJoint)[0].anchor_a)
 
 

@@ -43,7 +43,7 @@ class VelocityVerlet(_particles.ParticleSolver):
         return _particles.ORIGIN
 
     def stride(self, request: Request) -> int:
-        """As many steps as the request asks for."""
+        """The steps from sample to sample, as many as the request asks for."""
         return request.stride
 
 

@@ -14,7 +14,7 @@ from typing import Any, ParamSpec, Self, TypeVar
 
 from flint import acb, arb, arb_series, ctx, fmpq
 
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Ball
 from refdem.truth.exact import refuse_rounded
 
 CONTEXT = RLock()
@@ -43,9 +43,11 @@ def exclusive(function: Callable[Parameters, Result]) -> Callable[Parameters, Re
 
 
 class Guarded:
-    """Something whose public methods, and whose constructor, are run by one thread at a time.
+    """Something that one thread at a time asks, and that is made of exact numbers alone.
 
-    So the proofs that any number of threads make are, bit for bit, those that one thread makes.
+    Its public methods and its constructor are run by one thread at a time: so the proofs that any
+    number of threads make are, bit for bit, those that one thread makes. Its constructor refuses
+    what is rounded where it is annotated with exact numbers: 1/3 of ints is, and 0.1 is not 1/10.
     """
 
     def __init_subclass__(cls, **named: Any) -> None:
@@ -55,16 +57,7 @@ class Guarded:
             if is_public and isfunction(member):
                 setattr(cls, name, exclusive(member))
 
-
-class GuardedTruth(Guarded, Truth):
-    """A truth of which one thread at a time asks something, and that is made of exact numbers
-    alone.
-    """
-
     def __new__(cls, *given: Any, **named: Any) -> Self:
-        """Refuses what is rounded where a constructor is annotated with exact numbers: 1/3 of ints
-        is, and 0.1 is not 1/10.
-        """
         if given or named:
             refuse_rounded(cls.__init__, given, named)
         return super().__new__(cls)
@@ -238,7 +231,8 @@ def climbed(
         else:
             worst = max((ball.radius for ball in balls.values()), default=Fraction(0))
         is_met = worst is not None and worst <= target
-        if is_met or bits >= most or getattr(reason, "final", False):
+        is_final = isinstance(reason, UndecidedError) and reason.final
+        if is_met or bits >= most or is_final:
             return Climb(balls, reason, bits)
         if worst is None:
             lacking = bits

@@ -44,6 +44,19 @@ and D depends on tau alone.
 All of this is known in balls. What is read, D and what errors are made of are then doubles with the
 bounds of near.py, entry by entry: D of a needle has entries of 1e12 that meet others of 1e-12, and
 no bound by norms could tell that little is lost.
+
+Hypotheses, and where each is checked:
+
+* W is not 0, so that the axes exist: the exact start decides which bodies spin steadily
+  (free_body.kind, RigidCluster.is_steady), and these are `Spinning`; a W whose ball holds 0 makes
+  what follows not finite, which `near` refuses with UndecidedError;
+* k is that of the motion: `FreeBody.lead`, in closed form for each kind of motion;
+* omega repeats after P: `FreeBody.period`, which is None on the separatrix;
+* a bounds the Jacobian of Euler's equations along the whole motion: `quickness`, from
+  `FreeBody.fastest`;
+* the cells cover all times at which errors are made: `BodyGrowth.cover`; errors of the cell that
+  holds t are `Tumbling.own`;
+* what doubles may have lost is a small part of S: `BodyGrowth.largest` compares it with LOST.
 """
 
 from abc import ABC, abstractmethod
@@ -157,7 +170,8 @@ def dyadic(width: Fraction) -> Fraction:
 class BodyGrowth(ABC):
     """S of a body with this tensor [kg m^2]; what is read of it needs its `attitude` in space."""
 
-    def __init__(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
+    def begin(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
+        """Sets what both kinds of motion begin with."""
         self.scales = scales
         self.attitude = attitude
         self.tensor = tensor
@@ -267,7 +281,7 @@ class Tumbling(BodyGrowth):
     """S of a body whose momentum is not along its omega."""
 
     def __init__(self, tensor: Balls, body: FreeBody, scales: Scales, attitude: Attitude) -> None:
-        super().__init__(tensor, scales, attitude)
+        self.begin(tensor, scales, attitude)
         self.body = body
         omega = body.omega(arb(0))
         momentum = rotation.applied(tensor, omega)
@@ -445,7 +459,7 @@ class Spinning(BodyGrowth):
     def __init__(
         self, tensor: Tensor, omega: Sequence[Number], scales: Scales, attitude: Attitude
     ) -> None:
-        super().__init__([[arb_of(x) for x in row] for row in tensor], scales, attitude)
+        self.begin([[arb_of(x) for x in row] for row in tensor], scales, attitude)
         self.omega = [arb_of(x) for x in omega]
         self.rate = rotation.dot(self.omega, self.omega).sqrt()
         moment = own_moment(tensor, omega)
@@ -684,14 +698,15 @@ def put(matrix: list[list[arb]], rows: slice, columns: slice, block: Balls) -> N
 
 def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:
     """The inverse of a symmetric tensor, by its cofactors; exact if the tensor is."""
-    cofactors = [
-        [
-            tensor[(i + 1) % 3][(j + 1) % 3] * tensor[(i + 2) % 3][(j + 2) % 3]
-            - tensor[(i + 1) % 3][(j + 2) % 3] * tensor[(i + 2) % 3][(j + 1) % 3]
-            for j in AXES
-        ]
-        for i in AXES
-    ]
+
+    def cofactor(i: int, j: int) -> Any:
+        first = tensor[(i + 1) % 3]
+        second = tensor[(i + 2) % 3]
+        k = (j + 1) % 3
+        m = (j + 2) % 3
+        return first[k] * second[m] - first[m] * second[k]
+
+    cofactors = [[cofactor(i, j) for j in AXES] for i in AXES]
     size = dot_exact(tensor[0], cofactors[0])
     return [[value / size for value in row] for row in cofactors]
 

@@ -9,11 +9,11 @@ from typing import Any
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.contact_phases import LinearContact
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
-from refdem.truth.events.motion import HybridMotion, first_entry
+from refdem.truth.events.motion import Followed, first_entry
 from refdem.truth.events.phase import Phase
-from refdem.truth.events.system import Guard, Traced, along
+from refdem.truth.events.system import Traced, along, lie_derivatives
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
@@ -24,20 +24,20 @@ left.
 PRESSES = ("press", "slip", "slip back", "stick", "hold")
 
 
-class TracedMode(Traced):
-    """A mode whose guards vanish at an entry to the second order at most."""
-
-    def _rates(self, guard: Guard, highest: int = 2) -> list[Program]:
-        return super()._rates(guard, highest)
+HIGHEST = 2
+"""Guards of a contact vanish at an entry to the second order at most."""
 
 
 class TracedContact:
     """A pair's modes as programs, with those of the places and of what has extremes."""
 
-    def __init__(self, phases: ContactPhases) -> None:
+    def __init__(self, phases: LinearContact) -> None:
         self.phases = phases
         modes = phases.modes()
-        self.modes = {name: TracedMode(mode, phases.size) for name, mode in modes.items()}
+        self.modes = {
+            name: Traced(mode, phases.size, partial(lie_derivatives, highest=HIGHEST))
+            for name, mode in modes.items()
+        }
         self.places = {
             flies: traced_map(partial(phases.place, "apart" if flies else "contact"), phases.size)
             for flies in (False, True)
@@ -87,16 +87,15 @@ def rates(
     return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
 
 
-class ContactMotion(HybridMotion):
+class ContactMotion(Followed):
     """A motion that knows when the spheres part, how deep they press, and how hard."""
 
     def __init__(self, traced_contact: TracedContact, bits: int) -> None:
         self.traced = traced_contact
         with precision(bits):
             start = [value() for value in traced_contact.phases.start()]
-            super().__init__(
-                traced_contact.modes, start, first_entry(traced_contact.phases.first, start), bits
-            )
+            entry = first_entry(traced_contact.phases.first, start)
+            self.begin(traced_contact.modes, start, entry, bits, None)
 
     def name(self, phase: Phase) -> str:
         """The name of the mode that a phase is in."""

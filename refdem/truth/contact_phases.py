@@ -17,19 +17,20 @@ slip is V (w/r - (1 - b_1 a) o_1 - (1 - b_2 a) o_2), and g is
     at most mu F.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from math import isqrt
-from typing import Any
+from typing import Any, Protocol
 
 from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.events.crossing import sign
 from refdem.truth.events.system import Entry, Guard, Mode
-from refdem.truth.reals import near
-from refdem.truth.sphere_pair import SpherePair
+from refdem.truth.reals import Number, near
+from refdem.truth.sphere_pair import TouchingPair
 from refdem.truth.traced_field import Program, traced
 
 State = Sequence[Any]
@@ -39,13 +40,82 @@ in the first four places.
 SLIDES = {1: "slip", -1: "slip back"}
 
 
-class ContactPhases:
-    """The modes of a pair, and the entry into the first. Without `rubs` friction is left out."""
+class Touching(Protocol):
+    """What of a pair decides which modes there are."""
 
-    def __init__(self, pair: SpherePair, *, rubs: bool = True) -> None:
+    @property
+    def damping(self) -> Number: ...
+
+    @property
+    def ends_with_overlap(self) -> bool: ...
+
+    @property
+    def surface_spin(self) -> Sequence[Number]: ...
+
+    @property
+    def angle(self) -> Fraction: ...
+
+
+class LinearContact(ABC):
+    """The phases of a contact under the linear law, in the units of the module: what does not
+    depend on the coordinates in which the motion is told.
+    """
+
+    pair: Touching
+    friction: Fraction
+    time: Fraction
+    speed: Fraction
+    length: Fraction
+    eps: Fraction
+    ease: Sequence[Number]
+    bend: Sequence[Number]
+    k: Number
+    c: Number
+    kt: Number
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """The number of coordinates of the state."""
+
+    @abstractmethod
+    def start(self) -> list[Callable[[], arb]]:
+        """The state of the contact at touch."""
+
+    @abstractmethod
+    def overlap(self, y: State) -> Any:
+        """The overlap a in units of length."""
+
+    @abstractmethod
+    def closing(self, y: State) -> Any:
+        """The closing speed u in units of speed."""
+
+    @abstractmethod
+    def falling(self, y: State) -> Any:
+        """The rate u' of the closing speed."""
+
+    @abstractmethod
+    def modes(self) -> dict[str, Mode]:
+        """Every mode that this pair can be in."""
+
+    @abstractmethod
+    def first(self, y: State) -> Entry:
+        """The entry at touch; what the parameters decide exactly is not left to balls."""
+
+    @abstractmethod
+    def parting(self) -> Entry:
+        """The entry into free flight."""
+
+    @abstractmethod
+    def place(self, mode: str, y: State) -> list[Any]:
+        """Places, velocities, spins, spring and clock in any mode: as many as the state has."""
+
+    def in_units_of(self, pair: TouchingPair, *, rubs: bool) -> None:
+        """Sets the units and the numbers of a pair; without `rubs` friction is left out."""
         m = pair.effective_mass
         masses = [m / mass for mass in pair.masses]
-        self.pair, self.ease = pair, [Fraction(5, 2) * share for share in masses]
+        self.pair = pair
+        self.ease = [Fraction(5, 2) * share for share in masses]
         self.friction = pair.friction * rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
         fastest = max(pair.stiffness, near(spring * (1 + sum(self.ease)))) / near(m)
@@ -58,19 +128,40 @@ class ContactPhases:
         self.c = pair.damping * self.time / m
         self.kt = spring * self.time**2 / m
 
-    def start(self) -> list[Callable[[], arb]]:
-        """Functions that give the components of the state at touch."""
-        pair = self.pair
+    def force(self, y: State) -> Any:
+        """The normal force K a + C u."""
+        return self.overlap(y) * self.k + self.closing(y) * self.c
 
-        def part(wave: Callable[[arb], arb], sense: int) -> Callable[[], arb]:
-            return lambda: (
-                sense * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
-            )
+    def steepening(self, y: State) -> Any:
+        """The rate of the normal force, in any mode: friction does not act along the normal."""
+        return self.closing(y) * self.k + self.falling(y) * self.c
 
-        spins = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
-        nothing = partial(arb_of, 0)
-        turning = [partial(arb_of, spin) for spin in spins]
-        return [nothing, part(arb.cos, 1), nothing, part(arb.sin, -1), *turning, nothing, nothing]
+    def levers(self, y: State) -> list[Any]:
+        """The levers l_i/R_i of both spheres."""
+        overlap = self.overlap(y)
+        return [1 - overlap * bend for bend in self.bend]
+
+    def released(self) -> Guard:
+        """The end of what presses: apart, or, damped, pulling until the overlap ends."""
+        if self.pair.damping and self.pair.ends_with_overlap:
+            return Guard("pull", self.force, lambda y: Entry("pull", touching={"press": 1}))
+        return Guard("release", self.force, lambda y: self.parting())
+
+
+class PlanarPhases(LinearContact):
+    """The modes of a contact in the plane, and the entry into the first.
+
+    What differs between a pair and a wall is how the direction of the normal turns, and where the
+    sphere then is.
+    """
+
+    @abstractmethod
+    def turning(self, y: State, r: Any) -> Any:
+        """The rate of the third coordinate."""
+
+    @abstractmethod
+    def cartesian(self, y: State) -> list[Any]:
+        """x, y in units of X and vx, vy in units of V, in contact."""
 
     @property
     def size(self) -> int:
@@ -85,24 +176,10 @@ class ContactPhases:
         """The scaled closing speed u of a state."""
         return y[1]
 
-    def force(self, y: State) -> Any:
-        """The scaled normal force in a state."""
-        return y[0] * self.k + y[1] * self.c
-
-    def steepening(self, y: State) -> Any:
-        """The rate of change of the normal force, in any mode: friction does not act along the
-        normal.
-        """
-        return y[1] * self.k + self.falling(y) * self.c
-
     def falling(self, y: State) -> Any:
         """The rate of change u' of the closing speed."""
         curve = 1 / (1 - y[0] * self.eps)
         return -self.force(y) - y[3] * y[3] * curve * curve * curve * self.eps
-
-    def levers(self, y: State) -> list[Any]:
-        """The lever arms l_i/R_i of both spheres."""
-        return [1 - y[0] * bend for bend in self.bend]
 
     def slip(self, y: State) -> Any:
         """Velocity of surface 1 against surface 2."""
@@ -141,7 +218,7 @@ class ContactPhases:
             return [
                 y[1],
                 self.falling(y),
-                y[3] / (r * r) * self.eps,
+                self.turning(y, r),
                 r * g,
                 *spun,
                 self.slip(y) / 2 if stretches else 0,
@@ -168,12 +245,6 @@ class ContactPhases:
             found |= {SLIDES[side]: self.sliding(side) for side in (1, -1)}
             found |= {"stick": self.sticking()} if self.kt else {"hold": self.held()}
         return found
-
-    def released(self) -> Guard:
-        """The end of what presses: apart, or, damped, pulling until the overlap ends."""
-        if self.pair.damping and self.pair.ends_with_overlap:
-            return Guard("pull", self.force, lambda y: Entry("pull", touching={"press": 1}))
-        return Guard("release", self.force, lambda y: self.parting())
 
     def sliding(self, side: int) -> Mode:
         """Friction at its limit, against a slip of that sign; with a spring it is clipped."""
@@ -271,6 +342,38 @@ class ContactPhases:
         """Free flight: the straight line on which the spheres are, and its velocity."""
         return Entry("apart", lambda y: [*line(self.cartesian(y), y[7]), *y[4:]])
 
+    def place(self, mode: str, y: State) -> list[Any]:
+        """x, y, vx, vy, o1, o2, s, clock in any mode: as many coordinates as the state has."""
+        if mode == "apart":
+            return [y[0] + y[2] * y[7], y[1] + y[3] * y[7], *y[2:]]
+        return [*self.cartesian(y), *y[4:]]
+
+
+class ContactPhases(PlanarPhases):
+    """The modes of a pair in the plane. Without `rubs` friction is left out."""
+
+    def __init__(self, pair: TouchingPair, *, rubs: bool = True) -> None:
+        self.spheres = pair
+        self.in_units_of(pair, rubs=rubs)
+
+    def start(self) -> list[Callable[[], arb]]:
+        """The state of the contact at touch."""
+        pair = self.spheres
+
+        def part(wave: Callable[[arb], arb], sense: int) -> Callable[[], arb]:
+            return lambda: (
+                sense * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
+            )
+
+        spins = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
+        nothing = partial(arb_of, 0)
+        turning = [partial(arb_of, spin) for spin in spins]
+        return [nothing, part(arb.cos, 1), nothing, part(arb.sin, -1), *turning, nothing, nothing]
+
+    def turning(self, y: State, r: Any) -> Any:
+        """The rate phi' = eps w/r^2 of the normal."""
+        return y[3] / (r * r) * self.eps
+
     def cartesian(self, y: State) -> list[Any]:
         """x, y in units of X and vx, vy in units of V, in contact."""
         r = 1 - y[0] * self.eps
@@ -284,12 +387,6 @@ class ContactPhases:
             y[1] * cosine + across * sine,
             y[1] * sine - across * cosine,
         ]
-
-    def place(self, mode: str, y: State) -> list[Any]:
-        """x, y, vx, vy, o1, o2, s, clock in any mode: as many coordinates as the state has."""
-        if mode == "apart":
-            return [y[0] + y[2] * y[7], y[1] + y[3] * y[7], *y[2:]]
-        return [*self.cartesian(y), *y[4:]]
 
 
 def ball(function: Callable[[State], Any], y: Sequence[arb]) -> arb:

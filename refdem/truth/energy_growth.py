@@ -21,6 +21,15 @@ fewest or the most.
 Theorem (cell): an error changes at most at the rate `quick` = max(1/rho, rho |f'|), both ways in
 time, in the norm that is the larger of both coordinates: |D(t, s)| <= |D(t, c)| exp(quick h) for |s
 - c| <= h.
+
+Hypotheses, and where each is checked:
+
+* the motion is no equilibrium, so that W > 0: families tell a `Line` of no other motion; `known`
+  raises UnsharpError where W is not known;
+* P, K and H' are those of the family: `Line.neighbour`, in closed form, which the families derive;
+* |f'| is at most `Line.steepest` all along the motion: an exact number of each family;
+* the cells cover all times at which errors are made: `found_at`, whose last cell is `own`;
+* what rounding may have lost is a small part of S: `grown` compares it with LOST.
 """
 
 from collections.abc import Callable
@@ -74,14 +83,15 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Line:
-    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, and a period [s] if
-    there is one.
+    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, a period [s] if
+    there is one, and a bound of |f'| along it.
     """
 
     state: Callable[[arb], tuple[arb, arb]]
     force: Callable[[arb], arb]
     neighbour: Callable[[arb], Neighbour]
     period: arb | None
+    steepest: arb
 
 
 @dataclass(frozen=True)
@@ -101,14 +111,13 @@ class EnergyGrowth:
         line: Line,
         place: Fraction,
         speed: Fraction,
-        steepest: arb,
         readings: Callable[[tuple[arb, arb]], arb_mat],
     ) -> None:
         self.line = line
         self.readings = readings
         self.place, self.speed = arb_of(place), arb_of(speed)
         ratio = self.place / self.speed
-        quick = arb.max(1 / ratio, ratio * steepest)
+        quick = arb.max(1 / ratio, ratio * line.steepest)
         self.quick = float(quick.upper()) * UPWARDS
         # Cells of a width at whose ends an error has changed by the part WIDEST, at most.
         # A power of two between WIDEST/2 and WIDEST over `quick`, which is m 2^e with 1/2 <= m < 1.

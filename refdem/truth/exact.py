@@ -2,13 +2,14 @@
 refused.
 """
 
-import re
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
-from inspect import signature
+from functools import cache
+from inspect import signature, unwrap
 from numbers import Number as AnyNumber
-from typing import Any
+from typing import Any, get_args
 
 from refdem.core.parameters import Exact
 
@@ -44,38 +45,69 @@ def refuse_rounded(
     annotated: 1/3 of ints is rounded. An annotation that has float in it (a scale, against which
     errors count) is left alone.
     """
-    found = signature(constructor)
-    owner = constructor.__qualname__.partition(".")[0]
-    for name, value in found.bind(None, *given, **named).arguments.items():
-        refuse_rounded_part(owner, name, value, str(found.parameters[name].annotation))
+    refuse_rounded_arguments(constructor, (None, *given), named)
 
 
-def refuse_rounded_part(owner: str, name: str, value: Any, annotation: str) -> None:
-    """The same for one argument, or for one field of a dataclass."""
+def refuse_rounded_arguments(
+    function: Callable[..., Any], given: Sequence[Any], named: Mapping[str, Any]
+) -> None:
+    """The same for all arguments of a function that makes a truth."""
+    kinds = argument_kinds(function)
+    owner = function.__qualname__.partition(".")[0]
+    for name, value in signature(function).bind(*given, **named).arguments.items():
+        refuse_rounded_part(owner, name, value, kinds[name])
+
+
+def refuse_rounded_part(owner: str, name: str, value: Any, kinds: frozenset[Any]) -> None:
+    """The same for one argument, or for one field of a dataclass, by the types in its
+    annotation.
+    """
     if is_dataclass(value) and not isinstance(value, type):
-        for one in fields(value):
-            refuse_rounded_part(
-                f"{owner}: {type(value).__name__}",
-                one.name,
-                getattr(value, one.name),
-                str(one.type),
-            )
+        whole = f"{owner}: {type(value).__name__}"
+        for field, of_field in field_kinds(type(value)).items():
+            refuse_rounded_part(whole, field, getattr(value, field), of_field)
         return
-    is_exact = re.search(r"\b(Fraction|Number)\b", annotation)
-    may_be_rounded = re.search(r"\bfloat\b", annotation)
-    if not is_exact or may_be_rounded:
+    if Fraction not in kinds or float in kinds:
         return
-    may_be_int = re.search(r"\bint\b", annotation)
     for part in parts(value):
-        is_int = isinstance(part, int)
-        if (
-            isinstance(part, AnyNumber)
-            and not isinstance(part, Fraction)
-            and not (is_int and may_be_int)
-        ):
+        is_allowed = isinstance(part, Fraction) or (isinstance(part, int) and int in kinds)
+        if isinstance(part, AnyNumber) and not is_allowed:
             raise TypeError(
                 f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')"
             )
+
+
+@cache
+def argument_kinds(function: Callable[..., Any]) -> dict[str, frozenset[Any]]:
+    """The types in the annotation of each argument of a function."""
+    names = unwrap(function).__globals__
+    arguments = signature(function).parameters
+    return {name: types_in(one.annotation, names) for name, one in arguments.items()}
+
+
+@cache
+def field_kinds(kind: type) -> dict[str, frozenset[Any]]:
+    """The types in the annotation of each field of a dataclass."""
+    names = vars(sys.modules[kind.__module__])
+    return {one.name: types_in(one.type, names) for one in fields(kind)}
+
+
+def types_in(annotation: Any, names: Mapping[str, Any]) -> frozenset[Any]:
+    """The types that an annotation is made of, at any depth; one that is written as a text is read
+    with the `names` of its module.
+    """
+    if isinstance(annotation, str):
+        annotation = eval(annotation, dict(names))
+    if isinstance(annotation, list):
+        inner = tuple(annotation)  # the arguments of a callable
+    else:
+        inner = get_args(annotation)
+        if not inner:
+            return frozenset([annotation])
+    found: set[Any] = set()
+    for one in inner:
+        found |= types_in(one, names)
+    return frozenset(found)
 
 
 def parts(value: Any) -> Iterator[Any]:

@@ -43,9 +43,11 @@ class FreeBody(ABC):
 
     method: ClassVar[str]
 
-    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
+    def begin(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
+        """Sets what every kind of motion begins with."""
         pairs: list[tuple[Any, Any]] = list(zip(inertia, omega, strict=True))
-        self.inertia, self.start = tuple(j for j, _ in pairs), tuple(w for _, w in pairs)
+        self.inertia = tuple(j for j, _ in pairs)
+        self.start = tuple(w for _, w in pairs)
         self.momentum0 = tuple(j * w for j, w in pairs)
         self.l2 = dot_exact(self.momentum0, self.momentum0)
         self.length = arb_of(self.l2).sqrt()
@@ -68,28 +70,29 @@ class FreeBody(ABC):
         """Time [s] after which omega repeats in body axes; None where it never does."""
         return self.constants().get("period")
 
+    @abstractmethod
     def fastest(self) -> arb:
         """Bound of |omega| [rad/s] at all times."""
-        return arb_of(dot_exact(self.start, self.start)).sqrt()
 
+    @abstractmethod
     def lead(self, t: arb) -> arb:
         """Time [s/J] by which a motion with the same |M| and more energy is ahead at t, per energy,
         up to a constant.
 
         With M the momentum, w the unit vector of omega across M, W its length there and b that of M
         x omega, the motion that has more energy is displaced by w/W + k M', and k' = (w J^-1 w - b
-        J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k.
+        J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k. UndecidedError where the body spins
+        about its momentum, which has no such motion beside it.
         """
-        raise UndecidedError(
-            "a body that spins about its momentum has no motion beside it of more energy and the"
-            " same momentum"
-        )
 
 
 class Steady(FreeBody):
     """omega is parallel to M (or zero): it stays."""
 
     method = "steady spin: omega stays and the body turns about it"
+
+    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
+        self.begin(inertia, omega)
 
     def omega(self, t: arb) -> list[arb]:
         return [arb_of(w) for w in self.start]
@@ -101,6 +104,15 @@ class Steady(FreeBody):
             return turn([w / size for w in omega], size * t)
         return [arb(1), arb(0), arb(0), arb(0)]
 
+    def fastest(self) -> arb:
+        return length_of(self.start)
+
+    def lead(self, t: arb) -> arb:
+        raise UndecidedError(
+            "a body that spins about its momentum has no motion beside it of more energy and the"
+            " same momentum"
+        )
+
 
 class Axisymmetric(FreeBody):
     """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 -
@@ -110,7 +122,7 @@ class Axisymmetric(FreeBody):
     method = "two equal moments: one turn about L after one about the body's own axis"
 
     def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        super().__init__(inertia, omega)
+        self.begin(inertia, omega)
         self.axis = next(k for k in AXES if inertia[(k + 1) % 3] == inertia[(k + 2) % 3])
         self.across = self.inertia[(self.axis + 1) % 3]
         self.rate = arb_of(self.start[self.axis] - self.momentum0[self.axis] / self.across)
@@ -128,6 +140,10 @@ class Axisymmetric(FreeBody):
 
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
+
+    def fastest(self) -> arb:
+        """The largest |omega| [rad/s], which stays."""
+        return length_of(self.start)
 
     def lead(self, t: arb) -> arb:
         twice_energy = arb_of(dot_exact(self.momentum0, self.start))
@@ -180,7 +196,7 @@ class Separatrix(Nodal):
     method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
 
     def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        super().__init__(inertia, omega)
+        self.begin(inertia, omega)
         low, self.axis, high = sorted(AXES, key=lambda i: self.inertia[i])
         rest2 = self.l2 - self.momentum0[self.axis] ** 2
         rest = arb_of(rest2).sqrt()
@@ -231,7 +247,7 @@ class Elliptic(Nodal):
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
     def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        super().__init__(inertia, omega)
+        self.begin(inertia, omega)
         low, mid, high = sorted(AXES, key=lambda i: self.inertia[i])
         excess = self.l2 / self.inertia[mid] - dot_exact(self.momentum0, self.start)
         if not (excess > 0 or excess <= 0):
@@ -329,16 +345,20 @@ class Elliptic(Nodal):
 
         # p: what changes their sizes.
         swell = m_slope / (2 * m1)
-        changed = {
-            self.other: cn * (a2_slope / (2 * a) - a * swell * sn * sn),
-            self.mid: self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn),
-            self.axis: self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn),
-        }
+        other = cn * (a2_slope / (2 * a) - a * swell * sn * sn)
+        mid = self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn)
+        axis = self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn)
+        changed = {self.other: other, self.mid: mid, self.axis: axis}
         momentum = self.momentum(t)
         omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
         rate = cross(momentum, omega)
         ahead: arb = dot_exact([changed[i] for i in AXES], rate) / dot_exact(rate, rate)
         return along + ahead
+
+
+def length_of(omega: Sequence[Any]) -> arb:
+    """The length |omega| [rad/s]."""
+    return arb_of(dot_exact(omega, omega)).sqrt()
 
 
 def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:
@@ -350,7 +370,10 @@ def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:
     return (1 / along - twice_energy / length**2) / across
 
 
-def kind(inertia: Exact3, omega: Exact3) -> type[FreeBody]:
+Kind = type[Steady] | type[Axisymmetric] | type[Separatrix] | type[Elliptic]
+
+
+def kind(inertia: Exact3, omega: Exact3) -> Kind:
     """The kind of motion, which the exact start decides."""
     m = [j * w for j, w in zip(inertia, omega, strict=True)]
     if all(m[i] * omega[j] == m[j] * omega[i] for i in AXES for j in AXES):

@@ -1,30 +1,38 @@
 """Closed forms of x'' = a(x) from rest at x = amplitude: their derivative by the start from their
 own rates.
 
-A start with a small velocity e is the start at rest, e/a(amplitude) later: so d(x, v)(t)/d v(0) =
-(v(t), a(x(t)))/a(amplitude). The derivative by the amplitude is a central difference of the closed
-form.
+Theorem: a start with a small velocity e is the start at rest, e/a(amplitude) later, so that
+d(x, v)(t)/d v(0) = (v(t), a(x(t)))/a(amplitude). The derivative by the amplitude is a central
+difference of the closed form.
+
+Hypothesis: a(amplitude) is not zero, so that the start is no equilibrium. A family that has
+equilibria answers for them in its own `rates`.
 """
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from copy import copy
 from fractions import Fraction
-from typing import Self
+from typing import Any, Self
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import Guarded, arb_of
 from refdem.truth.closed_form import DISPLACEMENT
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import scaled_changes
 
 
-class FromRest(SmoothFlow):
+class FromRest(Guarded, ABC):
     """x [m] and v [m/s] at t of the motion that starts at rest at `amplitude` [m], which is not
-    zero.
+    zero: how the start is displaced, and the derivative by it; `state` is (x, v).
     """
 
-    state = ("x", "v")
+    state: tuple[str, ...]
     amplitude: Fraction
+    kept: dict[Any, Any]
+
+    @abstractmethod
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """The quantities x [m] and v [m/s] at t."""
 
     @abstractmethod
     def acceleration(self, x: arb) -> arb:
@@ -41,20 +49,24 @@ class FromRest(SmoothFlow):
         other.amplitude = self.amplitude + amount
         return other
 
+    @abstractmethod
     def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """The derivatives of x(t) and v(t) by v(0) [s, 1]."""
+        """d(x, v)(t)/d v(0) [s, 1]."""
+
+    def rates_of_the_motion(self, t: Fraction) -> tuple[arb, arb]:
+        """The same where the start is no equilibrium: (v(t), a(x(t)))/a(amplitude)."""
         state = self.evaluate(arb_of(t))
         first = self.acceleration(arb_of(self.amplitude))
         return state["v"] / first, self.acceleration(state["x"]) / first
 
     def jacobian(self, t: Fraction) -> arb_mat:
         """d(x, v)(t)/scale over d(x, v)(0)/scale."""
-        by_place = [
-            change / arb_of(2 * DISPLACEMENT) for change in self.scaled_changes(0, arb_of(t))
-        ]
-        speed = arb_of(self.scale["v"])
+        form: Any = self
+        changes = scaled_changes(form, 0, arb_of(t))
+        by_place = [change / arb_of(2 * DISPLACEMENT) for change in changes]
+        speed = arb_of(form.scale["v"])
         by_speed = [
-            rate * speed / arb_of(self.scale[name])
+            rate * speed / arb_of(form.scale[name])
             for name, rate in zip(self.state, self.rates(t), strict=True)
         ]
         return arb_mat([list(row) for row in zip(by_place, by_speed, strict=True)])

@@ -14,6 +14,21 @@ it, |P_m - Q_m| <= eps_m. From a cell c to t the product of the P differs from t
 sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most S at the begin of
 stretch m, which is known. So S is a maximum of norms of products in doubles and one proven sum of
 errors.
+
+Hypotheses, and where each is checked:
+
+* M solves the variational equation on the stretch: the families' own proof; enclosures of it are
+  evaluated on balls that hold all times of a cell (`Element.cell`);
+* delta <= WIDEST < 1 on every cell: `Element.cell`, which raises UnsharpError, so that
+  `Element.next_cell` halves; where `quickness` bounds the field's Jacobian instead, delta follows
+  from Gronwall's inequality;
+* the cells cover all times up to t: `Element.cover` and `Element.until` begin each where the last
+  one ended;
+* t lies in one stretch: `Stretch.is_over_at` raises UnsharpError within the uncertainty of an end;
+* |P_m - Q_m| <= eps_m: `doubles` gives the radii of what is rounded, and ROUNDING is a bound of
+  products in binary64 (`Growth.passed`, `Growth.errors_at`);
+* what rounding may have lost is a small part of S: `Growth.read` compares it with LOST, and goes on
+  in balls (`read_wide`), or asks for more bits.
 """
 
 from bisect import bisect_right

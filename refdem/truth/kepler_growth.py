@@ -16,6 +16,15 @@ is in the units of the place: near a centre w is the rate at which the body pass
 Theorem (all times): D(P) = 1 + N with N N = 0 (growth.py, PeriodicGrowth). So the answers to an
 error of an earlier period are linear in the number of periods between, and largest for the fewest
 or the most.
+
+Hypotheses, and where each is checked:
+
+* M is regular: `inverted` raises UnsharpError where balls hold a matrix without an inverse;
+* |dG| <= w^2 on the whole cell: `gradient` is evaluated on a ball of all its times (`moment`);
+* w h is not too large for a bound of use: `change` says infinity beyond FARTHEST, and the cell is
+  halved;
+* the cells cover all times at which errors are made: `spans`, up to `end`, whose ball's upper end
+  is taken.
 """
 
 from collections.abc import Callable

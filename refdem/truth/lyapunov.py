@@ -13,7 +13,6 @@ radius.
 from collections.abc import Sequence
 from copy import copy
 from fractions import Fraction
-from typing import Any
 
 from flint import arb, arb_mat, ctx
 
@@ -22,6 +21,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, exclusive, precision
 from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.smooth_flow import Variational
 from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.validated_ivp.integration import Integration, Steps
 
@@ -106,10 +106,10 @@ def variation(truth: Truth, t: Fraction) -> arb_mat:
     if isinstance(truth, HybridFlow):
         return _through_events(truth, t)
     if isinstance(truth, ValidatedFlow):
-        source: Any = _sharper(truth)
+        source: object = _sharper(truth)
     else:
         source = truth
-    if not hasattr(source, "jacobian"):
+    if not isinstance(source, Variational):
         raise NotCertifiedError(
             f"{type(truth).__name__} has no variational flow", code="end", time=float(t)
         )
@@ -136,12 +136,13 @@ def _sharper(truth: ValidatedFlow) -> ValidatedFlow:
 def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
     """The Jacobian from event to event, with the jump matrix at each."""
     key = ("sharper", ctx.prec)
-    if key not in truth.kept:
+    kept = truth.proof.kept
+    if key not in kept:
         start = [value() if callable(value) else arb_of(value) for value in truth.begin]
-        truth.kept[key] = HybridMotion(
+        kept[key] = HybridMotion(
             truth.modes, start, truth.first(start), ctx.prec, Steps(jacobian_bits=JACOBIAN_BITS)
         )
-    flow = truth.kept[key].jacobian(arb_of(t)).table()
+    flow = kept[key].jacobian(arb_of(t)).table()
     sizes = [arb_of(truth.scale[name]) for name in truth.state]
     pairs = list(zip(truth.moved, sizes, strict=True))
     return arb_mat([[flow[i][j] * own / size for j, own in pairs] for i, size in pairs])

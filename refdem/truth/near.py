@@ -9,6 +9,13 @@ and a sum |a + b - fl(A + B)| <= r + s + 2^-52 |fl(A + B)|. (Rump, Verification 
 
 The bounds are sums of numbers that are not negative, so that doubles lose no more than UPWARDS of
 them; whoever reads a bound multiplies it by that.
+
+Hypotheses, and where each is checked:
+
+* the balls that come in are finite: `near` raises UndecidedError;
+* what is rounded below the normal doubles is counted: TINIEST;
+* doubles do not overflow: an infinity in a bound is larger than every S that is told (`bounded` in
+  growth.py says BOUNDLESS).
 """
 
 from collections.abc import Sequence

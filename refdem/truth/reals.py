@@ -158,10 +158,8 @@ class Root(Real):
     again such, or rational.
     """
 
-    def __init__(self, square: Fraction, side: int = 1) -> None:
-        super().__init__(lambda: side * arb_of(square).sqrt())
-        self.square = square
-        self.side = side
+    square: Fraction
+    side: int
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Root):
@@ -171,12 +169,12 @@ class Root(Real):
                 side = self.side
             else:
                 side = -self.side
-            return Root(self.square * other * other, side)
+            return signed_root(self.square * other * other, side)
         return super().__mul__(other)
 
     def inverse(self) -> "Root":
-        """The reciprocal root 1/sqrt(square) = sqrt(1/square)."""
-        return Root(1 / self.square, self.side)
+        """1/sqrt(square) = sqrt(1/square)."""
+        return signed_root(1 / self.square, self.side)
 
     def __truediv__(self, other: Any) -> Any:
         if isinstance(other, Root):
@@ -191,7 +189,7 @@ class Root(Real):
         return NotImplemented
 
     def __neg__(self) -> "Root":
-        return Root(self.square, -self.side)
+        return signed_root(self.square, -self.side)
 
     def __pow__(self, power: int) -> Any:
         half, odd = divmod(power, 2)
@@ -201,6 +199,14 @@ class Root(Real):
         return whole
 
     __rmul__ = __mul__
+
+
+def signed_root(square: Fraction, side: int) -> Root:
+    """side sqrt(square), of a rational that is no square."""
+    found = Root(lambda: side * arb_of(square).sqrt())
+    found.square = square
+    found.side = side
+    return found
 
 
 def is_number(value: object) -> bool:
@@ -237,7 +243,7 @@ def root(value: Number) -> Number:
     below = isqrt(value.denominator)
     if above * above == value.numerator and below * below == value.denominator:
         return Fraction(above, below)
-    return Root(value)
+    return signed_root(value, 1)
 
 
 def sine(angle: Fraction) -> Number:

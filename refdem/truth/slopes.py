@@ -1,4 +1,11 @@
-"""Balls with their derivatives by a few parameters: formulas for balls give both."""
+"""Balls with their derivatives by a few parameters: formulas for balls give both.
+
+Theorem (chain rule): if balls hold numbers and their derivatives, then the balls that the rules of
+sums, products, quotients and elementary functions give hold those of the result.
+
+Hypotheses, and where each is checked: a function is differentiable on the whole ball. A quotient by
+a ball that holds 0, or a root of one, gives balls that are not finite, which `ball_of` refuses.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

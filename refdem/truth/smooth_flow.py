@@ -1,22 +1,27 @@
-"""Closed forms of smooth flows, whose derivative by the start is known by differences, and whose S
-is that of their equation.
+"""The derivative of a smooth flow by its start, and S of a motion that solves an equation.
+
+`SmoothFlow` and `FromRest` (from_rest.py) are parts that a closed form is composed with; whatever
+has a derivative by the start, of whatever family, is `Variational`.
 """
 
-from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol, Self, runtime_checkable
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, per_precision
+from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.closed_form import DISPLACEMENT
 from refdem.truth.energy_growth import EnergyGrowth, Line
-from refdem.truth.growth import CLOSED_BITS, Grows, Growth, PeriodicGrowth
+from refdem.truth.growth import Grows, Growth, PeriodicGrowth
 
 
 class Equation(Protocol):
     """A motion by the equation that it solves, as a closed form needs it (validated_flow.py)."""
+
+    @property
+    def state(self) -> Sequence[str]:
+        """The names of the state's coordinates."""
 
     def growth(self) -> Growth:
         """S of the motion, from the variational equation."""
@@ -25,62 +30,83 @@ class Equation(Protocol):
         """d quantity_i/scale_i over d state_j/scale_j at a state y."""
 
 
-class SmoothFlow(ClosedForm):
-    """A closed form whose state is among its quantities (`state`)."""
+@runtime_checkable
+class Variational(Protocol):
+    """A truth that knows its derivative by the start."""
+
+    def jacobian(self, t: Fraction) -> arb_mat:
+        """d quantity_i(t)/scale_i over d start_j/scale_j, with the state as the first rows."""
+
+
+class Displaceable(Protocol):
+    """A closed form, as differences by its start see it."""
+
+    state: tuple[str, ...]
+
+    @property
+    def scale(self) -> Mapping[str, Fraction]: ...
+
+    @property
+    def kept(self) -> dict[Any, Any]: ...
+
+    def displaced(self, axis: int, amount: Fraction) -> Self: ...
+
+    def evaluate(self, t: arb) -> dict[str, arb]: ...
+
+
+class SmoothFlow(Guarded):
+    """A closed form whose state is among its quantities (`state`), with derivatives by
+    differences.
+    """
+
+    state: tuple[str, ...]
 
     def jacobian(self, t: Fraction) -> arb_mat:
         """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as
         the first rows.
         """
-        columns = [self.scaled_changes(axis, arb_of(t)) for axis in range(len(self.state))]
-        return arb_mat(
-            [[column[i] for column in columns] for i in range(len(columns[0]))]
-        ) / arb_of(2 * DISPLACEMENT)
-
-    def scaled_changes(self, axis: int, t: arb) -> list[arb]:
-        """Differences at t, each in its scale, of the two motions displaced along one coordinate.
-
-        `state` first.
-        """
-        plus, minus = (displaced.evaluate(t) for displaced in self.pair(axis))
-        names = [*self.state, *(name for name in plus if name not in self.state)]
-        return [(plus[name] - minus[name]) / arb_of(self.scale[name]) for name in names]
+        form: Any = self
+        columns = [scaled_changes(form, axis, arb_of(t)) for axis in range(len(self.state))]
+        rows = [[column[i] for column in columns] for i in range(len(columns[0]))]
+        return arb_mat(rows) / arb_of(2 * DISPLACEMENT)
 
 
-class OfAnEquation(SmoothFlow):
-    """A closed form whose S comes from motions beside it, or from the equation that it solves,
-    integrated to a low precision.
+def pair(form: Displaceable, axis: int) -> tuple[Any, Any]:
+    """The motions from starts displaced by +-DISPLACEMENT scales along one coordinate."""
+    if ("pair", axis) not in form.kept:
+        amount = DISPLACEMENT * form.scale[form.state[axis]]
+        form.kept["pair", axis] = form.displaced(axis, amount), form.displaced(axis, -amount)
+    found: tuple[Any, Any] = form.kept["pair", axis]
+    return found
+
+
+def scaled_changes(form: Displaceable, axis: int, t: arb) -> list[arb]:
+    """Differences at t, each in its scale, of the two motions displaced along one coordinate.
+
+    The quantities of `state` come first.
     """
+    plus, minus = (displaced.evaluate(t) for displaced in pair(form, axis))
+    names = [*form.state, *(name for name in plus if name not in form.state)]
+    scale = form.scale
+    return [(plus[name] - minus[name]) / arb_of(scale[name]) for name in names]
 
-    @abstractmethod
-    def equation(self) -> Equation:
-        """The same motion by its equation, with the same quantities."""
 
-    def period(self) -> arb | None:
-        """The time after which the motion repeats, if errors then drift apart in proportion to time
-        (PeriodicGrowth).
-        """
-        return self.constants().get("period")
+def growth_along(line: Line, scale: Mapping[str, Fraction], equation: Equation) -> Grows:
+    """S of a motion of one degree of freedom with those beside it in closed form.
 
-    def line(self) -> Line | None:
-        """The motion and those beside it in closed form; None where S comes from the equation."""
-        return None
+    Its readings, the derivatives of the quantities by the state, are those of its equation.
+    """
+    place, speed = (scale[name] for name in equation.state)
+    return EnergyGrowth(line, place, speed, equation.readings_at)
 
-    def steepest(self) -> arb:
-        """Bound of |f'| along the motion, if it has a `line`."""
-        raise NotImplementedError
 
-    def growth_bits(self) -> Sequence[int]:
-        return CLOSED_BITS
+def growth_of_an_equation(equation: Equation, period: arb | None) -> Grows:
+    """S from the equation that a motion solves, integrated to a low precision.
 
-    @per_precision
-    def growth(self) -> Grows:
-        line = self.line()
-        if line is not None:
-            place, speed = (self.scale[name] for name in self.state)
-            return EnergyGrowth(line, place, speed, self.steepest(), self.equation().readings_at)
-        first = self.equation().growth()
-        period = self.period()
-        if period is None:
-            return first
-        return PeriodicGrowth(first, period)
+    With a `period`, after which the motion repeats, errors drift apart in proportion to time
+    (PeriodicGrowth).
+    """
+    first = equation.growth()
+    if period is None:
+        return first
+    return PeriodicGrowth(first, period)

@@ -24,9 +24,10 @@ from typing import Any
 from flint import arb
 
 from refdem.truth.balls import arb_of
-from refdem.truth.contact_phases import ContactPhases, State, ball
+from refdem.truth.contact_phases import LinearContact, State, ball
 from refdem.truth.events.crossing import SwitchError, sign
 from refdem.truth.events.system import Entry, Guard, Mode
+from refdem.truth.sphere_pair import TouchingPair
 
 FAINT = Fraction(1, 2**8)
 """Of the speed, or of the force of a unit of overlap: how near a singular end the motion is
@@ -35,10 +36,14 @@ followed.
 Vector = Sequence[Any]
 
 
-class SpatialPhases(ContactPhases):
+class SpatialPhases(LinearContact):
     """State: r, v, o1, o2, the spring s or its direction e (three zeros without a spring are left
     out), clock; apart r - v clock, v.
     """
+
+    def __init__(self, pair: TouchingPair) -> None:
+        self.spheres = pair
+        self.in_units_of(pair, rubs=True)
 
     @property
     def size(self) -> int:
@@ -48,8 +53,8 @@ class SpatialPhases(ContactPhases):
         return 13
 
     def start(self) -> list[Callable[[], arb]]:
-        """Functions that give the components of the state at touch."""
-        pair = self.pair
+        """The state of the contact at touch."""
+        pair = self.spheres
         nothing = partial(arb_of, 0)
 
         def part(wave: Callable[[arb], arb]) -> Callable[[], arb]:
@@ -86,26 +91,16 @@ class SpatialPhases(ContactPhases):
         """The scaled closing speed u of a state."""
         return dot(y[3:6], self.normal(y))
 
-    def force(self, y: State) -> Any:
-        return self.overlap(y) * self.k + self.closing(y) * self.c
-
     def falling(self, y: State) -> Any:
         """The rate u' = -F - (v^2 - u^2)/|r| of the closing speed."""
         closing = self.closing(y)
         return -self.force(y) - (dot(y[3:6], y[3:6]) - closing * closing) / self.distance(y)
-
-    def steepening(self, y: State) -> Any:
-        return self.closing(y) * self.k + self.falling(y) * self.c
 
     def turning(self, y: State) -> Vector:
         """The rate n' (3) at which the normal turns."""
         distance = self.distance(y)
         closing = self.closing(y)
         return [(n * closing - v) / distance for n, v in zip(self.normal(y), y[3:6], strict=True)]
-
-    def levers(self, y: State) -> list[Any]:
-        overlap = self.overlap(y)
-        return [1 - overlap * bend for bend in self.bend]
 
     def slip(self, y: State) -> Vector:
         """Velocity of surface 1 against surface 2."""

@@ -2,6 +2,7 @@
 in the plane.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,8 +16,8 @@ from refdem.truth.reals import Number, near
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpherePair:
-    """Parameters of two spheres in contact, in SI units.
+class TouchingPair(ABC):
+    """Numbers in SI units of a sphere that touches another one.
 
     `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
     """
@@ -39,14 +40,37 @@ class SpherePair:
         return self.masses[0] + self.masses[1]
 
     @property
+    @abstractmethod
     def effective_mass(self) -> Number:
-        """The effective mass m1 m2/(m1 + m2) [kg] of the pair."""
-        return self.masses[0] * self.masses[1] / self.total_mass
+        """The mass [kg] of the relative motion along the normal."""
+
+    @property
+    @abstractmethod
+    def is_head_on(self) -> bool:
+        """Along the normal for ever, and told in closed form."""
 
     @property
     def reach(self) -> Fraction:
         """Distance of the centres at touch [m]."""
         return sum(self.radii, Fraction(0))
+
+    @property
+    def surface_spin(self) -> list[Fraction]:
+        """R1 omega1 + R2 omega2 (3,) [m/s]: what the spins add to the slip at touch."""
+        return [
+            sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0))
+            for axis in range(3)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpherePair(TouchingPair):
+    """Two free spheres that touch."""
+
+    @property
+    def effective_mass(self) -> Number:
+        """The effective mass m1 m2/(m1 + m2) [kg]."""
+        return self.masses[0] * self.masses[1] / self.total_mass
 
     @property
     def half_decay(self) -> Number:
@@ -57,14 +81,6 @@ class SpherePair:
     def moments(self) -> list[Number]:
         """Moments of inertia of the solid spheres [kg m^2]."""
         return [Fraction(2, 5) * m * r * r for m, r in zip(self.masses, self.radii, strict=True)]
-
-    @property
-    def surface_spin(self) -> list[Fraction]:
-        """R1 omega1 + R2 omega2 (3,) [m/s]: what the spins add to the slip at touch."""
-        return [
-            sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0))
-            for axis in range(3)
-        ]
 
     @property
     def is_head_on(self) -> bool:

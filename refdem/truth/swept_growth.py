@@ -4,6 +4,14 @@ the supremum, by branch and bound.
 The cell whose bound is the largest is halved until that bound is at most WIDEST larger than the
 growth at the middle of some cell: every error of every cell grows by no more than the largest
 bound, and some error grows by nearly as much.
+
+Hypotheses, and where each is checked:
+
+* the spans cover all times up to t at which errors are made: whoever makes them (kepler_growth.py,
+  contact_path.py); halves cover what they halve (`Span.halves`);
+* what `answers` calls a bound holds for every error of the span: proved there;
+* the bound that is told is sharp: `largest_growth` stops only within WIDEST of a growth that is
+  seen, and raises UnsharpError after MOST_CELLS.
 """
 
 from collections.abc import Callable, Sequence

@@ -7,8 +7,9 @@ from typing import Self
 from flint import arb
 
 from refdem.errors import NotCertifiedError
-from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.closed_form import ClosedForm
 from refdem.truth.growth import Grows, Told
+from refdem.truth.refiner import Refiner, Size
 
 
 class Timeless(ClosedForm):
@@ -24,7 +25,7 @@ class Timeless(ClosedForm):
         witness: str,
         digits: int = 40,
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.refiner = Refiner.of(scale, digits=digits)
         self.values = values
         self.witness = witness
 

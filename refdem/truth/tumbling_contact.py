@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from refdem.truth.events.system import Entry, Guard, Mode, Traced, along
+from refdem.truth.events.system import Entry, Guard, Mode, along
 from refdem.truth.reals import root
 from refdem.truth.traced_field import Field, Node, Program, Trace
 
@@ -194,11 +194,10 @@ class Modes(dict[str, Mode]):
 def rotation(q: Vector) -> list[list[Any]]:
     """R of a unit quaternion, body to space."""
     w, x, y, z = q
-    return [
-        [w * w + x * x - y * y - z * z, (x * y - w * z) * 2, (x * z + w * y) * 2],
-        [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2],
-        [(x * z - w * y) * 2, (y * z + w * x) * 2, w * w - x * x - y * y + z * z],
-    ]
+    first = [w * w + x * x - y * y - z * z, (x * y - w * z) * 2, (x * z + w * y) * 2]
+    second = [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2]
+    third = [(x * z - w * y) * 2, (y * z + w * x) * 2, w * w - x * x - y * y + z * z]
+    return [first, second, third]
 
 
 def dot(a: Vector, b: Vector) -> Any:
@@ -211,17 +210,15 @@ def cross(a: Vector, b: Vector) -> list[Any]:
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-class TracedCorners(Traced):
-    """A mode as programs; of the rates of its guards, whose zeros are simple, the first alone, and
-    only the operations that it needs.
+def lean_rates(guard: Guard, mode: Mode, size: int) -> list[Program]:
+    """The first of the rates of a guard, whose zeros are simple, alone, and only the operations
+    that it needs.
     """
-
-    def _rates(self, guard: Guard, highest: int = 1) -> list[Program]:
-        trace = Trace()
-        y = [trace.node("in", i) for i in range(self.size)]
-        value = guard.value(y)
-        rates = [trace.constant(rate) for rate in self.mode.field(y)]
-        return [Program([lean(node)]) for node in (value, along(value, rates))]
+    trace = Trace()
+    y = [trace.node("in", i) for i in range(size)]
+    value = guard.value(y)
+    rates = [trace.constant(rate) for rate in mode.field(y)]
+    return [Program([lean(node)]) for node in (value, along(value, rates))]
 
 
 def lean(node: Node) -> Node:

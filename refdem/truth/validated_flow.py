@@ -1,9 +1,24 @@
-"""A Truth by validated integration: quantities of the state as balls, S(t) from the variational
-equation.
+"""A truth by validated integration.
+
+Theorem: the quantities at t are those of the solution of y' = field(y), y(0) = start, which exists
+and is enclosed at t by the last of a chain of pieces; S(t) is bounded by the products of enclosures
+of the flow's derivative over these pieces (refdem/truth/growth.py).
+
+Hypotheses, and where each is checked:
+
+* the field is analytic on a complex disc about each piece, and the solution stays in the box that
+  is claimed there: Picard's iteration maps that box into itself (validated_ivp/enclosure.py);
+* what the Taylor polynomial leaves out is at most Cauchy's bound on that disc, and the set is moved
+  by an enclosure of the derivative (validated_ivp/integration.py, moved.py);
+* field and start are exact: constants of a traced field are rationals (traced_field.py), and each
+  number of the start is one, or is made anew as a ball at every precision;
+* a motion that is said to be infinite is proved to be so, by `escape` (escape.py).
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import count
@@ -13,16 +28,21 @@ from typing import Any, Self
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from refdem.truth.balls import SPARE, UndecidedError, arb_of, ball_of, largest, precision
-from refdem.truth.closed_form import Size, per_precision
+from refdem.core.truth import Ball, Truth
+from refdem.truth.balls import SPARE, Guarded, UndecidedError, arb_of, ball_of, largest, precision
+from refdem.truth.closed_form import per_precision
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.refiner import Refiner, Sensitivity, Size
 from refdem.truth.traced_field import Field, Program, traced
 from refdem.truth.validated_ivp.integration import Integration, Piece
 
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
+Escape = Callable[[Sequence[arb]], arb | None]
+"""From balls of a state: a time [s] within which every motion from there is proved to be infinite;
+None where that is not proved.
+"""
 LOSS = 24
 """Bits that a quiet motion may lose; one that loses more is integrated anew with as many more."""
 MOST_BITS = 4096
@@ -33,7 +53,46 @@ by comes twice as far.
 """
 
 
-class ValidatedFlow(SmoothFlow):
+def never(y: Sequence[arb]) -> None:
+    """The escape of a motion that no proof says to be infinite."""
+
+
+class Reading(ABC):
+    """The quantities of a state, and their derivatives by it."""
+
+    @abstractmethod
+    def values(self, y: Sequence[arb]) -> dict[str, arb]:
+        """The quantities of balls of a state, by name."""
+
+    @abstractmethod
+    def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
+        """d quantity/d y_j, by name."""
+
+
+class TracedReading(Reading):
+    """Quantities that are written in the operations of a field, and differentiated with it."""
+
+    def __init__(self, quantities: Quantities, size: int) -> None:
+        self.names: list[str] = []
+
+        def listed(y: Sequence[Any]) -> list[Any]:
+            found = quantities(y)
+            self.names = list(found)
+            return list(found.values())
+
+        outputs, rows = traced(listed, size)
+        self.outputs = Program(outputs)
+        self.rows = Program([entry for row in rows for entry in row])
+
+    def values(self, y: Sequence[arb]) -> dict[str, arb]:
+        return dict(zip(self.names, self.outputs.run(y), strict=True))
+
+    def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
+        rows = np.array(self.rows.run(y), dtype=object).reshape(len(self.names), -1)
+        return dict(zip(self.names, rows, strict=True))
+
+
+class ValidatedFlow(Guarded, Truth):
     """The solution of y' = field(y), y(0) = start, for t >= 0; units do not matter, for norms are
     weighted (enclosure.py).
 
@@ -42,59 +101,110 @@ class ValidatedFlow(SmoothFlow):
     displaces and `state`, one for each, the quantities in whose scales they are displaced. Bits are
     those that the digits ask for, and more until every radius is met; pieces are kept for each
     number.
+
+    What a family adds is handed in: `witness` says who checked; `escape` proves that a motion is
+    infinite; `constants` gives the scalars; `told` names the quantities that are told (all by
+    default); `door` raises NotCertifiedError where the quantities say nothing.
     """
 
     method = (
         "validated integration: Taylor series on proved complex discs, Cauchy remainder, Lohner"
         " frame (refdem/truth/validated_ivp)"
     )
-    witness = "none"
 
     def __init__(
         self,
         field: Field,
         start: Sequence[Fraction | Callable[[], arb]],
-        quantities: Quantities,
+        quantities: Quantities | Reading,
         scale: Mapping[str, Size],
         *,
         state: Sequence[str],
         moved: Sequence[int],
         digits: int = 40,
+        witness: str = "none",
+        escape: Escape = never,
+        constants: "Callable[[ValidatedFlow], dict[str, arb]]" = lambda flow: {},
+        told: Sequence[str] = (),
+        door: "Callable[[ValidatedFlow], None]" = lambda flow: None,
     ) -> None:
-        super().__init__(scale, digits=digits)
-        self.field, self.begin, self.quantities = field, list(start), quantities
-        self.state, self.moved = tuple(state), tuple(moved)
-        self.names: list[str] = []
+        self.refiner = Refiner.of(scale, digits=digits)
+        self.kept: dict[Any, Any] = {}
+        self.field = field
+        self.begin = list(start)
+        self.state = tuple(state)
+        self.moved = tuple(moved)
         self.ends: dict[int, Fraction] = {}
-        outputs, slopes = traced(self.listed, len(self.begin))
-        self.values, self.slopes = (
-            Program(outputs),
-            Program([entry for row in slopes for entry in row]),
-        )
+        if isinstance(quantities, Reading):
+            self.reading = quantities
+        else:
+            self.reading = TracedReading(quantities, len(self.begin))
+        self.witness = witness
+        self.escape = escape
+        self.constants = constants
+        self.told = tuple(told)
+        self.door = door
 
-    def listed(self, y: Sequence[Any]) -> list[Any]:
-        """The quantities of a state one after another, as `names` lists them."""
-        found = self.quantities(y)
-        self.names = list(found)
-        return list(found.values())
+    @property
+    def scale(self) -> Mapping[str, Fraction]:
+        """The size of each quantity, against which its error counts."""
+        return self.refiner.scale
+
+    def refined(self, digits: int) -> Self:
+        """The same truth with radii of at most 10^-digits; what is integrated serves both."""
+        other = copy(self)
+        other.refiner = self.refiner.to(digits)
+        return other
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be
+        proved.
+        """
+        self.door(self)
+        balls = self.refiner_now().balls(
+            lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s", t, self.evaluated_at_0
+        )
+        return {name: balls[name] for name in self.told or balls}
+
+    def scalars(self) -> dict[str, Ball]:
+        """Values that do not depend on time."""
+        return self.refiner_now().balls(lambda: self.constants(self), "scalars")
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t), from the variational equation: no error reaches what is not displaced."""
+        self.door(self)
+        if ("sensitivity", t) not in self.kept:
+            # Those of the first integration: its pieces are there already.
+            first = self.first_bits()
+            proof = Sensitivity([first << doubling for doubling in range(4)])
+            self.kept["sensitivity", t] = proof.at(self.growth, t, lambda: self.at_start(t))
+        found: float = self.kept["sensitivity", t]
+        return found
+
+    def at_start(self, t: Fraction) -> dict[str, Ball]:
+        """The quantities at the start, as the last certified state before t."""
+        return self.refiner_now().at_start(t, self.evaluated_at_0)
+
+    def evaluated_at_0(self) -> dict[str, arb]:
+        """Every quantity at the start, at the current precision."""
+        return self.evaluate(arb(0))
+
+    def refiner_now(self) -> Refiner:
+        """The refiner that begins with the bits that have been needed so far."""
+        return replace(self.refiner, first=self.bits(), most=self.most_bits())
 
     def bits(self) -> int:
         """What `at` begins with: bits for the digits, or what they have needed so far."""
-        return int(self.kept.get(("bits", self.digits), self.first_bits()))
+        return int(self.kept.get(("bits", self.refiner.digits), self.first_bits()))
 
     def first_bits(self) -> int:
         """Bits for the digits, and LOSS more."""
-        asked = ceil(1 / self.target()).bit_length() + LOSS
+        asked = ceil(1 / self.refiner.target()).bit_length() + LOSS
         return asked + -asked % 32
 
     def most_bits(self) -> int:
+        """Where raising them ends."""
         return max(MOST_BITS, 2 * self.bits())
-
-    def infinite_within(self, y: Sequence[arb]) -> arb | None:
-        """A time [s] within which every motion from these balls of the state is proved to be
-        infinite; None where that is not proved.
-        """
-        return None
 
     def integration(self) -> Integration:
         """The solution at the current precision."""
@@ -108,17 +218,14 @@ class ValidatedFlow(SmoothFlow):
         return [value() if callable(value) else arb_of(value) for value in self.begin]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        self.kept["bits", self.digits] = ctx.prec
+        """Every quantity at t at the current precision; UndecidedError where the motion ends."""
+        self.kept["bits", self.refiner.digits] = ctx.prec
         try:
-            return self.named(self.integration().at(t))
+            return self.reading.values(self.integration().at(t))
         except UndecidedError as error:
             if error.time is None:
                 raise
             raise self.ended(t, error) from None
-
-    def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        """The quantities of a state, by name."""
-        return dict(zip(self.names, self.values.run(y), strict=True))
 
     def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
         """The same end with the last certified state, and whether it is proved to be one of the
@@ -131,8 +238,8 @@ class ValidatedFlow(SmoothFlow):
         flow = self.integration()
         y = flow.reached()
         end = arb_of(flow.end)
-        balls = {name: ball_of(value) for name, value in self.named(y).items()}
-        within = self.infinite_within(y)
+        balls = {name: ball_of(value) for name, value in self.reading.values(y).items()}
+        within = self.escape(y)
         if within is not None and end + within < t:
             told = (
                 f"the motion is infinite before t = {float((end + within).upper()):.17g} s; it is"
@@ -172,14 +279,9 @@ class ValidatedFlow(SmoothFlow):
         return self.scaled_slopes_at(self.integration().at(t))
 
     def scaled_slopes_at(self, y: Sequence[arb]) -> arb_mat:
-        """Scaled derivatives of the quantities at a given state y."""
-        slopes = self.slopes.run(y)
-        rows = dict(
-            zip(
-                self.names, np.array(slopes, dtype=object).reshape(len(self.names), -1), strict=True
-            )
-        )
-        order = [*self.state, *(name for name in self.names if name not in self.state)]
+        """The scaled derivatives of the quantities by a state y."""
+        rows = self.reading.slopes(y)
+        order = [*self.state, *(name for name in rows if name not in self.state)]
         return arb_mat(
             [[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order]
         )
@@ -190,11 +292,6 @@ class ValidatedFlow(SmoothFlow):
         return Growth(
             self.stretches(self.integration()), Norm([1] * len(self.moved)), self.readings
         )
-
-    def growth_bits(self) -> Sequence[int]:
-        """The precisions of the first integration, whose pieces are there already."""
-        first = self.first_bits()
-        return [first << n for n in range(4)]
 
     def stretches(self, flow: Integration) -> Iterator[Stretch]:
         """The pieces of an integration, made as they are asked for."""
@@ -244,7 +341,7 @@ class ValidatedFlow(SmoothFlow):
         course's precision.
         """
         # log2 of a number that may be below all doubles.
-        target = log2(self.target().numerator) - log2(self.target().denominator)
+        target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:

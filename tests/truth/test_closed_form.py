@@ -15,6 +15,7 @@ from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.harmonic_oscillator import HarmonicOscillator
 from refdem.truth.growth import Norm, SteadyGrowth, narrow
 from refdem.truth.line_growth import linear
+from refdem.truth.refiner import Refiner
 from refdem.truth.sampled import sampled
 
 
@@ -24,7 +25,7 @@ class Harmonic(ClosedForm):
     state = ("x", "v")
 
     def __init__(self, x, v, scale, *, hidden=False):
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.x = x
         self.v = v
         self.hidden = hidden

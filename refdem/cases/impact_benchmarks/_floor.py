@@ -106,6 +106,6 @@ class Bounce(OnFloor):
         """The truth in closed form, from bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
-        return floor.Bounce(
+        return floor.bounce(
             scale, self.floor(v), height=v.height, restitution=v.restitution, bounces=self.bounces
         )

@@ -53,7 +53,7 @@ class Stack(OnFloor):
         """The truth as the solution of a linear system."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
-        return floor.Stack(
+        return floor.stack(
             scale,
             self.floor(v),
             upper_mass=v.upper,

@@ -9,9 +9,10 @@ from functools import partial
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
 from refdem.truth.line_growth import linear
+from refdem.truth.refiner import Refiner, Size
 
 
 class HalfSine(ClosedForm):
@@ -33,7 +34,7 @@ class HalfSine(ClosedForm):
         scale: Mapping[str, Size],
         bodies: int = 1,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.square = square
         self.start = start
         self.bodies = bodies

@@ -19,10 +19,11 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import linear
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 
@@ -47,7 +48,7 @@ class Phase:
     end: arb | None
 
 
-class AsymmetricField(SmoothFlow):
+class AsymmetricField(ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t >= 0; scalar: work, that of the force on a particle that crosses from
     left to right [J].
     """
@@ -57,7 +58,7 @@ class AsymmetricField(SmoothFlow):
     witness = "Taylor integration phase by phase, energy"
 
     def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.exact = dict(exact)
         self.steep = self.exact["k1"] / self.exact["mass"]
         self.fall = self.steep * -self.exact["x1"] / self.exact["x2"]

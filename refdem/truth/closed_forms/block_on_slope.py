@@ -17,6 +17,7 @@ from refdem.truth.closed_forms.newtons_first_law import Still
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
 from refdem.truth.line_growth import linear
+from refdem.truth.refiner import Refiner
 
 MOST_BITS = 16384
 
@@ -39,7 +40,7 @@ class Slide(ClosedForm):
         slope: Fraction,
         angle: Fraction | None,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.friction = friction
         self.gravity = gravity
         self.slope = slope

@@ -13,9 +13,10 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
+from refdem.truth.refiner import Refiner, Size
 
 RUN_UP = 2
 Start = tuple[Fraction, Fraction, Fraction, Fraction]
@@ -37,7 +38,7 @@ class CapturedMass(ClosedForm):
     state = ("x", "y", "vx", "vy")
 
     def __init__(self, mass: Fraction, start: Start, scale: Mapping[str, Size]) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.mass = mass
         self.start = start
         x, y, vx, vy = start

@@ -24,6 +24,7 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
+from refdem.truth.refiner import Refiner
 
 
 class CoulombOscillator(ClosedForm):
@@ -47,7 +48,7 @@ class CoulombOscillator(ClosedForm):
         x0: Fraction,
         v0: Fraction,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.mass = mass
         self.stiffness = stiffness
         self.shift = friction_force / stiffness

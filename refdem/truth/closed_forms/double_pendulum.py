@@ -17,13 +17,11 @@ from refdem.truth.validated_flow import ValidatedFlow
 NAMES = ("theta1", "theta2", "thetadot1", "thetadot2")
 
 
-class DoublePendulum(ValidatedFlow):
-    """theta1, theta2 (continuous), thetadot1, thetadot2."""
-
-    witness = (
-        "multiprecision integration of Cartesian equations with the rods' forces"
-        " (refdem/truth/witnesses/linked.py); energy"
-    )
+"""Of theta1, theta2 (continuous) and their rates."""
+WITNESS = (
+    "multiprecision integration of Cartesian equations with the rods' forces"
+    " (refdem/truth/witnesses/linked.py); energy"
+)
 
 
 def field(p: Parameters) -> Field:
@@ -50,11 +48,12 @@ def field(p: Parameters) -> Field:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (masses, lengths, gravity, theta0, thetadot0)."""
     start = [*vector(p, "theta0"), *vector(p, "thetadot0")]
-    return DoublePendulum(
+    return ValidatedFlow(
         field(p),
         start,
         lambda y: dict(zip(NAMES, y, strict=True)),
         scale,
         state=NAMES,
         moved=range(4),
+        witness=WITNESS,
     )

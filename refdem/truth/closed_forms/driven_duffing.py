@@ -4,6 +4,7 @@ drive are coordinates.
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -12,32 +13,29 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.escape import Repulsion
 from refdem.truth.exact import numbers
-from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.validated_flow import Escape, ValidatedFlow, never
+
+WITNESS = (
+    "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at"
+    " literal values"
+)
 
 
-class DrivenDuffing(ValidatedFlow):
-    """x [m] and v [m/s] at t >= 0."""
-
-    witness = (
-        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
-        " at literal values"
-    )
-    repulsion: Repulsion | None = None
-
-    def infinite_within(self, y: Sequence[arb]) -> arb | None:
-        """Where beta < 0 the spring repels beyond some |x|, to either side alike."""
-        if self.repulsion is None:
-            return None
-        x, v = y[:2]
-        if x > 0:
-            side = 1
-        else:
-            side = -1
-        return self.repulsion.infinite_within(side * x, side * v)
+def infinite_to_either_side(repulsion: Repulsion, y: Sequence[arb]) -> arb | None:
+    """Where beta < 0 the spring repels beyond some |x|, to either side alike."""
+    x, v = y[:2]
+    if x > 0:
+        side = 1
+    else:
+        side = -1
+    return repulsion.infinite_within(side * x, side * v)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters alpha, beta, delta, f0, drive, x0, v0; `scale` of x and v."""
+    """The truth at parameters alpha, beta, delta, f0, drive, x0, v0; `scale` of x and v.
+
+    x [m] and v [m/s] at t >= 0.
+    """
     values = numbers(p, "alpha", "beta", "delta", "f0", "drive", "x0", "v0")
 
     def field(y: Sequence[Any]) -> list[Any]:
@@ -50,11 +48,19 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, push, -values["drive"] * s, values["drive"] * c]
 
     start = [values["x0"], values["v0"], Fraction(1), Fraction(0)]
-    found = DrivenDuffing(
-        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
-    )
+    escape: Escape = never
     if values["beta"] < 0:
-        found.repulsion = Repulsion(
+        repulsion = Repulsion(
             3, -values["beta"], values["alpha"], values["delta"], abs(values["f0"])
         )
-    return found
+        escape = partial(infinite_to_either_side, repulsion)
+    return ValidatedFlow(
+        field,
+        start,
+        lambda y: {"x": y[0], "v": y[1]},
+        scale,
+        state=("x", "v"),
+        moved=(0, 1),
+        witness=WITNESS,
+        escape=escape,
+    )

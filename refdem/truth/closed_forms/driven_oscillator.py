@@ -18,13 +18,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
+from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class DrivenOscillator(SmoothFlow):
+class DrivenOscillator(ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; `f0` [m/s^2] and `drive` [rad/s] are zero where nothing drives."""
 
     method = "closed form; regime and resonance decided in exact rationals"
@@ -32,7 +33,7 @@ class DrivenOscillator(SmoothFlow):
     state = ("x", "v")
 
     def __init__(self, p: Parameters, scale: Mapping[str, float], *, is_driven: bool) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         values = numbers(
             p,
             "mass",

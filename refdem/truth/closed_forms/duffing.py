@@ -19,12 +19,14 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import FromRest
+from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.jacobi import Jacobi
-from refdem.truth.smooth_flow import OfAnEquation
+from refdem.truth.refiner import Refiner, Sensitivity
+from refdem.truth.smooth_flow import growth_along, growth_of_an_equation
 from refdem.truth.validated_flow import ValidatedFlow
 
 Shape = Callable[[arb], tuple[arb, arb]]
@@ -61,17 +63,19 @@ class DuffingMotion:
     family: Family | None = None
 
 
-class Duffing(FromRest, OfAnEquation):
+class Duffing(FromRest, ClosedForm):
     """x [m] and v [m/s] at t; scalar period [s] where there is one."""
 
+    state = ("x", "v")
     method = (
         "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine, or cosh, for"
         " beta = 0"
     )
     witness = "validated integration of the equation of motion; energy; the period by quadrature"
+    proof_of_s = Sensitivity(CLOSED_BITS)
 
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         values = numbers(p, "alpha", "beta", "amplitude")
         self.alpha = values["alpha"]
         self.beta = values["beta"]
@@ -150,7 +154,7 @@ class Duffing(FromRest, OfAnEquation):
         = -(alpha + 3 beta A^2) d = 2 alpha d.
         """
         if self.alpha + self.beta * self.amplitude**2 != 0:
-            return super().rates(t)
+            return self.rates_of_the_motion(t)
         w = arb_of(2 * abs(self.alpha)).sqrt()
         u = w * arb_of(t)
         if self.alpha < 0:
@@ -158,6 +162,8 @@ class Duffing(FromRest, OfAnEquation):
         return (u.sinh() / w, u.cosh())
 
     def equation(self) -> ValidatedFlow:
+        """The same motion by its equation, with the same quantities."""
+
         def field(y: Sequence[Any]) -> list[Any]:
             x, v = y
             return [v, -(x * x * self.beta + self.alpha) * x]
@@ -173,6 +179,7 @@ class Duffing(FromRest, OfAnEquation):
         )
 
     def line(self) -> Line | None:
+        """The motion and those beside it in closed form; None where they are not elliptic."""
         motion = self.motion()
         family = motion.family
         if family is None:
@@ -183,8 +190,20 @@ class Duffing(FromRest, OfAnEquation):
             return found["x"], found["v"]
 
         return Line(
-            state, self.acceleration, lambda t: self.neighbour(motion, family, t), motion.period
+            state,
+            self.acceleration,
+            lambda t: self.neighbour(motion, family, t),
+            motion.period,
+            self.steepest(),
         )
+
+    @per_precision
+    def growth(self) -> Grows:
+        """S from the motions beside it, where they are elliptic; else from the equation."""
+        line = self.line()
+        if line is not None:
+            return growth_along(line, self.scale, self.equation())
+        return growth_of_an_equation(self.equation(), self.motion().period)
 
     def neighbour(self, motion: DuffingMotion, family: Family, t: arb) -> Neighbour:
         """How x = A S(rate t | m) and v = A rate S' change by A; H' = c A."""
@@ -205,7 +224,9 @@ class Duffing(FromRest, OfAnEquation):
         return Neighbour(place, speed, along, -self.acceleration(reach))
 
     def steepest(self) -> arb:
-        """alpha + 3 beta x^2 at 0 and at either turning point of a well."""
+        """Bound of |f'| along the motion: alpha + 3 beta x^2 at 0 and at the turning points of a
+        well.
+        """
         square = self.beta * self.amplitude**2
         slopes = [self.alpha, self.alpha + 3 * square, self.alpha + 3 * (-2 * self.alpha - square)]
         return arb_of(max(abs(slope) for slope in slopes))

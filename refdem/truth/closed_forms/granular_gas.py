@@ -10,14 +10,14 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import GuardedTruth, arb_of, refined
+from refdem.truth.balls import Guarded, arb_of, refined
 from refdem.truth.exact import numbers
 
 MASS = Fraction(1)
 DIMENSIONS = 3
 
 
-class HaffTime(GuardedTruth):
+class HaffTime(Guarded, Truth):
     """tau of T = T0/(1 + t/tau)^2, a scalar; not among the scalars of an elastic gas, where it is
     infinite, or of a rough one.
     """

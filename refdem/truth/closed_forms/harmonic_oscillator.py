@@ -14,13 +14,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
+from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class HarmonicOscillator(SmoothFlow):
+class HarmonicOscillator(ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the
     equilibrium.
     """
@@ -39,7 +40,7 @@ class HarmonicOscillator(SmoothFlow):
         x0: Fraction,
         v0: Fraction,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.mass = mass
         self.stiffness = stiffness
         self.gravity = gravity

@@ -10,19 +10,19 @@ u2 <= 1 <= u3, between the first two of which it moves in the time 4 K(m)/sqrt(b
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
-from flint import acb, acb_poly, arb, arb_mat, ctx
+from flint import acb, acb_poly, arb, ctx
 
 from refdem.core.parameters import Parameters
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.closed_form import FIRST_BITS, Size
 from refdem.truth.exact import numbers, vector
+from refdem.truth.refiner import FIRST_BITS, Size
 from refdem.truth.traced_field import Field
-from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.validated_flow import Reading, ValidatedFlow
 
 UPRIGHT = 0.995
 """cos of the least tilt at which Euler's angles are integrated."""
@@ -37,37 +37,20 @@ STATE = (*SEEN, "lz", "w3")
 CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
 
 
-class HeavyTop(ValidatedFlow):
-    """theta, phi, psi (continuous) and thetadot.
+WITNESS = (
+    "multiprecision integration of q' = q omega/2 and Euler's equations with the torque of the"
+    " weight; Jacobi's functions for the tilt"
+)
 
-    L_z and w3 are states that stay, so that S knows of their errors.
+
+class Nutation:
+    """Between which tilts the axis moves, and in what time; proved to stay off the verticals by
+    `closest` [rad], or not.
     """
 
-    closest = LEAST_TILT
-
-    witness = (
-        "multiprecision integration of q' = q omega/2 and Euler's equations with the torque of the"
-        " weight; Jacobi's functions for the tilt"
-    )
-
-    def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size]) -> None:
+    def __init__(self, p: Mapping[str, Fraction], closest: Fraction = LEAST_TILT) -> None:
         self.p = p
-        start: list[Fraction | Callable[[], arb]] = [
-            p["theta0"],
-            Fraction(0),
-            Fraction(0),
-            p["thetadot0"],
-            self.vertical,
-            p["spin"],
-        ]
-        super().__init__(
-            field(p),
-            start,
-            lambda y: dict(zip(STATE, y, strict=True)),
-            scale,
-            state=STATE,
-            moved=range(6),
-        )
+        self.closest = closest
 
     def vertical(self) -> arb:
         """The vertical angular momentum L_z, which is conserved."""
@@ -75,42 +58,39 @@ class HeavyTop(ValidatedFlow):
         sine, cosine = arb_of(p["theta0"]).sin_cos()
         return arb_of(p["j1"] * p["phidot0"]) * sine * sine + arb_of(p["j3"] * p["spin"]) * cosine
 
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        self.refuse_touching()
-        found = super().at(t)
-        return {name: found[name] for name in SEEN}
+    @cached_property
+    def touches(self) -> bool:
+        """Whether it is not proved that the axis stays off the verticals."""
+        limit = self.closest
+        with self.parted_roots() as (low, high, _):
+            return not (high < arb_of(limit).cos() and low > -arb_of(limit).cos())
 
-    def sensitivity(self, t: Fraction) -> float:
-        self.refuse_touching()
-        return super().sensitivity(t)
-
-    def refuse_touching(self) -> None:
+    def refuse_touching(self, flow: ValidatedFlow) -> None:
         """Raises NotCertifiedError where it is not proved that the axis stays off the verticals."""
-        if "touches" not in self.kept:
-            with self.parted_roots() as (low, high, _):
-                self.kept["touches"] = not (
-                    high < arb_of(self.closest).cos() and low > -arb_of(self.closest).cos()
-                )
-        if self.kept["touches"]:
-            start = self.at_start(Fraction(1))
-            near = f"{float(self.closest):g} rad"
-            told = (
-                f"vertical: the axis may come within {near} of a vertical, where its angles say"
-                " nothing; move the start"
-            )
-            raise NotCertifiedError(
-                told,
-                code="vertical",
-                time=0.0,
-                state={name: start[name] for name in SEEN if name in start},
-            )
+        if not self.touches:
+            return
+        start = flow.at_start(Fraction(1))
+        near = f"{float(self.closest):g} rad"
+        told = (
+            f"vertical: the axis may come within {near} of a vertical, where its angles say"
+            " nothing; move the start"
+        )
+        raise NotCertifiedError(
+            told,
+            code="vertical",
+            time=0.0,
+            state={name: start[name] for name in SEEN if name in start},
+        )
 
     def poles(self) -> list[int]:
         """Which of the verticals the axis comes near to: 1 up, -1 down."""
+        found = []
         with self.parted_roots() as (low, high, _):
-            return [
-                side for side, near in ((1, not high < UPRIGHT), (-1, not low > -UPRIGHT)) if near
-            ]
+            if not high < UPRIGHT:
+                found.append(1)
+            if not low > -UPRIGHT:
+                found.append(-1)
+        return found
 
     @contextmanager
     def parted_roots(self) -> Iterator[list[arb]]:
@@ -156,100 +136,135 @@ class HeavyTop(ValidatedFlow):
             raise UndecidedError("ends of the nutation that are not apart")
         return sorted(found, key=lambda root: float(root.mid()))
 
-    def constants(self) -> dict[str, arb]:
+    def ends(self, flow: ValidatedFlow) -> dict[str, arb]:
+        """The scalars: the least and the largest tilt [rad], and the time there and back [s]."""
         low, high, beyond = self.roots()
+        # 4 K(m)/sqrt(beta (u3 - u1)), m = (u2 - u1)/(u3 - u1).
         beta = arb_of(2 * self.p["mass"] * self.p["gravity"] * self.p["length"] / self.p["j1"])
-        period = (
-            4
-            * acb((high - low) / (beyond - low)).elliptic_k().real
-            / (beta * (beyond - low)).sqrt()
-        )
+        m = (high - low) / (beyond - low)
+        period = 4 * acb(m).elliptic_k().real / (beta * (beyond - low)).sqrt()
         return {"nutation_min": high.acos(), "nutation_max": low.acos(), "period": period}
 
 
-class NearVertical(HeavyTop):
+def by_angles(
+    p: Mapping[str, Fraction], scale: Mapping[str, Size], nutation: Nutation
+) -> ValidatedFlow:
+    """theta, phi, psi (continuous) and thetadot, from Euler's angles.
+
+    L_z and w3 are states that stay, so that S knows of their errors.
+    """
+    start: list[Fraction | Callable[[], arb]] = [
+        p["theta0"],
+        Fraction(0),
+        Fraction(0),
+        p["thetadot0"],
+        nutation.vertical,
+        p["spin"],
+    ]
+    return ValidatedFlow(
+        field(p),
+        start,
+        lambda y: dict(zip(STATE, y, strict=True)),
+        scale,
+        state=STATE,
+        moved=range(6),
+        witness=WITNESS,
+        constants=nutation.ends,
+        told=SEEN,
+        door=nutation.refuse_touching,
+    )
+
+
+def by_axis(p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> ValidatedFlow:
     """The same where Euler's angles run away: axis n, L and psi + side phi are integrated; phi lies
     in (-pi, pi].
 
     n' = L x n/J1, L' = m g l n x (-z), (psi + side phi)' = L.n/J3 + side (L_z - L.n n_z)/(J1 (1 +
     side n_z)).
     """
+    nutation = Nutation(p, LEAST_TOLD)
+    sizes = {
+        **scale,
+        **dict.fromkeys(CARTESIAN[:3], 1.0),
+        **dict.fromkeys(CARTESIAN[3:6], scale["lz"]),
+        CARTESIAN[6]: 1.0,
+    }
+    start = [partial(axis_and_momentum, p, k) for k in range(6)]
+    return ValidatedFlow(
+        cartesian(p, side),
+        [*start, Fraction(0)],
+        AxisReading(p["j1"], side),
+        sizes,
+        state=CARTESIAN,
+        moved=range(7),
+        witness=WITNESS,
+        constants=nutation.ends,
+        told=SEEN,
+        door=nutation.refuse_touching,
+    )
 
-    closest = LEAST_TOLD
 
-    def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> None:
-        self.p = p
+def axis_and_momentum(p: Mapping[str, Fraction], k: int) -> arb:
+    """Coordinate k of n and L at the start."""
+    sine, cosine = arb_of(p["theta0"]).sin_cos()
+    across = arb_of(p["j1"] * p["phidot0"]) * sine
+    own = arb_of(p["j3"] * p["spin"])
+    along = [
+        arb_of(p["j1"] * p["thetadot0"]),
+        across * cosine - own * sine,
+        across * sine + own * cosine,
+    ]
+    return [arb(0), -sine, cosine, *along][k]
+
+
+class AxisReading(Reading):
+    """The angles of the axis n = (sin theta sin phi, -sin theta cos phi, cos theta), and thetadot,
+    from n, L and psi + side phi.
+    """
+
+    def __init__(self, j1: Fraction, side: int) -> None:
+        self.j1 = j1
         self.side = side
-        sizes = {
-            **scale,
-            **dict.fromkeys(CARTESIAN[:3], 1.0),
-            **dict.fromkeys(CARTESIAN[3:6], scale["lz"]),
-            CARTESIAN[6]: 1.0,
-        }
-        start: list[Fraction | Callable[[], arb]] = [partial(self.begun, k) for k in range(6)]
-        listed = lambda y: dict(zip(CARTESIAN, y, strict=True))  # noqa: E731
-        ValidatedFlow.__init__(
-            self,
-            cartesian(p, side),
-            [*start, Fraction(0)],
-            listed,
-            sizes,
-            state=CARTESIAN,
-            moved=range(7),
-        )
 
-    def begun(self, k: int) -> arb:
-        """Coordinate k of n and L at the start."""
-        p = self.p
-        sine, cosine = arb_of(p["theta0"]).sin_cos()
-        across = arb_of(p["j1"] * p["phidot0"]) * sine
-        own = arb_of(p["j3"] * p["spin"])
-        along = [
-            arb_of(p["j1"] * p["thetadot0"]),
-            across * cosine - own * sine,
-            across * sine + own * cosine,
-        ]
-        return [arb(0), -sine, cosine, *along][k]
-
-    def evaluate(self, t: arb) -> dict[str, arb]:
-        x, y, z, lx, ly, lz, turned = self.integration().at(t)
-        sine = (x * x + y * y).sqrt()
-        phi = arb.atan2(x, -y)
-        rate = (ly * x - lx * y) / (arb_of(self.p["j1"]) * sine)
+    def values(self, y: Sequence[arb]) -> dict[str, arb]:
+        x, y_, z, lx, ly, _, turned = y
+        sine = (x * x + y_ * y_).sqrt()
+        phi = arb.atan2(x, -y_)
+        rate = (ly * x - lx * y_) / (arb_of(self.j1) * sine)
         angles = {
             "theta": arb.atan2(sine, z),
             "phi": phi,
             "psi": turned - self.side * phi,
             "thetadot": rate,
         }
-        return angles | dict(zip(CARTESIAN, (x, y, z, lx, ly, lz, turned), strict=True))
+        return angles | dict(zip(CARTESIAN, y, strict=True))
 
-    def scaled_slopes(self, t: arb) -> arb_mat:
-        """Rows of n, L and psi + side phi, then those of the angles and of the rate of the tilt by
-        the chain rule.
-        """
-        x, y, z, lx, ly, _, _ = self.integration().at(t)
-        square = x * x + y * y
-        j1 = arb_of(self.p["j1"])
-        tau = arb_of(1 / self.scale["thetadot"])
-        none = arb(0)
+    def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
+        """Derivatives of the readings: 1 for n, L, psi + side phi; the chain rule for angles."""
+        x, y_, z, lx, ly, _, _ = y
+        square = x * x + y_ * y_
         sine = square.sqrt()
-        rate = (ly * x - lx * y) / (j1 * sine)
-        lever = j1 * sine
-        tilt = [z * x / sine, z * y / sine, -sine, none, none, none, none]
-        phi = [-y / square, x / square, none, none, none, none, none]
-        psi = [-self.side * value for value in phi[:6]]
+        lever = arb_of(self.j1) * sine
+        none = arb(0)
+        # theta' = (L_y x - L_x y)/(J1 sin theta)
+        rate = (ly * x - lx * y_) / lever
+        tilt = [z * x / sine, z * y_ / sine, -sine, none, none, none, none]
+        phi = [-y_ / square, x / square, none, none, none, none, none]
+        psi = [*(-self.side * value for value in phi[:6]), arb(1)]
         speed = [
             ly / lever - rate * x / square,
-            -lx / lever - rate * y / square,
+            -lx / lever - rate * y_ / square,
             none,
-            -y / lever,
+            -y_ / lever,
             x / lever,
             none,
             none,
         ]
-        rows = super().scaled_slopes(t).table()
-        return arb_mat([*rows, tilt, phi, [*psi, arb(1)], [tau * value for value in speed]])
+        own = {
+            name: [arb(int(i == j)) for j in range(len(CARTESIAN))]
+            for i, name in enumerate(CARTESIAN)
+        }
+        return own | {"theta": tilt, "phi": phi, "psi": psi, "thetadot": speed}
 
 
 def cartesian(p: Mapping[str, Fraction], side: int) -> Field:
@@ -306,8 +321,8 @@ def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
         "j3": j3,
     }
     sizes = {**scale, "lz": float(j1) * rate, "w3": rate}
-    top = HeavyTop(exact, sizes)
-    poles = top.poles()
+    nutation = Nutation(exact)
+    poles = nutation.poles()
     if len(poles) == 1:
-        return NearVertical(exact, sizes, poles[0])
-    return top
+        return by_axis(exact, sizes, poles[0])
+    return by_angles(exact, sizes, nutation)

@@ -13,18 +13,19 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 HERTZ = Fraction(3, 2)
 
 
-class HertzSpheres(SmoothFlow):
+class HertzSpheres(ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
@@ -37,7 +38,7 @@ class HertzSpheres(SmoothFlow):
     def __init__(
         self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.mass, self.stiffness, self.begin = mass, stiffness, (Fraction(0), speed)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:

@@ -5,25 +5,11 @@ off its axis.
 from collections.abc import Mapping
 from typing import Any
 
-from flint import arb
-
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody, exact_columns
 from refdem.truth.free_body import Exact3, dot_exact
 from refdem.truth.reals import root
-
-
-class IntermediateAxis(FreeRigidBody):
-    """A free body; between two flips (sign changes of omega along the intermediate axis) lies half
-    a period.
-    """
-
-    def constants(self) -> dict[str, arb]:
-        found = super().constants()
-        if len(set(self.inertia)) == 3 and "period" in found:
-            found["flip_time"] = found["period"] / 2
-        return found
 
 
 def start(p: Parameters) -> Exact3:
@@ -41,4 +27,4 @@ def start(p: Parameters) -> Exact3:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (inertia, omega_body, attitude, offset, direction)."""
     inertia, _, attitude = exact_columns(p)
-    return IntermediateAxis(inertia, start(p), attitude, scale)
+    return FreeRigidBody(inertia, start(p), attitude, scale, counts_flips=True)

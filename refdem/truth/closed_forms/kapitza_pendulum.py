@@ -16,7 +16,6 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size
 from refdem.truth.exact import numbers
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
@@ -28,58 +27,42 @@ integrated.
 """
 
 
-class Kapitza(ValidatedFlow):
-    """theta (continuous, from the top) and thetadot; floquet_1 is the multiplier of larger modulus,
-    1 twice where the top is stable.
+WITNESS = (
+    "multiprecision integration (refdem/truth/witnesses/linked.py); Hill's determinant for the"
+    " multipliers"
+)
+SEEN = ("theta", "thetadot")
+
+
+def trace(p: Mapping[str, Fraction]) -> arb:
+    """D at the current precision."""
+    start = [arb(value) for value in (1, 0, 0, 1, 1, 0)]
+    period = Integration(about_the_top(p), lambda: start, ctx.prec)
+    x1, _, _, v2, *_ = period.at(2 * arb.pi())
+    return x1 + v2
+
+
+def multipliers(p: Mapping[str, Fraction]) -> dict[str, arb]:
+    """floquet_1, the multiplier of larger modulus, and floquet_2; 1 twice where the top is
+    stable.
     """
-
-    witness = (
-        "multiprecision integration (refdem/truth/witnesses/linked.py); Hill's determinant for the"
-        " multipliers"
-    )
-
-    def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size]) -> None:
-        self.p = p
-        start = [p["theta0"], p["thetadot0"], Fraction(1), Fraction(0)]
-        seen = ("theta", "thetadot")
-        super().__init__(
-            shaken(p),
-            start,
-            lambda y: dict(zip(seen, y, strict=False)),
-            scale,
-            state=seen,
-            moved=(0, 1),
+    # 2 pi sqrt((g/W^2 + a)/l)
+    square = (p["gravity"] / p["drive"] ** 2 + p["drive_amplitude"]) / p["length"]
+    exponent = 2 * arb.pi() * arb_of(square).sqrt()
+    if exponent > WILDEST:
+        told = (
+            "precision: in a period of so slow a drive the multipliers may grow by"
+            f" exp({float(exponent):.3g}); take a faster drive"
         )
-
-    def trace(self) -> arb:
-        """D at the current precision."""
-        start = [arb(value) for value in (1, 0, 0, 1, 1, 0)]
-        x1, _, _, v2, *_ = Integration(about_the_top(self.p), lambda: start, ctx.prec).at(
-            2 * arb.pi()
-        )
-        return x1 + v2
-
-    def constants(self) -> dict[str, arb]:
-        p = self.p
-        exponent = (
-            2
-            * arb.pi()
-            * (arb_of((p["gravity"] / p["drive"] ** 2 + p["drive_amplitude"]) / p["length"])).sqrt()
-        )
-        if exponent > WILDEST:
-            told = (
-                "precision: in a period of so slow a drive the multipliers may grow by"
-                f" exp({float(exponent):.3g}); take a faster drive"
-            )
-            raise NotCertifiedError(told, code="precision")
-        trace = self.trace()
-        rest = trace * trace - 4
-        if rest < 0:
-            return {"floquet_1": arb(1), "floquet_2": arb(1)}
-        if not rest > 0:
-            raise UndecidedError(f"on the border of stability: D^2 - 4 is {rest}")
-        largest = (trace + rest.sqrt() * trace.sgn()) / 2
-        return {"floquet_1": largest, "floquet_2": 1 / largest}
+        raise NotCertifiedError(told, code="precision")
+    d = trace(p)
+    rest = d * d - 4
+    if rest < 0:
+        return {"floquet_1": arb(1), "floquet_2": arb(1)}
+    if not rest > 0:
+        raise UndecidedError(f"on the border of stability: D^2 - 4 is {rest}")
+    largest = (d + rest.sqrt() * d.sgn()) / 2
+    return {"floquet_1": largest, "floquet_2": 1 / largest}
 
 
 def shaken(p: Mapping[str, Fraction]) -> Field:
@@ -116,8 +99,16 @@ def about_the_top(p: Mapping[str, Fraction]) -> Field:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (length, gravity, drive_amplitude, drive, theta0,
-    thetadot0).
+    thetadot0): theta (continuous, from the top) and thetadot; scalars are the multipliers.
     """
-    return Kapitza(
-        numbers(p, "length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0"), scale
+    exact = numbers(p, "length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")
+    return ValidatedFlow(
+        shaken(exact),
+        [exact["theta0"], exact["thetadot0"], Fraction(1), Fraction(0)],
+        lambda y: dict(zip(SEEN, y, strict=False)),
+        scale,
+        state=SEEN,
+        moved=(0, 1),
+        witness=WITNESS,
+        constants=lambda flow: multipliers(exact),
     )

@@ -86,19 +86,22 @@ def plate_triangle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """
     p = (b, F(0), F(0))
     q = (a, c, F(0))
-    second = matrix(
-        lambda i, j: (2 * p[i] * p[j] + 2 * q[i] * q[j] - p[i] * q[j] - q[i] * p[j]) / 36
-    )
-    return Means(b * c / 2, ((a + b) / 3, c / 3, F(0)), second)
+
+    def moment(i: int, j: int) -> Fraction:
+        own = 2 * p[i] * p[j] + 2 * q[i] * q[j]
+        mixed = p[i] * q[j] + q[i] * p[j]
+        return (own - mixed) / 36
+
+    centre = ((a + b) / 3, c / 3, F(0))
+    return Means(b * c / 2, centre, matrix(moment))
 
 
 def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """A cuboid [0, a] [0, b] [0, c] without the quarter x > a/2, y > b/2."""
-    return Means(
-        a * b * c * 3 / 4,
-        (a * 5 / 12, b * 5 / 12, c / 2),
-        diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36),
-    )
+    volume = a * b * c * 3 / 4
+    centre = (a * 5 / 12, b * 5 / 12, c / 2)
+    second = diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36)
+    return Means(volume, centre, second)
 
 
 def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:

@@ -15,8 +15,7 @@ from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
-from refdem.truth.balls import GuardedTruth, arb_of
-from refdem.truth.closed_form import Size
+from refdem.truth.balls import Guarded, arb_of
 from refdem.truth.closed_forms.free_rigid_body import (
     ATTITUDE,
     BODY_OMEGA,
@@ -25,21 +24,24 @@ from refdem.truth.closed_forms.free_rigid_body import (
     FreeRigidBody,
     exact_columns,
 )
-from refdem.truth.events.system import Entry, Traced
+from refdem.truth.events.system import Entry, TracedModes
 from refdem.truth.events.truth import HybridFlow
-from refdem.truth.exact import numbers, vector
+from refdem.truth.exact import number, numbers, vector
+from refdem.truth.refiner import Size
 from refdem.truth.rotation import rotated, times, upright
-from refdem.truth.tumbling_contact import Modes, Seen, Slope, TracedCorners, dot, rotation
+from refdem.truth.tumbling_contact import Modes, Seen, Slope, dot, lean_rates, rotation
 
 PLACE = ("x", "y", "z")
 DIGITS = 32
 
 
-class Flight(GuardedTruth):
+class Flight(Guarded, Truth):
     """A free body whose centre moves uniformly from the origin."""
 
     def __init__(self, body: FreeRigidBody, velocity: Sequence[Fraction], length: Size) -> None:
-        self.body, self.velocity, self.length = body, tuple(velocity), float(length)
+        self.body = body
+        self.velocity = tuple(velocity)
+        self.length = float(length)
         self.method = body.method
         self.witness = body.witness
 
@@ -63,64 +65,55 @@ class Flight(GuardedTruth):
         return Flight(self.body.refined(digits), self.velocity, self.length)
 
 
-class Tumbling(HybridFlow):
+WITNESS = (
+    "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection"
+    " (refdem/truth/witnesses/tumbling.py)"
+)
+
+
+def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> HybridFlow:
     """The quantities of the case on the slope.
 
     S displaces attitude, spin, place and velocity, each component by its scale.
     """
-
-    witness = (
-        "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection"
-        " (refdem/truth/witnesses/tumbling.py)"
+    sizes = dict(scale)
+    rate = Fraction(sizes["omega.x"])
+    length = Fraction(sizes["x"])
+    sizes |= {"spin": max(system.inertia) * rate, "speed": length * rate}
+    return HybridFlow(
+        TracedModes(Modes(system), len(start), lean_rates),
+        start,
+        lambda y: Entry(""),
+        partial(seen, system),
+        sizes,
+        state=(*ATTITUDE, *["spin"] * 3, *PLACE, *["speed"] * 3),
+        moved=range(13),
+        digits=DIGITS,
+        witness=WITNESS,
+        finished=with_upright_attitude,
     )
 
-    def __init__(self, system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> None:
-        self.system = system
-        sizes = dict(scale)
-        rate = Fraction(sizes["omega.x"])
-        length = Fraction(sizes["x"])
-        sizes |= {"spin": max(system.inertia) * rate, "speed": length * rate}
-        state = (*ATTITUDE, *["spin"] * 3, *PLACE, *["speed"] * 3)
-        super().__init__(
-            {},
-            start,
-            lambda y: Entry(""),
-            self.seen,
-            sizes,
-            state=state,
-            moved=range(13),
-            digits=DIGITS,
-        )
-        self.modes = TracedModes(Modes(system), len(start))
 
-    def seen(self, y: Sequence[Any]) -> dict[str, Any]:
-        """The quantities of a state, the attitude of either sign."""
-        found = Seen(self.system, y)
-        angle = (y[0] * 0 + self.system.slope) / 2
-        (w, x, v, z), c, s = y[:4], angle.cos(), angle.sin()
-        attitude = [c * w - s * v, c * x + s * z, c * v + s * w, c * z - s * x]
-        rows = rotation(attitude)
-        tilt = rotation([c, y[0] * 0, s, y[0] * 0])
-        omega, place = ([dot(row, vector) for row in tilt] for vector in (found.omega, y[7:10]))
-        values = [*found.omega_body, *omega, *attitude, *(x for row in rows for x in row), *place]
-        return dict(zip((*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX, *PLACE), values, strict=True))
-
-    def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        found = super().named(y)
-        return found | dict(zip(ATTITUDE, upright([found[name] for name in ATTITUDE]), strict=True))
+def seen(system: Slope, y: Sequence[Any]) -> dict[str, Any]:
+    """The quantities of a state, the attitude of either sign."""
+    found = Seen(system, y)
+    half = (y[0] * 0 + system.slope) / 2
+    c = half.cos()
+    s = half.sin()
+    w, x, v, z = y[:4]
+    # The quaternion of the slope, (c, 0, s, 0), times that of the body.
+    attitude = [c * w - s * v, c * x + s * z, c * v + s * w, c * z - s * x]
+    rows = rotation(attitude)
+    tilt = rotation([c, y[0] * 0, s, y[0] * 0])
+    omega, place = ([dot(row, vector) for row in tilt] for vector in (found.omega, y[7:10]))
+    values = [*found.omega_body, *omega, *attitude, *(x for row in rows for x in row), *place]
+    return dict(zip((*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX, *PLACE), values, strict=True))
 
 
-class TracedModes(dict[str, Traced]):
-    """Modes as programs, each traced when it is entered."""
-
-    def __init__(self, modes: Modes, size: int) -> None:
-        super().__init__()
-        self.modes = modes
-        self.size = size
-
-    def __missing__(self, name: str) -> Traced:
-        self[name] = TracedCorners(self.modes[name], self.size)
-        return self[name]
+def with_upright_attitude(values: dict[str, arb]) -> dict[str, arb]:
+    """The same quantities with the attitude of positive w."""
+    q = upright([values[name] for name in ATTITUDE])
+    return values | dict(zip(ATTITUDE, q, strict=True))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
@@ -135,18 +128,20 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
             velocity,
             scale["x"],
         )
-    given = numbers(p, "mass", "gravity", "slope", "height", "stiffness", "damping", "friction")
-    height = given.pop("height")
-    squares = tuple(6 * (sum(inertia) - 2 * j) / given["mass"] for j in inertia)
-    system = Slope(inertia=inertia, squares=squares, **given)
+    system = slope(p)
     spin = [j * w for j, w in zip(inertia, omega, strict=True)]
-    return Tumbling(
-        system,
-        Start(
-            system.slope, attitude, spin, (Fraction(0), Fraction(0), height), velocity
-        ).coordinates(),
-        scale,
-    )
+    place = (Fraction(0), Fraction(0), number(p, "height"))
+    start = Start(system.slope, attitude, spin, place, velocity)
+    return tumbling(system, start.coordinates(), scale)
+
+
+def slope(p: Parameters) -> Slope:
+    """The slope and the box on it."""
+    inertia, _, _ = exact_columns(p)
+    given = numbers(p, "mass", "gravity", "slope", "stiffness", "damping", "friction")
+    # Squares of the sides of a box: m a_i^2/12 = (J1 + J2 + J3)/2 - J_i.
+    squares = tuple(6 * (sum(inertia) - 2 * j) / given["mass"] for j in inertia)
+    return Slope(inertia=inertia, squares=squares, **given)
 
 
 @dataclass(frozen=True)

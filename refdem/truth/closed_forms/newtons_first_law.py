@@ -13,9 +13,10 @@ from flint import arb
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import UsageError
-from refdem.truth.balls import GuardedTruth, arb_of
+from refdem.truth.balls import Guarded, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Told
+from refdem.truth.refiner import Refiner
 
 POSITION = ("x", "y", "z")
 VELOCITY = ("vx", "vy", "vz")
@@ -47,7 +48,8 @@ class Uniform(ClosedForm):
         omega: Numbers,
         attitude: Numbers = (1, 0, 0, 0),
     ) -> None:
-        super().__init__({name: scale.get(name) or 1.0 for name in (*self.state, *ATTITUDE)})
+        names = (*self.state, *ATTITUDE)
+        self.refiner = Refiner.of({name: scale.get(name) or 1.0 for name in names})
         if sum(Fraction(part) ** 2 for part in attitude) != 1:
             raise UsageError(
                 f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add"
@@ -110,17 +112,18 @@ class Uniform(ClosedForm):
             along = (rate * t).sin() / (2 * rate)
         else:
             along = t / 2
-        w, x, y, z = (rate * t).cos(), *(arb_of(component) * along for component in self.start[6:])
+        # (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) times the attitude at the start.
+        w = (rate * t).cos()
+        x, y, z = (arb_of(component) * along for component in self.start[6:])
         a, b, c, d = (arb_of(part) for part in self.attitude)
-        return [
-            w * a - x * b - y * c - z * d,
-            w * b + x * a + y * d - z * c,
-            w * c + y * a + z * b - x * d,
-            w * d + z * a + x * c - y * b,
-        ]
+        turned_w = w * a - x * b - y * c - z * d
+        turned_x = w * b + x * a + y * d - z * c
+        turned_y = w * c + y * a + z * b - x * d
+        turned_z = w * d + z * a + x * c - y * b
+        return [turned_w, turned_x, turned_y, turned_z]
 
 
-class Still(GuardedTruth):
+class Still(Guarded, Truth):
     """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
 
     method = "equilibrium"

@@ -17,11 +17,13 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.energy_growth import Line, Neighbour
+from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.jacobi import Jacobi
-from refdem.truth.smooth_flow import OfAnEquation
-from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.refiner import Refiner, Sensitivity
+from refdem.truth.smooth_flow import SmoothFlow, growth_along, growth_of_an_equation
+from refdem.truth.validated_flow import Quantities, ValidatedFlow
 
 WITNESS = (
     "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder"
@@ -38,9 +40,9 @@ class PendulumMotion(ABC):
         without a branch.
         """
 
+    @abstractmethod
     def period(self) -> arb | None:
         """Time of a swing to and fro, or of a revolution [s]; None if there is none."""
-        return None
 
 
 class Equilibrium(PendulumMotion):
@@ -51,6 +53,9 @@ class Equilibrium(PendulumMotion):
 
     def state(self, t: arb) -> tuple[arb, arb]:
         return self.half_angle, arb(0)
+
+    def period(self) -> None:
+        """None: an equilibrium has no period."""
 
 
 class Swing(PendulumMotion):
@@ -126,8 +131,11 @@ class Separatrix(PendulumMotion):
         u = self.w0 * t
         return self.sense * u.sinh().atan(), 2 * self.sense * self.w0 / u.cosh()
 
+    def period(self) -> None:
+        """None: it never comes back."""
 
-class Pendulum(OfAnEquation):
+
+class Pendulum(ClosedForm, SmoothFlow):
     """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 +
     half_turns pi, thetadot0.
     """
@@ -138,11 +146,12 @@ class Pendulum(OfAnEquation):
     )
     witness = WITNESS
     state = ("theta", "thetadot")
+    proof_of_s = Sensitivity(CLOSED_BITS)
 
     def __init__(
         self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.mass = p["mass"]
         self.length = p["length"]
         self.gravity = p["gravity"]
@@ -216,7 +225,9 @@ class Pendulum(OfAnEquation):
             moved.thetadot0 = self.thetadot0 + amount
         return moved
 
-    def equation(self) -> ValidatedFlow:
+    def equation(self, quantities: Quantities | None = None) -> ValidatedFlow:
+        """The same motion by its equation, with the same quantities or with others."""
+
         def field(y: Sequence[Any]) -> list[Any]:
             theta, rate = y
             return [rate, theta.sin() * (-self.gravity / self.length)]
@@ -225,7 +236,12 @@ class Pendulum(OfAnEquation):
             return arb_of(self.theta0) + self.half_turns * arb.pi()
 
         return ValidatedFlow(
-            field, [first, self.thetadot0], self.seen, self.scale, state=self.state, moved=(0, 1)
+            field,
+            [first, self.thetadot0],
+            quantities or self.seen,
+            self.scale,
+            state=self.state,
+            moved=(0, 1),
         )
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
@@ -242,10 +258,8 @@ class Pendulum(OfAnEquation):
             "rod_force": force,
         }
 
-    def period(self) -> arb | None:
-        return self.motion().period()
-
     def line(self) -> Line | None:
+        """The motion and those beside it in closed form; None on the separatrix and at rest."""
         motion = self.motion()
         if not isinstance(motion, Swing | Revolution):
             return None
@@ -255,12 +269,27 @@ class Pendulum(OfAnEquation):
             half, rate = motion.state(t)
             return 2 * half, rate
 
+        # |f'| = w0^2 |cos theta| is at most w0^2.
         return Line(
-            state, lambda theta: -stiffness * theta.sin(), motion.neighbour, motion.period()
+            state,
+            lambda theta: -stiffness * theta.sin(),
+            motion.neighbour,
+            motion.period(),
+            steepest=stiffness,
         )
 
-    def steepest(self) -> arb:
-        return arb_of(self.gravity / self.length)
+    @per_precision
+    def growth(self) -> Grows:
+        return self.growth_of(self.equation())
+
+    def growth_of(self, equation: ValidatedFlow) -> Grows:
+        """S of the quantities of an equation of this motion: by the motions beside it, else by the
+        equation.
+        """
+        line = self.line()
+        if line is not None:
+            return growth_along(line, self.scale, equation)
+        return growth_of_an_equation(equation, self.motion().period())
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period()

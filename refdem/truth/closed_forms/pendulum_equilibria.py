@@ -12,35 +12,57 @@ from typing import Any
 from flint import arb
 
 from refdem.core.parameters import Parameters
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.pendulum import WITNESS, Equilibrium, Pendulum
 from refdem.truth.exact import number
+from refdem.truth.growth import Grows
+from refdem.truth.smooth_flow import SmoothFlow
 
 SEEN = ("x", "y", "vx", "vy")
 
 
-class PendulumEquilibria(Pendulum):
-    """x, y, vx and vy; theta and thetadot are the coordinates in which the start is displaced."""
+class PendulumEquilibria(ClosedForm, SmoothFlow):
+    """x, y, vx and vy of a pendulum; theta and thetadot are the coordinates in which the start is
+    displaced.
+    """
 
+    method = Pendulum.method
     witness = (
         f"{WITNESS}; Cartesian equations with the rod's force (refdem/truth/witnesses/linked.py)"
     )
+    state = Pendulum.state
+    told = SEEN
+    proof_of_s = Pendulum.proof_of_s
+
+    def __init__(self, pendulum: Pendulum) -> None:
+        self.refiner = pendulum.refiner
+        self.pendulum = pendulum
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        angle = super().evaluate(t)
-        if isinstance(self.motion(), Equilibrium):
-            side = arb_of(self.length) * (1 if self.half_turns else -1)
+        pendulum = self.pendulum
+        angle = pendulum.evaluate(t)
+        length = arb_of(pendulum.length)
+        if isinstance(pendulum.motion(), Equilibrium):
+            if pendulum.half_turns:
+                side = length
+            else:
+                side = -length
             return angle | {"x": arb(0), "y": side, "vx": arb(0), "vy": arb(0)}
         sine, cosine = angle["theta"].sin_cos()
-        speed = arb_of(self.length) * angle["thetadot"]
+        speed = length * angle["thetadot"]
         place = {name: angle[name] for name in ("theta", "thetadot", "x", "y")}
         return place | {"vx": speed * cosine, "vy": speed * sine}
 
+    def displaced(self, axis: int, amount: Fraction) -> "PendulumEquilibria":
+        return PendulumEquilibria(self.pendulum.displaced(axis, amount))
+
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
+        """The quantities of a state, by the operations of a traced field."""
         theta, rate = y
-        sine = theta.sin() * self.length
-        cosine = theta.cos() * self.length
+        sine = theta.sin() * self.pendulum.length
+        cosine = theta.cos() * self.pendulum.length
         return {
             "theta": theta,
             "thetadot": rate,
@@ -50,12 +72,9 @@ class PendulumEquilibria(Pendulum):
             "vy": sine * rate,
         }
 
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        found = super().at(t)
-        return {name: found[name] for name in SEEN}
-
-    def constants(self) -> dict[str, arb]:
-        return {}
+    @per_precision
+    def growth(self) -> Grows:
+        return self.pendulum.growth_of(self.pendulum.equation(self.seen))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
@@ -72,4 +91,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         "thetadot0": Fraction(0),
     }
     sizes = {**scale, "theta": 1.0, "thetadot": scale["vx"] / scale["x"]}
-    return PendulumEquilibria(start, sizes, half_turns=int(top))
+    return PendulumEquilibria(Pendulum(start, sizes, half_turns=int(top)))

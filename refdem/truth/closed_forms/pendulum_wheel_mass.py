@@ -18,13 +18,10 @@ from refdem.truth.validated_flow import ValidatedFlow
 NAMES = ("r", "theta", "rdot", "thetadot")
 
 
-class PendulumWheelMass(ValidatedFlow):
-    """r, theta, rdot and thetadot."""
-
-    witness = (
-        "multiprecision integration (refdem/truth/witnesses/linked.py); energy and, where it holds,"
-        " the second integral"
-    )
+WITNESS = (
+    "multiprecision integration (refdem/truth/witnesses/linked.py); energy and, where it holds, the"
+    " second integral"
+)
 
 
 def field(p: Mapping[str, Fraction]) -> Field:
@@ -59,11 +56,12 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         "thetadot0",
     )
     start = [exact[name] for name in ("r0", "theta0", "rdot0", "thetadot0")]
-    return PendulumWheelMass(
+    return ValidatedFlow(
         field(exact),
         start,
         lambda y: dict(zip(NAMES, y, strict=True)),
         scale,
         state=NAMES,
         moved=range(4),
+        witness=WITNESS,
     )

@@ -20,7 +20,7 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import GuardedTruth, UndecidedError, arb_of, refined
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, refined
 from refdem.truth.closed_forms import (
     coulomb_oscillator,
     harmonic_oscillator,
@@ -40,7 +40,7 @@ FORMS: dict[str, tuple[Any, str, str]] = {
 LARGEST = 1e100
 
 
-class PhaseFlow(GuardedTruth):
+class PhaseFlow(Guarded, Truth):
     """x_k, v_k of the corners, and `area` [their product's unit], at t >= 0; scalar `area_0`."""
 
     witness = (

@@ -14,16 +14,18 @@ from flint import arb, arb_mat, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of, nearest_integer
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import FromRest
 from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
+from refdem.truth.refiner import Refiner
 
 
-class PowerOscillator(FromRest):
+class PowerOscillator(FromRest, ClosedForm):
     """x [m] and v [m/s] at t; scalar period [s]."""
 
+    state = ("x", "v")
     method = (
         "inverse incomplete beta functions, by 2F1 at arguments of at most 1/2 and a bound of the"
         " slope"
@@ -34,7 +36,7 @@ class PowerOscillator(FromRest):
     )
 
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         values = numbers(p, "mass", "stiffness", "exponent", "amplitude")
         self.ratio = values["stiffness"] / values["mass"]
         self.exponent = values["exponent"]
@@ -52,6 +54,9 @@ class PowerOscillator(FromRest):
         if x < 0:
             return size
         return size.union(-size)
+
+    def rates(self, t: Fraction) -> tuple[arb, arb]:
+        return self.rates_of_the_motion(t)
 
     def rate(self) -> arb:
         """The rate u/A [1/s] of the motion."""

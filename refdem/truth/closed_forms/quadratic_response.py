@@ -4,6 +4,7 @@ drive that acts has two coordinates.
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -12,29 +13,25 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.escape import Repulsion
 from refdem.truth.exact import numbers, vector
-from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.validated_flow import Escape, ValidatedFlow, never
+
+WITNESS = (
+    "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at"
+    " literal values"
+)
 
 
-class QuadraticResponse(ValidatedFlow):
-    """x [m] and v [m/s] at t >= 0."""
-
-    witness = (
-        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
-        " at literal values"
-    )
-    repulsion: Repulsion | None = None
-    repelling_side = 0
-
-    def infinite_within(self, y: Sequence[arb]) -> arb | None:
-        """The quadratic part of the spring repels on one side: that of -eps."""
-        if self.repulsion is None:
-            return None
-        x, v = y[:2]
-        return self.repulsion.infinite_within(self.repelling_side * x, self.repelling_side * v)
+def infinite_to_one_side(repulsion: Repulsion, side: int, y: Sequence[arb]) -> arb | None:
+    """The quadratic part of the spring repels on one side: that of -eps."""
+    x, v = y[:2]
+    return repulsion.infinite_within(side * x, side * v)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters w0, eps, delta, f0 (two), drive (two), x0, v0; `scale` of x and v."""
+    """The truth at parameters w0, eps, delta, f0 (two), drive (two), x0, v0; `scale` of x and v.
+
+    x [m] and v [m/s] at t >= 0.
+    """
     values = numbers(p, "w0", "eps", "delta", "x0", "v0")
     drives = [
         (force, w) for force, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True) if force
@@ -51,16 +48,22 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, rate, *turning]
 
     start = [values["x0"], values["v0"], *([Fraction(1), Fraction(0)] * len(drives))]
-    found = QuadraticResponse(
-        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
-    )
+    escape: Escape = never
     if values["eps"]:
         force = sum((abs(force) for force, _ in drives), Fraction(0))
-        found.repulsion = Repulsion(
-            2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force
-        )
+        repulsion = Repulsion(2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force)
         if values["eps"] > 0:
-            found.repelling_side = -1
+            side = -1
         else:
-            found.repelling_side = 1
-    return found
+            side = 1
+        escape = partial(infinite_to_one_side, repulsion, side)
+    return ValidatedFlow(
+        field,
+        start,
+        lambda y: {"x": y[0], "v": y[1]},
+        scale,
+        state=("x", "v"),
+        moved=(0, 1),
+        witness=WITNESS,
+        escape=escape,
+    )

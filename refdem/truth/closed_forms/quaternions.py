@@ -66,19 +66,21 @@ def wrapped(angle: arb) -> arb:
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """The components of every row of the case, by name."""
-    a, b, c, v, omega, rise = (
-        of_numbers(vector(p, name)) for name in ("p", "q", "r", "vector", "omega", "rise")
-    )
+    """The value of every row of the case."""
+    b = of_numbers(vector(p, "q"))
     size = absolute(b)
     u = b / acb(size)
-    half = acb(1) / 2
-    rate = omega * u * half
-    if numbers_of(u)[0] < 0:
-        sign = acb(-1)
-    else:
-        sign = acb(1)
-    found = {
+    matrices = products(p, b, size) | rates(p, u)
+    return {name: numbers_of(m) for name, m in matrices.items()} | turns(p, b, size, u)
+
+
+def products(p: Parameters, b: acb_mat, size: arb) -> dict[str, acb_mat]:
+    """Products, sums, conjugates, the inverse and the unit quaternion of p, q and r; `b` is q and
+    `size` is |q|.
+    """
+    a = of_numbers(vector(p, "p"))
+    c = of_numbers(vector(p, "r"))
+    return {
         "p-q": a * b,
         "q-p": b * a,
         "commutator": a * b - b * a,
@@ -88,15 +90,31 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         "conjugate-of-product": conjugated(b) * conjugated(a),
         "sum": a + b,
         "conjugate-of-sum": conjugated(a) + conjugated(b),
+        # q* / |q|^2
         "inverse": conjugated(b) / acb(size * size),
         "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3),
-        "u": u,
+        "u": b / acb(size),
         "real-product": a * b,
         "complex-product": a * b,
+    }
+
+
+def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
+    """What the unit quaternion u gives, and its rates under omega in space: u' = omega u/2."""
+    omega = of_numbers(vector(p, "omega"))
+    rise = of_numbers(vector(p, "rise"))
+    half = acb(1) / 2
+    rate = omega * u * half
+    if numbers_of(u)[0] < 0:
+        sign = acb(-1)
+    else:
+        sign = acb(1)
+    return {
         "-u": -u,
         "back": u * sign,
         "turned-twice": u * u,
         "rate": rate,
+        # u'' = (omega' u + omega^2 u/2)/2
         "second-rate": (rise * u + omega * omega * u * half) * half,
         "rate-conjugate": conjugated(rate),
         "u-conjugate": conjugated(u),
@@ -104,18 +122,24 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         "rate-u": rate * conjugated(u),
         "anticommute": omega - omega,
     }
+
+
+def turns(p: Parameters, b: acb_mat, size: arb, u: acb_mat) -> dict[str, list[arb]]:
+    """Vectors turned by u, its matrix and Euler's angles; omega in space and in the body."""
+    v = of_numbers(vector(p, "vector"))
+    omega = of_numbers(vector(p, "omega"))
     w, *imaginary = numbers_of(b)
-    numbers = {name: numbers_of(m) for name, m in found.items()}
     basis = [of_numbers([Fraction(int(i == k)) for i in range(3)]) for k in range(3)]
     columns = [turned(u, e) for e in basis]
-    return numbers | {
+    once = turned(u, v)
+    return {
         "absolute": [size],
         "complex-eigenvalue": [w, sum((x * x for x in imaginary), arb(0)).sqrt()],
-        "rotated": turned(u, v),
-        "rotated-by-minus-u": turned(u, v),
+        "rotated": once,
+        "rotated-by-minus-u": once,
         "matrix": [columns[k][i] for i in range(3) for k in range(3)],
         "euler": euler(u),
-        "rotated-twice": turned(u, of_balls(turned(u, v))),
+        "rotated-twice": turned(u, of_balls(once)),
         "orthogonal": [arb(0)],
         "omega-back": numbers_of(omega)[1:],
         "omega-body": turned(conjugated(u), omega),

@@ -20,12 +20,20 @@ from refdem.errors import NotCertifiedError
 from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
-from refdem.truth.closed_form import FIRST_BITS, Size, per_precision
-from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, OMEGA, FreeRigidBody
+from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, OMEGA, Turning
 from refdem.truth.exact import vector
-from refdem.truth.free_body import Elliptic, FreeBody, Separatrix, Steady, dot_exact, steady_lead
-from refdem.truth.growth import Grows, Times
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.free_body import (
+    Elliptic,
+    FreeBody,
+    Separatrix,
+    Steady,
+    dot_exact,
+    length_of,
+    steady_lead,
+)
+from refdem.truth.growth import CLOSED_BITS, Grows, Times
+from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity, Size
 
 WITNESS = (
     "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal"
@@ -70,12 +78,16 @@ class AboutAxis(FreeBody):
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate)}
 
+    def fastest(self) -> arb:
+        """The largest |omega| [rad/s], which stays."""
+        return length_of(self.start)
+
     def lead(self, t: arb) -> arb:
         square = rotation.dot(self.start, self.start)
         return steady_lead(self.moment, self.twice_energy, self.length, square) * t
 
 
-class RigidCluster(FreeRigidBody):
+class RigidCluster(ClosedForm, Turning):
     """r1.x .. r4.z of points whose centre rests; the start is exact, `shift` is added to omega in
     principal axes.
 
@@ -85,6 +97,8 @@ class RigidCluster(FreeRigidBody):
     """
 
     witness = WITNESS
+    state = BODY_OMEGA
+    proof_of_s = Sensitivity(CLOSED_BITS)
 
     def __init__(
         self,
@@ -94,8 +108,11 @@ class RigidCluster(FreeRigidBody):
         scale: Mapping[str, Size],
         shift: Vector = NONE,
     ) -> None:
-        SmoothFlow.__init__(self, scale)
-        self.masses, self.places, self.omega, self.shift = masses, places, omega, shift  # type: ignore[assignment]
+        self.refiner = Refiner.of(scale)
+        self.masses = masses
+        self.places = places
+        self.omega = omega
+        self.shift = shift
         whole = sum(masses, Fraction(0))
         self.centre = [dot_exact(masses, [r[i] for r in places]) / whole for i in AXES]
         self.arms = [[r[i] - self.centre[i] for i in AXES] for r in places]
@@ -239,10 +256,7 @@ class RigidCluster(FreeRigidBody):
 
     def displaced(self, axis: int, amount: Fraction) -> "RigidCluster":
         shift = tuple(s + (amount if i == axis else 0) for i, s in enumerate(self.shift))
-        return RigidCluster(self.masses, self.places, self.omega, self.scale, shift)  # type: ignore[arg-type]
-
-    def constants(self) -> dict[str, arb]:
-        return {}
+        return RigidCluster(self.masses, self.places, self.omega, self.scale, shift)
 
     @per_precision
     def growth(self) -> Grows:

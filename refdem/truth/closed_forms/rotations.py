@@ -61,42 +61,58 @@ def quaternion(phi: arb, theta: arb, psi: arb) -> list[arb]:
 
 def euler_matrix(phi: arb, theta: arb, psi: arb) -> list[arb]:
     """The transpose of (1.21), row by row."""
-    (sf, cf), (st, ct), (sp, cp) = phi.sin_cos(), theta.sin_cos(), psi.sin_cos()
-    return [
-        cf * cp - sf * ct * sp,
-        -cf * sp - sf * ct * cp,
-        sf * st,
-        sf * cp + cf * ct * sp,
-        -sf * sp + cf * ct * cp,
-        -cf * st,
-        st * sp,
-        st * cp,
-        ct,
-    ]
+    sf, cf = phi.sin_cos()
+    st, ct = theta.sin_cos()
+    sp, cp = psi.sin_cos()
+    first = [cf * cp - sf * ct * sp, -cf * sp - sf * ct * cp, sf * st]
+    second = [sf * cp + cf * ct * sp, -sf * sp + cf * ct * cp, -cf * st]
+    third = [st * sp, st * cp, ct]
+    return [*first, *second, *third]
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """The components of every row of the case, by name."""
-    angle, near, frequency = (arb_of(number(p, name)) for name in ("angle", "near", "frequency"))
+    """The value of every row of the case."""
+    frequency = arb_of(number(p, "frequency"))
+    whole = {name: [arb(n) for n in entries] for name, entries in TURNS.items()}
+    # Energy per moment of inertia, omega^2/2 with omega = 2 pi f.
+    energies = {
+        "energy": [2 * (arb.pi() * frequency) ** 2],
+        "frequency-energy": [frequency * frequency / 2],
+        "energy-ratio": [4 * arb.pi() ** 2],
+    }
+    return whole | in_the_plane(p) | by_euler(p) | energies
+
+
+def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
+    """A turn of the plane by an angle, and the mirror at the line at that angle."""
+    angle = arb_of(number(p, "angle"))
     v = acb(*(arb_of(x) for x in vector(p, "vector")))
-    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
-    x, y, z = (arb_of(w) for w in vector(p, "omega"))
+    # exp(i a) v, and exp(2 i a) conj(v).
     turned = acb(angle.cos(), angle.sin()) * v
     mirrored = acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
+    return {
+        "plane-turn": [turned.real, turned.imag],
+        "complex-turn": [turned.real, turned.imag],
+        "plane-eigenvalue": [angle.cos(), abs(angle.sin())],
+        "mirror": [mirrored.real, mirrored.imag],
+        "globe-angle": [2 * arb.pi() / 3],
+    }
+
+
+def by_euler(p: Parameters) -> dict[str, list[arb]]:
+    """Euler's angles, with their rates, also next to their singularity."""
+    near = arb_of(number(p, "near"))
+    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
+    x, y, z = (arb_of(w) for w in vector(p, "omega"))
     q0, q1, q2, q3 = tilted = quaternion(phi, near, psi)
+    # omega q, of which q' is half.
     rising = [
         -x * q1 - y * q2 - z * q3,
         x * q0 + y * q3 - z * q2,
         y * q0 + z * q1 - x * q3,
         z * q0 + x * q2 - y * q1,
     ]
-    whole = {name: [arb(n) for n in entries] for name, entries in TURNS.items()}
-    return whole | {
-        "plane-turn": [turned.real, turned.imag],
-        "complex-turn": [turned.real, turned.imag],
-        "plane-eigenvalue": [angle.cos(), abs(angle.sin())],
-        "mirror": [mirrored.real, mirrored.imag],
-        "globe-angle": [2 * arb.pi() / 3],
+    return {
         "euler-matrix": euler_matrix(phi, theta, psi),
         "euler-back": [phi, theta, psi],
         "euler-quaternion": quaternion(phi, theta, psi),
@@ -104,9 +120,6 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         "near-rates": rates(phi, near, (x, y, z)),
         "near-quaternion": tilted,
         "near-quaternion-rate": [each / 2 for each in rising],
-        "energy": [2 * (arb.pi() * frequency) ** 2],
-        "frequency-energy": [frequency * frequency / 2],
-        "energy-ratio": [4 * arb.pi() ** 2],
     }
 
 

@@ -5,12 +5,15 @@ two_spheres.py, in Cartesian vectors.
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres
+from refdem.truth.closed_forms.two_spheres import NAMES, WITNESS, TwoSpheres
+from refdem.truth.collision import Collision, Formula, moved_by_shares
+from refdem.truth.contact_motion import ContactMotion
+from refdem.truth.events.truth import METHOD
 from refdem.truth.spatial_phases import SpatialPhases
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
@@ -20,14 +23,28 @@ DISPLACED = tuple(
 """NAMES with the spins last."""
 
 
-class SpinningSpheres(TwoSpheres):
+class SpinningSpheres(Collision):
     """The 18 quantities and scalars of two spheres; S displaces all 18."""
 
-    def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
-        super().__init__(scale, pair, digits=digits)
-        self.phases = SpatialPhases(pair)
+    method = METHOD
+    witness = WITNESS
 
-    def evaluate(self, t: arb) -> dict[str, arb]:
+    def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
+        self.spheres = pair
+        self.collide(scale, SpatialPhases(pair), pair.effective_mass, digits=digits)
+
+    def formula_at(self, t: Fraction) -> Formula | None:
+        if t == 0:
+            return self.at_touch
+        return None
+
+    def formula_of_scalars(self) -> None:
+        """None: the motion is followed."""
+
+    def extremes(self, motion: ContactMotion) -> dict[str, arb]:
+        return self.contact_extremes(motion)
+
+    def at_touch(self) -> dict[str, arb]:
         """The 18 quantities at touch."""
         x, y, vx, vy = self.spheres.start()
         return self.quantities([x, y, arb(0), vx, vy, arb(0), *map(arb_of, self.spheres.spins)])
@@ -56,6 +73,13 @@ class SpinningSpheres(TwoSpheres):
 
     def drifting(self) -> Sequence[int]:
         return range(6)
+
+    def bodies(self) -> arb_mat:
+        """The coordinates DISPLACED and what only the mode knows, by r, v, the spins, the rest, and
+        the centre of mass.
+        """
+        shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
+        return moved_by_shares(shares, self.drifting(), self.phases.size - 1)
 
     def counted(self) -> Sequence[str]:
         return DISPLACED

@@ -10,6 +10,7 @@ sticks, so that the time of release is an arc cosine, or there is none.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -188,38 +189,50 @@ def on_belt(y: Any) -> list[Any]:
     return [y[0], 0, y[2]]
 
 
-class StickSlipFlow(HybridFlow):
-    """x [m], v [m/s] at t >= 0; scalars stick_n, slip_n, cross_n: when for the n-th time it sticks,
-    is released, passes u = 0 [s].
+WITNESS = (
+    "mpmath.odefun at 40 digits, events by regula falsi (literals in the tests);"
+    " refdem/truth/witnesses/stick_slip.py"
+)
+
+
+def times_of_events(until: Fraction, flow: HybridFlow) -> dict[str, Ball]:
+    """stick_n, slip_n, cross_n: when for the n-th time it sticks, is released, passes u = 0 [s].
+
+    Up to `until` [s], or as far as they are certified.
     """
+    try:
+        events = flow.events_until(until)
+    except NotCertifiedError as error:
+        if error.time:
+            events = flow.events_until(Fraction(error.time))
+        else:
+            events = []
+    found: dict[str, Ball] = {}
+    counts = dict.fromkeys(("stick", "slip", "cross"), 0)
+    for name, mode, ball in events:
+        kind = kind_of_event(name, mode)
+        counts[kind] += 1
+        found[f"{kind}_{counts[kind]}"] = ball
+    return found
 
-    witness = (
-        "mpmath.odefun at 40 digits, events by regula falsi (literals in the tests);"
-        " refdem/truth/witnesses/stick_slip.py"
-    )
-    until = Fraction(0)
 
-    def scalars(self) -> dict[str, Ball]:
-        """Times of sticks and slips up to the duration, or as far as they are certified."""
-        try:
-            found = self.events_until(self.until)
-        except NotCertifiedError as error:
-            if error.time:
-                found = self.events_until(Fraction(error.time))
-            else:
-                found = []
-        kinds = [
-            "slip" if name != "stop" else "stick" if mode == STICK else "cross"
-            for name, mode, _ in found
-        ]
-        return {f"{kind}_{kinds[: n + 1].count(kind)}": found[n][2] for n, kind in enumerate(kinds)}
+def kind_of_event(name: str, mode: str | None) -> str:
+    """What an event is called, by the guard and the mode that is entered."""
+    if name != "stop":
+        return "slip"
+    if mode == STICK:
+        return "stick"
+    return "cross"
 
 
 def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
-    """The truth at the parameters of case stick-slip; `scale` of x and v; scalars `until` [s]."""
+    """The truth at the parameters of case stick-slip: x [m], v [m/s] at t >= 0.
+
+    `scale` of x and v; scalars are the times of events `until` [s].
+    """
     system = StickSlip(law=str(p["friction_law"]), **numbers(p, *NAMES))
     start = [system.x0, system.v0 - system.belt, Fraction(0)]
-    flow = StickSlipFlow(
+    return HybridFlow(
         system.modes(),
         start,
         system.first,
@@ -227,6 +240,6 @@ def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
         scale,
         state=("x", "v"),
         moved=(0, 1),
+        witness=WITNESS,
+        extremes=partial(times_of_events, until),
     )
-    flow.until = until
-    return flow

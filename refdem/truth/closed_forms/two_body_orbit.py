@@ -18,10 +18,11 @@ from flint import arb, arb_mat, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, most, narrow
 from refdem.truth.kepler_growth import CentralGrowth
+from refdem.truth.refiner import GROWTH_BITS, Refiner, Sensitivity
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
@@ -32,7 +33,7 @@ LOSSES = 9
 State = Sequence[arb]
 
 
-class Orbit(SmoothFlow):
+class Orbit(ClosedForm, SmoothFlow):
     """x, y [m] and vx, vy [m/s] at t; scalar period [s].
 
     `stiffness` [1/s^2, unit mass] is None for Kepler's field.
@@ -51,11 +52,12 @@ class Orbit(SmoothFlow):
         eccentricity: Fraction,
         stiffness: Fraction | None,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.gm = gm
         self.semi_major = semi_major
         self.eccentricity = eccentricity
         self.stiffness = stiffness
+        self.proof_of_s = Sensitivity(self.growth_bits())
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
@@ -111,13 +113,13 @@ class Orbit(SmoothFlow):
         )
 
     def growth_bits(self) -> Sequence[int]:
-        """A comet's errors grow as a power of 1/(1 - e) and shrink again: precisions that would
-        lose them are left out.
+        """Working precisions for S: a comet's errors grow as a power of 1/(1 - e) and shrink again,
+        and precisions that would lose them are left out.
         """
         if self.stiffness is not None:
-            return super().growth_bits()
+            return GROWTH_BITS
         digits = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
-        return [bits for bits in super().growth_bits() if bits >= LOSSES * (digits - 1)]
+        return [bits for bits in GROWTH_BITS if bits >= LOSSES * (digits - 1)]
 
     def constants(self) -> dict[str, arb]:
         """The scalar constants of the motion: the period [s]."""
@@ -195,20 +197,19 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     ]
     # By e at fixed a and time: E moves by sin E / d.
     later = s / d
-    wider = [
-        -a * s * later - a,
-        -a * e / b * s + a * b * c * later,
-        -a * n * (c * later / d - s * (e * s * later - c) / (d * d)),
-        a * n * (-e / b * c / d - b * s * later / d - b * c * (e * s * later - c) / (d * d)),
-    ]
+    stretched = e * s * later - c
+    wider_x = -a * s * later - a
+    wider_y = -a * e / b * s + a * b * c * later
+    wider_vx = -a * n * (c * later / d - s * stretched / (d * d))
+    wider_vy = a * n * (-e / b * c / d - b * s * later / d - b * c * stretched / (d * d))
+    wider = [wider_x, wider_y, wider_vx, wider_vy]
     # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n) / e, with 1 - b = e^2/(1 + b) taken out.
     small = e / (1 + b)
-    turn = [
-        a * s * (small + b * c) / d,
-        a * ((small + e) * c - 1 - c * c) / d,
-        a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube,
-        a * n * s * (-small + 2 * c - e * c * c) / cube,
-    ]
+    turn_x = a * s * (small + b * c) / d
+    turn_y = a * ((small + e) * c - 1 - c * c) / d
+    turn_vx = a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube
+    turn_vy = a * n * s * (-small + 2 * c - e * c * c) / cube
+    turn = [turn_x, turn_y, turn_vx, turn_vy]
     rows = zip((length, length, speed, speed), shift, scale, wider, turn, strict=True)
     return arb_mat([[entry / size for entry in row] for size, *row in rows])
 

@@ -11,18 +11,17 @@ from refdem.core.truth import Truth
 from refdem.truth.exact import numbers
 from refdem.truth.validated_flow import ValidatedFlow
 
-
-class VanDerPol(ValidatedFlow):
-    """x [m] and v [m/s] at t >= 0."""
-
-    witness = (
-        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
-        " at literal values"
-    )
+WITNESS = (
+    "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at"
+    " literal values"
+)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters mu, p, drive, x0, v0; `scale` of x and v."""
+    """The truth at parameters mu, p, drive, x0, v0; `scale` of x and v.
+
+    x [m] and v [m/s] at t >= 0.
+    """
     values = numbers(p, "mu", "p", "drive", "x0", "v0")
 
     def field(y: Sequence[Any]) -> list[Any]:
@@ -34,6 +33,12 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, rate + values["p"] * sine, values["drive"] * cosine, -values["drive"] * sine]
 
     start = [values["x0"], values["v0"], *([Fraction(0), Fraction(1)] if values["p"] else [])]
-    return VanDerPol(
-        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
+    return ValidatedFlow(
+        field,
+        start,
+        lambda y: {"x": y[0], "v": y[1]},
+        scale,
+        state=("x", "v"),
+        moved=(0, 1),
+        witness=WITNESS,
     )

@@ -17,15 +17,16 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import homogeneous, linear, steepness
 from refdem.truth.power_contact import PowerContact, touching
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class WedgeCollision(SmoothFlow):
+class WedgeCollision(ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
@@ -36,7 +37,7 @@ class WedgeCollision(SmoothFlow):
     witness = "Taylor integration of both laws, energy, numerical integration"
 
     def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.exact, self.begin = dict(exact), (Fraction(0), exact["closing_speed"])
 
     def displaced(self, axis: int, amount: Fraction) -> Self:

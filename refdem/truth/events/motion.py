@@ -36,26 +36,26 @@ class Event:
     state: list[arb]
 
 
-class HybridMotion(Guarded):
-    """The motion of the set about `start` (balls at the working precision) that begins with
-    `entry`.
-    """
+class Followed(Guarded):
+    """A motion from mode to mode, as far as it has been followed; phases are kept."""
 
-    def __init__(
+    def begin(
         self,
         modes: Mapping[str, Traced],
         start: Sequence[arb],
         entry: Entry,
         bits: int,
-        steps: Steps | None = None,
+        steps: Steps | None,
     ) -> None:
-        self.modes, self.bits, self.steps = modes, bits, steps or Steps()
+        """Enters the first mode with the set about `start`."""
+        self.modes = modes
+        self.bits = bits
+        self.steps = steps or Steps()
         self.events: list[Event] = []
         self.phases: list[Phase] = []
         self.ended = False
-        self.enter(
-            entry, [value.mid() for value in start], at_start([value.rad() for value in start])
-        )
+        centre = [value.mid() for value in start]
+        self.enter(entry, centre, at_start([value.rad() for value in start]))
 
     def enter(self, entry: Entry, centre: Sequence[arb], spread: Spread) -> None:
         """Begins the phase of an entry (whose reset is done)."""
@@ -169,6 +169,22 @@ class HybridMotion(Guarded):
             else:
                 state = phase.entered
         return error.at(state, thin=all(radius < THIN for radius in phase.spread.radii()))
+
+
+class HybridMotion(Followed):
+    """The motion of the set about `start` (balls at the working precision) that begins with
+    `entry`.
+    """
+
+    def __init__(
+        self,
+        modes: Mapping[str, Traced],
+        start: Sequence[arb],
+        entry: Entry,
+        bits: int,
+        steps: Steps | None = None,
+    ) -> None:
+        self.begin(modes, start, entry, bits, steps)
 
 
 def first_entry(first: Callable[[State], Entry], start: State) -> Entry:

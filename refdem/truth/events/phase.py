@@ -18,7 +18,7 @@ from refdem.truth.balls import arb_of, ball_of, precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest, only_zero
 from refdem.truth.events.system import Entry, Guard, Traced, derivative_rows
 from refdem.truth.traced_field import Program, traced
-from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece, Steps
+from refdem.truth.validated_ivp.integration import GUARD, Chain, Piece, Steps
 from refdem.truth.validated_ivp.moved import Spread, identity, moved
 
 RETRIES = 4
@@ -30,7 +30,7 @@ zero may lie exactly.
 """
 
 
-class Phase(Integration):
+class Phase(Chain):
     """The motions of the set centre + spread from their entries into a mode; times are those since
     each motion's own entry.
     """
@@ -46,18 +46,14 @@ class Phase(Integration):
     ) -> None:
         self.bits = bits
         self.steps = steps
-        self.mode, self.touching = mode, dict(entry.touching)
+        self.mode = mode
+        self.touching = dict(entry.touching)
         self.field = mode.field
         self.slopes = mode.slopes
-        self.order, self.jacobian_order = steps.orders(bits)
         self.centre = list(centre)
         self.spread = spread
-        self.pieces: list[Piece] = []
-        self.begins: list[Fraction] = []
-        self.largest: list[arb] = []
-        self.first, self.widest = arb(1), arb(0)
+        self.begin()
         self.searched = Fraction(0)
-        self.flows: dict[Fraction, arb_mat] = {}
         self.entered = self.hull_at_entry()
         self.never = False
         self.ends: tuple[Guard, arb] | None = None
@@ -70,13 +66,6 @@ class Phase(Integration):
                 value + arb(0, radius)
                 for value, radius in zip(self.centre, self.spread.radii(), strict=True)
             ]
-
-    def moved_by(self, piece: Piece, since: arb) -> arb_mat:
-        """The flow Jacobian from the begin of a piece; that of a whole piece is kept."""
-        found = super().moved_by(piece, since)
-        if since == arb_of(piece.length):
-            self.flows[piece.begin] = found
-        return found
 
     def search(self) -> None:
         """Looks for the event in the next window; sets `ends` or `never`, or moves `searched`

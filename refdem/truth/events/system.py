@@ -70,20 +70,19 @@ class Traced:
     its gradient.
     """
 
-    def __init__(self, mode: Mode, size: int) -> None:
+    def __init__(self, mode: Mode, size: int, rates: "GuardRates | None" = None) -> None:
         self.mode = mode
         self.size = size
+        rates_of = rates or lie_derivatives
         outputs, rows = traced(mode.field, size)
         if len(outputs) != size or outputs[-1].exact() != 1:
             raise ValueError(
                 f"field of {len(outputs)} rates, the last {outputs[-1].operation}; expected {size},"
                 " the last the clock's 1"
             )
-        self.field, self.slopes = (
-            Program(outputs),
-            Program([entry for row in rows for entry in row]),
-        )
-        self.rates = {guard.name: self._rates(guard) for guard in mode.guards}
+        self.field = Program(outputs)
+        self.slopes = Program([entry for row in rows for entry in row])
+        self.rates = {guard.name: rates_of(guard, mode, size) for guard in mode.guards}
         self.gradients = {
             guard.name: derivative_rows(self._single(guard), size) for guard in mode.guards
         }
@@ -96,15 +95,36 @@ class Traced:
     def _single(guard: Guard) -> Field:
         return lambda y: [guard.value(y)]
 
-    def _rates(self, guard: Guard, highest: int = 4) -> list[Program]:
-        """Programs of the guard's value and its first derivatives in time along the field (Lie
-        derivatives).
-        """
-        nodes, _ = traced(lambda y: [guard.value(y), *self.mode.field(y)], self.size)
-        found = [nodes[0]]
-        for _ in range(highest):
-            found.append(along(found[-1], nodes[1:]))
-        return [Program([node]) for node in found]
+
+GuardRates = Callable[[Guard, Mode, int], list[Program]]
+"""Programs of a guard's value and its first derivatives in time, in a mode whose states are of that
+size.
+"""
+
+
+def lie_derivatives(guard: Guard, mode: Mode, size: int, highest: int = 4) -> list[Program]:
+    """Programs of the guard's value and its first derivatives in time along the field (Lie
+    derivatives).
+    """
+    nodes, _ = traced(lambda y: [guard.value(y), *mode.field(y)], size)
+    found = [nodes[0]]
+    for _ in range(highest):
+        found.append(along(found[-1], nodes[1:]))
+    return [Program([node]) for node in found]
+
+
+class TracedModes(dict[str, Traced]):
+    """Modes as programs, each traced when it is entered."""
+
+    def __init__(self, modes: Mapping[str, Mode], size: int, rates: GuardRates) -> None:
+        super().__init__()
+        self.modes = modes
+        self.size = size
+        self.rates = rates
+
+    def __missing__(self, name: str) -> Traced:
+        self[name] = Traced(self.modes[name], self.size, self.rates)
+        return self[name]
 
 
 def along(node: Node, rates: Sequence[Node]) -> Node:

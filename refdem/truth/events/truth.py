@@ -1,140 +1,121 @@
-"""A Truth by validated integration through events: quantities and event times as balls, S(t) with
-the jump matrices.
+"""A truth by validated integration through events.
+
+Theorem: the quantities at t are those of the motion that follows the field of its mode until the
+first zero of one of its guards, and goes on from the entry which that guard gives; it is enclosed
+from event to event, with ball enclosures of the times of events. S(t) is bounded by the products of
+enclosures of the flow's derivative over the pieces, times the jump matrix at each event.
+
+Hypotheses, and where each is checked:
+
+* the solution exists in each mode and is enclosed: as for ValidatedFlow (validated_flow.py);
+* no guard has a zero before the one that ends the mode, and that zero is met by every motion of the
+  set, once, with a rate that is not zero: bisection and interval Newton (crossing.py);
+* two guards do not come together: `earliest` (crossing.py), which ends as `corner`;
+* the entry is that of every motion of the set: `Guard.then` decides by `sign`, of balls that hold
+  all of them; what it says vanishes there is checked to be able to (`touches`, crossing.py);
+* the set after the event holds every motion: the theorem on hand-over (phase.py);
+* t is not within the uncertainty of an event: `HybridMotion.phase` (motion.py).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from functools import partial
 from itertools import count
 from math import ceil, log2
-from typing import Any, Self, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 from flint import arb, arb_mat, ctx
 
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, largest, precision
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, precision
+from refdem.truth.closed_form import per_precision
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import HybridMotion, at_fixed_time, first_entry
+from refdem.truth.events.motion import Followed, HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
-from refdem.truth.events.system import Entry, Mode, State, Traced, derivative_rows
+from refdem.truth.events.system import Entry, Mode, State, Traced, TracedModes, derivative_rows
 from refdem.truth.forecast import Course, follow
-from refdem.truth.growth import Grows, Growth, Norm, Stretch, smooth
-from refdem.truth.traced_field import Program, traced
-from refdem.truth.validated_flow import Quantities
+from refdem.truth.growth import Grows, Growth, Norm, Retimed, Stretch, smooth
+from refdem.truth.refiner import Refiner, Size
+from refdem.truth.validated_flow import Quantities, TracedReading
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
 """Bits, one after another until the radius is met; a motion that asks for more is not certified."""
-Found = TypeVar("Found")
 LOSS = 24
 """Bits below those of the target that no motion is certified with."""
+METHOD = (
+    "validated integration from event to event: signs by bisection, times by interval Newton,"
+    " sets through the jump matrix"
+)
+Found = TypeVar("Found")
+Motion = TypeVar("Motion", bound=Followed, covariant=True)
 
 
-class HybridFlow(ClosedForm):
-    """The motion of a system that switches, for t >= 0.
+class Switching(Protocol[Motion]):
+    """What a proof through events has to know of a system that switches."""
 
-    `start` has, for each coordinate, an exact number or a function that gives its ball; the last is
-    the clock. `first(y)` gives the entry into the first mode from balls of the start, whose reset
-    must be None. `quantities(y)` has quantities by name, those of
-    `state` among them; `moved` has the coordinates of the start that S displaces, each in the scale
-    of its quantity of `state`.
+    @property
+    def clock_unit(self) -> Fraction | None:
+        """Seconds in a unit of the clock of its motions; None where they are told in seconds."""
+
+    def motion_at(self, bits: int) -> Motion:
+        """The motion, to be followed at a precision."""
+
+    def last_state(self, state: Sequence[arb]) -> tuple[dict[str, arb], float]:
+        """The quantities and the time [s] of a state with which a motion ended."""
+
+    def beside(self, inner: arb_mat) -> arb_mat:
+        """A derivative of the coordinates of a mode, of those that `chart` takes."""
+
+    def chart(self, motion: Any, phase: Phase, state: Sequence[arb]) -> arb_mat:
+        """The derivative of the coordinates in which errors are counted, in scales, by those that
+        `beside` leaves, in a state.
+        """
+
+    def parts(self) -> list[int]:
+        """How many coordinates are measured together (Norm)."""
+
+    def struck(self) -> Sequence[int] | None:
+        """The coordinates of `chart` in which errors are made; None for all."""
+
+    def readings(self, motion: Any, t: arb) -> arb_mat:
+        """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
+
+
+class EventProof(Guarded, Generic[Motion]):
+    """Proves what is found from the motion of a system, and S(t), from event to event.
+
+    This is the refiner and the sensitivity of motions through events: the motion is followed anew
+    at each precision, until the radii that `refiner` asks for are met.
     """
 
-    method = (
-        "validated integration from event to event: signs by bisection, times by interval Newton,"
-        " sets through the jump matrix"
-    )
-    witness = "none"
+    def __init__(self, system: Switching[Motion], refiner: Refiner, label: str = "") -> None:
+        self.system = system
+        self.refiner = refiner
+        self.label = label
+        self.kept: dict[Any, Any] = {}
 
-    def __init__(
-        self,
-        modes: Mapping[str, Mode],
-        start: Sequence[Fraction | int | Callable[[], arb]],
-        first: Callable[[State], Entry],
-        quantities: Quantities,
-        scale: Mapping[str, Size],
-        *,
-        state: Sequence[str],
-        moved: Sequence[int],
-        digits: int = 40,
-    ) -> None:
-        super().__init__(scale, digits=digits)
-        self.modes = {name: Traced(mode, len(start)) for name, mode in modes.items()}
-        self.begin, self.first, self.state, self.moved = (
-            list(start),
-            first,
-            tuple(state),
-            tuple(moved),
-        )
-        self.names: list[str] = []
-        outputs, slopes = traced(lambda y: self.listed(quantities(y)), len(self.begin))
-        self.values, self.slopes = (
-            Program(outputs),
-            Program([entry for row in slopes for entry in row]),
-        )
+    def to(self, digits: int) -> Self:
+        """The same for other digits; what is followed serves both."""
+        other = copy(self)
+        other.refiner = self.refiner.to(digits)
+        return other
 
-    def listed(self, found: Mapping[str, Any]) -> list[Any]:
-        """The quantities one after another, as `names` lists them."""
-        self.names = list(found)
-        return list(found.values())
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,
-        not from neighbouring starts.
-        """
-        raise NotCertifiedError(
-            "a motion through events is not displaced: its S comes from the variational equation;"
-            " ask for `sensitivity`"
-        )
-
-    def motion(self, bits: int) -> HybridMotion:
+    def motion(self, bits: int) -> Motion:
         """The motion at a precision, as far as it has been followed."""
         if ("motion", bits) not in self.kept:
-            with precision(bits):
-                balls = [value() if callable(value) else arb_of(value) for value in self.begin]
-                self.kept["motion", bits] = HybridMotion(
-                    self.modes, balls, first_entry(self.first, balls), bits
-                )
-        found: HybridMotion = self.kept["motion", bits]
+            self.kept["motion", bits] = self.system.motion_at(bits)
+        found: Motion = self.kept["motion", bits]
         return found
-
-    def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        """The quantities of a state, by name."""
-        return dict(zip(self.names, self.values.run(y), strict=True))
-
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        return self.climbed(
-            lambda motion: self.named(motion.at(arb_of(t))), f"at t = {float(t):.17g} s"
-        )
-
-    def evaluate(self, t: arb) -> dict[str, arb]:
-        return self.named(self.motion(LADDER[0]).at(t))
-
-    def events_until(self, t: Fraction) -> list[tuple[str, str | None, Ball]]:
-        """Names, modes entered and times [s] of the events before t."""
-
-        def found(motion: HybridMotion) -> dict[str, arb]:
-            motion.at(arb_of(t))
-            return {
-                f"{event.name} {event.mode} {n}": event.time
-                for n, event in enumerate(motion.events)
-                if event.time < arb_of(t)
-            }
-
-        balls = self.climbed(found, f"events until {float(t):.17g} s")
-        told = [(label.split(), ball) for label, ball in balls.items()]
-        return [
-            (name, mode if mode in self.modes else None, ball) for (name, mode, _), ball in told
-        ]
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
         """Balls at the lowest precision at which all radii are small enough.
 
         NotCertifiedError with code, time and last state.
         """
-        target = self.target()
+        target = self.refiner.target()
 
         def within(motion: Any) -> dict[str, Ball]:
             balls = {name: ball_of(value) for name, value in evaluate(motion).items()}
@@ -170,20 +151,20 @@ class HybridFlow(ClosedForm):
 
     def needed(self) -> list[int]:
         """The bits of the ladder that can meet the digits; NotCertifiedError if none can."""
-        least = ceil(1 / self.target()).bit_length() + LOSS
+        least = ceil(1 / self.refiner.target()).bit_length() + LOSS
         found = [bits for bits in LADDER if bits >= least]
         if not found:
             raise NotCertifiedError(
-                f"{self.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer",
+                f"{self.refiner.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer",
                 code="precision",
             )
         return found
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is
-        kept.
+        """CPU seconds that a value at t (in units of the clock) to so many digits is about to cost;
+        what is followed for it is kept.
         """
-        asked = self.refined(digits)
+        asked = self.to(digits)
         course = Course(asked.needed()[0])
         try:
             work = asked.foreseen(t, course)
@@ -196,7 +177,7 @@ class HybridFlow(ClosedForm):
         windows of the course's precision.
         """
         # log2 of a number that may be below all doubles.
-        target = log2(self.target().numerator) - log2(self.target().denominator)
+        target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
         motion = self.motion(course.bits)
         followed = 0
@@ -228,43 +209,42 @@ class HybridFlow(ClosedForm):
         return work()
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
-        """The error that reports why certification ends, and where."""
-        if error.state:
-            state = {name: ball_of(value) for name, value in self.named(error.state).items()}
-        else:
-            state = {}
-        if error.state:
-            time = float(error.state[-1].mid())
-        else:
-            time = None
-        if time is not None:
-            told = f"; certified up to t = {time:.17g} s"
-        else:
-            told = ""
-        return NotCertifiedError(
-            f"{what}: {error.code}: {error}{told}", code=error.code, time=time, state=state
-        )
+        """The honest end, with the last certified state."""
+        told = f"{self.label}{what}: {error.code}: {error}"
+        if not error.state:
+            return NotCertifiedError(told, code=error.code)
+        values, time = self.system.last_state(error.state)
+        state = {name: ball_of(value) for name, value in values.items()}
+        told = f"{told}; certified up to t = {time:.17g} s"
+        return NotCertifiedError(told, code=error.code, time=time, state=state)
 
     @per_precision
     def growth(self) -> Grows:
         """The growth S from event to event, by the variational equation and the jump matrices."""
         motion = self.motion(ctx.prec)
-        readings = partial(self.readings, motion)
-        return Growth(
+        found = Growth(
             self.stretches(motion),
-            Norm(self.parts()),
-            readings,
-            self.struck(),
+            Norm(self.system.parts()),
+            partial(self.system.readings, motion),
+            self.system.struck(),
             step=Fraction(1, 2**10),
         )
+        unit = self.system.clock_unit
+        if unit is None:
+            return found
+        return Retimed(found, unit)
 
-    def _sensitivity(self, t: Fraction) -> float:
-        """The sensitivity S(t) at the precisions of the motion, whose pieces are there already."""
-        return self.followed(
-            lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed()
-        )
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t) [t in s], at the precisions of the motion, whose pieces are there already."""
+        if ("sensitivity", t) not in self.kept:
+            what = f"S at t = {float(t):.17g} s"
+            self.kept["sensitivity", t] = self.followed(
+                lambda motion: self.growth().at(t), what, self.needed()
+            )
+        found: float = self.kept["sensitivity", t]
+        return found
 
-    def stretches(self, motion: HybridMotion) -> Iterator[Stretch]:
+    def stretches(self, motion: Followed) -> Iterator[Stretch]:
         """The pieces of a motion, made as they are asked for; the last of a phase ends with an
         event.
         """
@@ -275,8 +255,8 @@ class HybridFlow(ClosedForm):
                 motion.follow()
             yield from self.pieces_of(motion, number)
 
-    def pieces_of(self, motion: HybridMotion, number: int) -> Iterator[Stretch]:
-        """The Taylor pieces of a phase, one after the other."""
+    def pieces_of(self, motion: Followed, number: int) -> Iterator[Stretch]:
+        """The pieces of a phase, in order of time."""
         phase = motion.phases[number]
         for index in count():
             while index >= len(phase.pieces):
@@ -305,7 +285,7 @@ class HybridFlow(ClosedForm):
                 return
             yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
-    def errors(self, motion: HybridMotion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
+    def errors(self, motion: Followed, phase: Phase, piece: Piece, since: arb) -> arb_mat:
         """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in
         those of `chart`.
 
@@ -313,9 +293,9 @@ class HybridFlow(ClosedForm):
         """
         with precision(motion.bits + GUARD):
             inner = phase.moved_by(piece, since)
-            return self.chart(motion, phase, piece.at(since)) * self.beside(inner)
+            return self.system.chart(motion, phase, piece.at(since)) * self.system.beside(inner)
 
-    def handed_on(self, motion: HybridMotion, phase: Phase, after: Phase | None) -> arb_mat:
+    def handed_on(self, motion: Followed, phase: Phase, after: Phase | None) -> arb_mat:
         """What errors at the begin of a phase's last piece are after the event that ends it, at one
         time for all motions of the set.
         """
@@ -325,12 +305,135 @@ class HybridFlow(ClosedForm):
             rate = phase.mode.rates[guard.name][1].run(states)[0]
             section = phase.section(guard, states, rate) * phase.moved_by(piece, since)
             if after is None:
-                return self.chart(motion, phase, states) * self.beside(section)
+                return self.system.chart(motion, phase, states) * self.system.beside(section)
             reset = guard.then(states).reset or (lambda y: list(y))
             jump = arb_mat(size, size, derivative_rows(reset, size).run(states)) * section
-            return self.chart(motion, after, after.entered) * self.beside(
+            return self.system.chart(motion, after, after.entered) * self.system.beside(
                 at_fixed_time(after, after.entered) * jump
             )
+
+
+class HybridFlow(Guarded, Truth):
+    """The motion of a system that switches, for t >= 0.
+
+    `start` has, for each coordinate, an exact number or a function that gives its ball; the last is
+    the clock. `first(y)` gives the entry into the first mode from balls of the start, whose reset
+    must be None. `quantities(y)` has quantities by name, those of
+    `state` among them; `moved` has the coordinates of the start that S displaces, each in the scale
+    of its quantity of `state`.
+
+    What a family adds is handed in: `finished` gives the quantities as they are told from those of
+    `quantities` (as they are by default); `still` names quantities that are exactly 0 unless the
+    motion names them; `extremes` gives the scalars.
+    """
+
+    clock_unit = None
+    method = METHOD
+
+    def __init__(
+        self,
+        modes: Mapping[str, Mode] | TracedModes,
+        start: Sequence[Fraction | int | Callable[[], arb]],
+        first: Callable[[State], Entry],
+        quantities: Quantities,
+        scale: Mapping[str, Size],
+        *,
+        state: Sequence[str],
+        moved: Sequence[int],
+        digits: int = 40,
+        witness: str = "none",
+        finished: Callable[[dict[str, arb]], dict[str, arb]] = lambda values: values,
+        still: Sequence[str] = (),
+        extremes: "Callable[[HybridFlow], dict[str, Ball]]" = lambda flow: {},
+    ) -> None:
+        self.modes = traced_modes(modes, len(start))
+        self.begin = list(start)
+        self.first = first
+        self.state = tuple(state)
+        self.moved = tuple(moved)
+        self.reading = TracedReading(quantities, len(self.begin))
+        self.proof: EventProof[HybridMotion] = EventProof(self, Refiner.of(scale, digits=digits))
+        self.witness = witness
+        self.finished = finished
+        self.still = tuple(still)
+        self.extremes = extremes
+
+    @property
+    def scale(self) -> Mapping[str, Fraction]:
+        """The size of each quantity, against which its error counts."""
+        return self.proof.refiner.scale
+
+    def refined(self, digits: int) -> Self:
+        """The same truth with radii of at most 10^-digits."""
+        other = copy(self)
+        other.proof = self.proof.to(digits)
+        return other
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be
+        proved.
+        """
+        if t < 0:
+            raise NotCertifiedError(f"t = {float(t):.17g} s is before the start")
+        found = self.proof.climbed(
+            lambda motion: self.named(motion.at(arb_of(t))), f"at t = {float(t):.17g} s"
+        )
+        return {name: Ball(Fraction(0), Fraction(0)) for name in self.still} | found
+
+    def scalars(self) -> dict[str, Ball]:
+        """Values that do not depend on time."""
+        return self.extremes(self)
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t), with the jump matrix at each event."""
+        return self.proof.sensitivity(t)
+
+    def forecast(self, t: Fraction, digits: int) -> float:
+        """CPU seconds that `at(t)` to so many digits is about to cost."""
+        return self.proof.forecast(t, digits)
+
+    def motion(self, bits: int) -> HybridMotion:
+        """The motion at a precision, as far as it has been followed."""
+        return self.proof.motion(bits)
+
+    def motion_at(self, bits: int) -> HybridMotion:
+        """The motion, to be followed at a precision."""
+        with precision(bits):
+            balls = [value() if callable(value) else arb_of(value) for value in self.begin]
+            return HybridMotion(self.modes, balls, first_entry(self.first, balls), bits)
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,
+        not from neighbouring starts.
+        """
+        raise NotCertifiedError(
+            "a motion through events is not displaced: its S comes from the variational equation;"
+            " ask for `sensitivity`"
+        )
+
+    def named(self, y: Sequence[arb]) -> dict[str, arb]:
+        """The quantities of a state."""
+        return self.finished(self.reading.values(y))
+
+    def last_state(self, state: Sequence[arb]) -> tuple[dict[str, arb], float]:
+        """The quantities and the time [s] of a state with which a motion ended."""
+        return self.named(state), float(state[-1].mid())
+
+    def events_until(self, t: Fraction) -> list[tuple[str, str | None, Ball]]:
+        """Names, modes entered and times [s] of the events before t."""
+
+        events: list[tuple[str, str | None]] = []
+
+        def found(motion: HybridMotion) -> dict[str, arb]:
+            motion.at(arb_of(t))
+            before = [event for event in motion.events if event.time < arb_of(t)]
+            events[:] = [(event.name, event.mode) for event in before]
+            return {str(number): event.time for number, event in enumerate(before)}
+
+        balls = self.proof.climbed(found, f"events until {float(t):.17g} s")
+        return [
+            (name, mode, ball) for (name, mode), ball in zip(events, balls.values(), strict=True)
+        ]
 
     def beside(self, inner: arb_mat) -> arb_mat:
         """A derivative of the coordinates of a mode, of those that `chart` takes: here of those
@@ -343,12 +446,10 @@ class HybridFlow(ClosedForm):
         """The derivative of the coordinates in which errors are counted, in scales, by those that
         `beside` leaves, in a state.
         """
-        count = len(self.state)
+        sizes = self.own_scales()
+        count = len(sizes)
         return arb_mat(
-            [
-                [1 / size if i == j else arb(0) for j in range(count)]
-                for i, size in enumerate(self.own_scales())
-            ]
+            [[1 / sizes[i] if i == j else arb(0) for j in range(count)] for i in range(count)]
         )
 
     def own_scales(self) -> list[arb]:
@@ -359,20 +460,22 @@ class HybridFlow(ClosedForm):
         """How many coordinates are measured together (Norm)."""
         return [1] * len(self.state)
 
-    def struck(self) -> Sequence[int] | None:
-        """The coordinates of `chart` in which errors are made; None for all."""
-        return None
+    def struck(self) -> None:
+        """Errors are made in all coordinates of `chart`."""
 
     def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
-        y = motion.at(t)
-        slopes = self.slopes.run(y)
-        rows = [slopes[i : i + len(y)] for i in range(0, len(slopes), len(y))]
+        slopes = self.reading.slopes(motion.at(t))
         moved = list(zip(self.moved, self.own_scales(), strict=True))
-        sizes = [arb_of(self.scale[name]) for name in self.names]
-        return arb_mat(
-            [
-                [row[j] * own / size for j, own in moved]
-                for row, size in zip(rows, sizes, strict=True)
-            ]
-        )
+        rows = []
+        for name, row in slopes.items():
+            size = arb_of(self.scale[name])
+            rows.append([row[j] * own / size for j, own in moved])
+        return arb_mat(rows)
+
+
+def traced_modes(modes: Mapping[str, Mode] | TracedModes, size: int) -> Mapping[str, Traced]:
+    """Modes as programs; those that are traced when they are entered stay what they are."""
+    if isinstance(modes, TracedModes):
+        return modes
+    return {name: Traced(mode, size) for name, mode in modes.items()}

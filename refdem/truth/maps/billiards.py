@@ -5,10 +5,10 @@ from fractions import Fraction
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
-from refdem.truth.closed_form import Size
 from refdem.truth.exact import vector
 from refdem.truth.maps.rectangle import Rectangle
 from refdem.truth.maps.stadium import Stadium
+from refdem.truth.refiner import Size
 
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:

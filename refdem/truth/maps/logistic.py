@@ -14,10 +14,10 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.closed_form import Size
 from refdem.truth.exact import numbers
 from refdem.truth.growth import bounded
-from refdem.truth.maps.iterated import Iterated, whole
+from refdem.truth.maps.iterated import Iterated, Stepped, whole
+from refdem.truth.refiner import Size
 
 HALF = Fraction(1, 2)
 
@@ -26,8 +26,8 @@ FLOW_BITS = 1024
 """For S of the equation: what is lost where x comes near to 1 is eta t bits, roughly."""
 
 
-class LogisticMap(Iterated):
-    """The iterates y_n = x_n - 1/2 of the logistic map, in balls."""
+class LogisticMap(Stepped, Iterated):
+    """y_n = x_n - 1/2 in balls."""
 
     method = "the map in balls about 1/2, precision raised by the bits that its slope takes away"
     witness = (
@@ -39,7 +39,7 @@ class LogisticMap(Iterated):
     def __init__(
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.iterate(scale, digits=digits)
         self.eta = eta
         self.x0 = x0
 
@@ -68,7 +68,7 @@ class LogisticFlow(Iterated):
     def __init__(
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.iterate(scale, digits=digits)
         self.eta = eta
         self.x0 = x0
 
@@ -79,10 +79,6 @@ class LogisticFlow(Iterated):
 
     def first(self) -> arb:
         return self.state(0)
-
-    def step(self, state: arb) -> arb:
-        """One unit of time on: x e^eta/(1 + x (e^eta - 1)) = x/(x + (1 - x) e^-eta)."""
-        return state / (state + (1 - state) * (-arb_of(self.eta)).exp())
 
     def slope(self, state: arb, after: arb) -> arb_mat:
         """d after/d state = e^-eta/(x + (1 - x) e^-eta)^2."""

@@ -13,12 +13,12 @@ from math import gcd
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import GuardedTruth, arb_of, ball_of, refined
-from refdem.truth.closed_form import Size
+from refdem.truth.balls import Guarded, arb_of, ball_of, refined
 from refdem.truth.growth import bounded, most
 from refdem.truth.maps.iterated import whole
+from refdem.truth.refiner import Size
 
 HALF = Fraction(1, 2)
 Exact2 = tuple[Fraction, Fraction]
@@ -80,7 +80,7 @@ def corner(a: Crossings, b: Crossings) -> Fraction | None:
     return a.time(i + 1)
 
 
-class Rectangle(GuardedTruth):
+class Rectangle(Guarded, Truth):
     """Bounce n of a point from `start` along `direction` (any length) in a table of that size,
     centred on the origin.
     """

@@ -13,8 +13,8 @@ from fractions import Fraction
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import Size
-from refdem.truth.maps.iterated import BoundaryError, Iterated
+from refdem.truth.maps.iterated import BoundaryError, Iterated, Stepped
+from refdem.truth.refiner import Size
 
 WALL = "wall"
 ARC = "arc"
@@ -41,7 +41,7 @@ def sign(value: arb, code: str) -> int:
     raise BoundaryError(code, value)
 
 
-class Stadium(Iterated):
+class Stadium(Stepped, Iterated):
     """Bounce n of a point from `start` along `direction` (any length) in a stadium of that size,
     centred on the origin.
     """
@@ -62,7 +62,7 @@ class Stadium(Iterated):
         *,
         digits: int = 40,
     ) -> None:
-        super().__init__(scale, digits=digits)
+        self.iterate(scale, digits=digits)
         self.size = size
         self.start = start
         self.direction = direction

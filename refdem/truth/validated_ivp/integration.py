@@ -93,33 +93,24 @@ class Piece:
         ]
 
 
-class Integration(Guarded):
-    """The solution from `start` (called at the working precision) to about `bits` bits, before
-    errors grow.
-    """
+class Chain(Guarded):
+    """Pieces of a solution one after another, each made when it is asked for."""
 
-    def __init__(
-        self,
-        field: Field,
-        start: Callable[[], Sequence[arb]],
-        bits: int,
-        steps: Steps | None = None,
-    ) -> None:
-        self.bits, self.steps = bits, steps or Steps()
-        with precision(bits + GUARD):
-            whole = list(start())
-        outputs, slopes = traced(field, len(whole))
-        self.field, self.slopes = (
-            Program(outputs),
-            Program([entry for row in slopes for entry in row]),
-        )
-        self.order, self.jacobian_order = self.steps.orders(bits)
-        self.centre = [value.mid() for value in whole]
-        self.spread = at_start([value.rad() for value in whole])
+    bits: int
+    steps: Steps
+    field: Program
+    slopes: Program
+    centre: list[arb]
+    spread: Spread
+
+    def begin(self) -> None:
+        """Sets what is known before the first piece; the fields above are set."""
+        self.order, self.jacobian_order = self.steps.orders(self.bits)
         self.pieces: list[Piece] = []
         self.begins: list[Fraction] = []
         self.largest: list[arb] = []
-        self.first, self.widest = arb(1), arb(0)
+        self.first = arb(1)
+        self.widest = arb(0)
 
     def at(self, t: arb) -> list[arb]:
         """The state at the time t >= 0 [s] (every point of the ball).
@@ -250,6 +241,30 @@ class Integration(Guarded):
             " beyond is proved"
         )
         raise UndecidedError(told, code="precision", time=float(begin))
+
+
+class Integration(Chain):
+    """The solution from `start` (called at the working precision) to about `bits` bits, before
+    errors grow.
+    """
+
+    def __init__(
+        self,
+        field: Field,
+        start: Callable[[], Sequence[arb]],
+        bits: int,
+        steps: Steps | None = None,
+    ) -> None:
+        self.bits = bits
+        self.steps = steps or Steps()
+        with precision(bits + GUARD):
+            whole = list(start())
+        outputs, slopes = traced(field, len(whole))
+        self.field = Program(outputs)
+        self.slopes = Program([entry for row in slopes for entry in row])
+        self.centre = [value.mid() for value in whole]
+        self.spread = at_start([value.rad() for value in whole])
+        self.begin()
 
 
 def unequal(weights: Sequence[arb]) -> int:

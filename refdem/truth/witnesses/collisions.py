@@ -2,6 +2,7 @@
 sign changes on a grid and the secant.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
@@ -27,90 +28,59 @@ apart, then twice as far, and so on.
 Value = Callable[[Sequence[Any]], Any]
 
 
-class Spheres:
-    """State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring. Friction f on
-    body 1 along t = e turned by +90 degrees, e = r/|r|; its torque on each is -l f."""
+class Colliding(ABC):
+    """A contact phase by phase, under the linear law: what ends a phase, and what begins.
 
-    def __init__(self, p: Mapping[str, Any]) -> None:
-        masses = [arb_of(mass) for mass in p["masses"]]
-        self.radii = [arb_of(radius) for radius in p["radii"]]
-        self.reach = self.radii[0] + self.radii[1]
-        self.moments = [m * r * r * 2 / 5 for m, r in zip(masses, self.radii, strict=True)]
-        self.mass = masses[0] * masses[1] / (masses[0] + masses[1])
-        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
-        names = ("stiffness", "damping", "tangential_stiffness", "friction")
-        self.k, self.c, self.kt, self.mu = (arb_of(p[name]) for name in names)
-        self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
+    State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring, if a class says
+    nothing else. Friction f on body 1 along t = e turned by +90 degrees, e = r/|r|; its torque on
+    each is -l f.
+    """
 
+    k: arb
+    kt: arb
+    mu: arb
+    reach: arb
+    beta: arb
+    pulls: bool
+
+    @abstractmethod
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
         """e, distance, velocities along e and t, normal force."""
-        x, y, vx, vy = s[:4]
-        distance = (x * x + y * y).sqrt()
-        ex = x / distance
-        ey = y / distance
-        along = vx * ex + vy * ey
-        return (
-            ex,
-            ey,
-            distance,
-            along,
-            vy * ex - vx * ey,
-            self.k * (self.reach - distance) - self.c * along,
-        )
 
-    def force(self, s: Sequence[Any]) -> Any:
-        return self.geometry(s)[5]
-
-    def overlap(self, s: Sequence[Any]) -> Any:
-        return self.reach - self.geometry(s)[2]
-
-    def levers(self, distance: Any) -> list[Any]:
-        return [radius - self.beta * (self.reach - distance) for radius in self.radii]
-
+    @abstractmethod
     def slip(self, s: Sequence[Any]) -> Any:
-        _, _, distance, _, across, _ = self.geometry(s)
-        first, second = self.levers(distance)
-        return across - first * s[4] - second * s[5]
+        """Velocity of the surfaces against each other along t."""
 
+    @abstractmethod
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0: 0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 +
-        l2^2/J2).
-        """
-        _, _, distance, along, across, _ = self.geometry(s)
-        ease = 1 / self.mass + sum(
-            lever * lever / moment
-            for lever, moment in zip(self.levers(distance), self.moments, strict=True)
-        )
-        return (along * across / distance + self.beta * along * (s[4] + s[5])) / ease
+        """The friction f with which slip' = 0."""
 
+    @abstractmethod
     def growth(self, s: Sequence[Any]) -> Any:
-        """dF/dt = k d' + c d'', d'' = -F/m - v_t^2/|r|."""
-        _, _, distance, along, across, force = self.geometry(s)
-        return -self.k * along - self.c * (force / self.mass + across * across / distance)
+        """The rate dF/dt of the normal force."""
 
+    @abstractmethod
+    def law(self, phase: str) -> Value:
+        """Friction in a phase: free, slip+, slip-, stick, hold."""
+
+    @abstractmethod
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         """The rates under a friction."""
 
-        def rates(t: Any, s: Sequence[Any]) -> list[Any]:
-            ex, ey, distance, _, _, force = self.geometry(s)
-            f = friction(s)
-            spun = [
-                -lever * f / moment
-                for lever, moment in zip(self.levers(distance), self.moments, strict=True)
-            ]
-            return [
-                s[2],
-                s[3],
-                (force * ex - f * ey) / self.mass,
-                (force * ey + f * ex) / self.mass,
-                *spun,
-                self.slip(s),
-            ]
+    @abstractmethod
+    def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
+        """Phase and state after what ends one."""
 
-        return rates
+    def force(self, s: Sequence[Any]) -> Any:
+        """The force along the normal."""
+        return self.geometry(s)[5]
 
-    def law(self, phase: str) -> Value:
-        """Friction in a phase: free, slip+, slip-, stick, hold."""
+    def overlap(self, s: Sequence[Any]) -> Any:
+        """The overlap of the two surfaces."""
+        return self.reach - self.geometry(s)[2]
+
+    def plain_law(self, phase: str) -> Value:
+        """Friction in a phase of a state whose seventh number is the stretch."""
         if phase == "slip-":
             side = -1
         else:
@@ -161,7 +131,7 @@ class Spheres:
             return "slip+" if slip > 0 else "slip-"
         return "stick"
 
-    def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
+    def caught_or_slipped(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
         """Phase and state after what ends one."""
         if then != "caught":
             return then, list(s)
@@ -171,10 +141,92 @@ class Spheres:
         return "hold" if holds else "slip-" if phase == "slip+" else "slip+", list(s)
 
 
+class Spheres(Colliding):
+    """Two free spheres that touch."""
+
+    def __init__(self, p: Mapping[str, Any]) -> None:
+        masses = [arb_of(mass) for mass in p["masses"]]
+        self.radii = [arb_of(radius) for radius in p["radii"]]
+        self.reach = self.radii[0] + self.radii[1]
+        self.moments = [m * r * r * 2 / 5 for m, r in zip(masses, self.radii, strict=True)]
+        self.mass = masses[0] * masses[1] / (masses[0] + masses[1])
+        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
+        names = ("stiffness", "damping", "tangential_stiffness", "friction")
+        self.k, self.c, self.kt, self.mu = (arb_of(p[name]) for name in names)
+        self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
+
+    def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+        """e, distance, velocities along e and t, normal force."""
+        x, y, vx, vy = s[:4]
+        distance = (x * x + y * y).sqrt()
+        ex = x / distance
+        ey = y / distance
+        along = vx * ex + vy * ey
+        return (
+            ex,
+            ey,
+            distance,
+            along,
+            vy * ex - vx * ey,
+            self.k * (self.reach - distance) - self.c * along,
+        )
+
+    def levers(self, distance: Any) -> list[Any]:
+        return [radius - self.beta * (self.reach - distance) for radius in self.radii]
+
+    def slip(self, s: Sequence[Any]) -> Any:
+        _, _, distance, _, across, _ = self.geometry(s)
+        first, second = self.levers(distance)
+        return across - first * s[4] - second * s[5]
+
+    def holding(self, s: Sequence[Any]) -> Any:
+        """The f with slip' = 0: 0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 +
+        l2^2/J2).
+        """
+        _, _, distance, along, across, _ = self.geometry(s)
+        ease = 1 / self.mass + sum(
+            lever * lever / moment
+            for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+        )
+        return (along * across / distance + self.beta * along * (s[4] + s[5])) / ease
+
+    def growth(self, s: Sequence[Any]) -> Any:
+        """dF/dt = k d' + c d'', d'' = -F/m - v_t^2/|r|."""
+        _, _, distance, along, across, force = self.geometry(s)
+        return -self.k * along - self.c * (force / self.mass + across * across / distance)
+
+    def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
+        """The rates under a friction."""
+
+        def rates(t: Any, s: Sequence[Any]) -> list[Any]:
+            ex, ey, distance, _, _, force = self.geometry(s)
+            f = friction(s)
+            spun = [
+                -lever * f / moment
+                for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+            ]
+            return [
+                s[2],
+                s[3],
+                (force * ex - f * ey) / self.mass,
+                (force * ey + f * ex) / self.mass,
+                *spun,
+                self.slip(s),
+            ]
+
+        return rates
+
+    def law(self, phase: str) -> Value:
+        return self.plain_law(phase)
+
+    def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
+        return self.caught_or_slipped(phase, then, s)
+
+
 SIDES = {"+": 1, "-": -1}
 
 
-def phases(pair: Spheres, start: Sequence[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
+def phases(pair: Colliding, start: Sequence[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
     """Each phase as a solution, and when it ends."""
     phase = pair.begin(start)
     s = list(start)

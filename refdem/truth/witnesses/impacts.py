@@ -11,7 +11,7 @@ from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.witnesses import contacts, members
-from refdem.truth.witnesses.collisions import Spheres, Value, flown, phases, two_spheres
+from refdem.truth.witnesses.collisions import Colliding, Value, flown, phases, two_spheres
 from refdem.truth.witnesses.contacts import beyond
 from refdem.truth.witnesses.impact_numbers import impact_numbers
 from refdem.truth.witnesses.taylor import Solution
@@ -24,7 +24,7 @@ METHOD = (
 AXES = [f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz"]
 
 
-class Struck(Spheres):
+class Struck(Colliding):
     """One sphere and the wall x = 0, from the left: in the frame of Spheres e = (-1, 0), and no
     normal that turns.
     """
@@ -70,6 +70,12 @@ class Struck(Spheres):
             ]
 
         return rates
+
+    def law(self, phase: str) -> Value:
+        return self.plain_law(phase)
+
+    def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
+        return self.caught_or_slipped(phase, then, s)
 
 
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:

@@ -10,7 +10,7 @@ from typing import Any
 from flint import arb
 
 from refdem.truth.balls import arb_of
-from refdem.truth.witnesses.collisions import SIDES, Spheres, Value, flown, phases
+from refdem.truth.witnesses.collisions import SIDES, Colliding, Spheres, Value, flown, phases
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said
 
@@ -82,7 +82,7 @@ def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Cl
         yield t, nine("", x, y, u, v, spin)
 
 
-class Trio(Spheres):
+class Trio(Colliding):
     """A sphere between two others, each with its own equation, no symmetry used: x, y, vx, vy, spin
     of each, then both springs.
 
@@ -91,11 +91,16 @@ class Trio(Spheres):
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        super().__init__(
-            {**p, "masses": (p["large"], p["mass"]), "radii": (p["partner_radius"], p["radius"])}
-        )
+        radii = (p["partner_radius"], p["radius"])
+        self.two = Spheres({**p, "masses": (p["large"], p["mass"]), "radii": radii})
+        self.k = self.two.k
+        self.c = self.two.c
+        self.kt = self.two.kt
+        self.mu = self.two.mu
+        self.reach = self.two.reach
+        self.pulls = self.two.pulls
         self.masses = [arb_of(p[name]) for name in ("large", "mass", "large")]
-        self.inertias = [self.moments[0], self.moments[1], self.moments[0]]
+        self.inertias = [self.two.moments[0], self.two.moments[1], self.two.moments[0]]
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
         """The outer body i (0, 2) against the middle one, as a pair is said in Spheres."""
@@ -108,11 +113,20 @@ class Trio(Spheres):
             s[15 + i // 2],
         ]
 
+    def of_two(self, s: Sequence[Any]) -> Sequence[Any]:
+        """The first contact of a state of all three; a state of two is one already."""
+        if len(s) == 17:
+            return self.pair(0, s)
+        return s
+
+    def holding(self, s: Sequence[Any]) -> Any:
+        return self.two.holding(self.of_two(s))
+
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-        return super().geometry(self.pair(0, s) if len(s) == 17 else s)
+        return self.two.geometry(self.of_two(s))
 
     def slip(self, s: Sequence[Any]) -> Any:
-        return super().slip(self.pair(0, s) if len(s) == 17 else s)
+        return self.two.slip(self.of_two(s))
 
     def growth(self, s: Sequence[Any]) -> Any:
         """The rate of the normal force, with the accelerations of both bodies."""
@@ -125,8 +139,8 @@ class Trio(Spheres):
         return -self.k * along - self.c * nearing
 
     def law(self, phase: str) -> Value:
-        plain = super().law(phase)
-        return lambda s: plain(self.pair(0, s) if len(s) == 17 else s)
+        plain = self.two.law(phase)
+        return lambda s: plain(self.of_two(s))
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
@@ -137,7 +151,7 @@ class Trio(Spheres):
                 pair = self.pair(i, s)
                 ex, ey, distance, _, _, force = self.geometry(pair)
                 f = friction(pair)
-                (own, other) = self.levers(distance)
+                own, other = self.two.levers(distance)
                 along = force * ex - f * ey
                 across = force * ey + f * ex
                 for body, sense, lever in ((i, 1, own), (1, -1, other)):
@@ -331,7 +345,10 @@ def late(time: arb, y: Sequence[arb]) -> arb:
     return y[2] - time
 
 
-class Passing(Spheres):
+OTHER_SLIP = {"slip+": "slip-", "slip-": "slip+"}
+
+
+class Passing(Colliding):
     """Along x, body 1 at the origin and body 2 at (x, b) with a constant spin: momentum given to
     body 1, its torque's, and the spring.
     """
@@ -351,12 +368,18 @@ class Passing(Spheres):
         one, two, self.k, self.kt, self.mu, self.b, self.speed, self.spin, self.begins = (
             arb_of(p[name]) for name in names
         )
-        self.radii, self.reach, self.beta, self.pulls = (
-            [one, two],
-            one + two,
-            arb_of(LEVERS[str(p["branch"])]),
-            False,
-        )
+        self.radii = [one, two]
+        self.reach = one + two
+        self.beta = arb_of(LEVERS[str(p["branch"])])
+        self.pulls = False
+
+    def levers(self, distance: Any) -> list[Any]:
+        """The levers l_i = R_i - beta d."""
+        return [radius - self.beta * (self.reach - distance) for radius in self.radii]
+
+    def holding(self, s: Sequence[Any]) -> Any:
+        """The spins stay what they are: no friction that keeps a slip at zero is asked for."""
+        raise AssertionError("a prescribed path has no hold")
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
         """The normal is from 1 to 2, the tangent is it turned by +90 degrees; the rest as of
@@ -394,9 +417,12 @@ class Passing(Spheres):
         return rates
 
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        if then == "caught":
-            return ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt])
-        return (then, list(s))
+        if then != "caught":
+            return then, list(s)
+        if not self.kt > 0:
+            # A slip that is prescribed passes through zero.
+            return OTHER_SLIP[phase], list(s)
+        return "stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt]
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:

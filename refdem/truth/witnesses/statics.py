@@ -131,52 +131,67 @@ def angled(a: Fraction, b: Fraction, thick: Fraction) -> Rule:
     return without(brick(low, [a, b, thick]), brick([a / 2, b / 2, Fraction(0)], [a, b, thick]))
 
 
+def boxed(x: Fraction, y: Fraction, z: Fraction) -> Rule:
+    """A cuboid about the origin."""
+    return brick([-x / 2, -y / 2, -z / 2], [x / 2, y / 2, z / 2])
+
+
 def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     """Every solid of moments-of-inertia, from what it is: half spaces and maps of a cube."""
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
+    flat = ((weight, (x, y, Fraction(0))) for weight, (x, y, _) in angled(a, b, Fraction(1)))
+    # m kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c).
+    masses = ((Fraction(m), (a * (m > 1), b * (m > 2), c * (m > 3))) for m in (1, 2, 3, 4))
+    plain = {
+        "cuboid": boxed(a, b, c),
+        "ellipsoid": ellipsoid(a, b, c),
+        "elliptical-cylinder": cylinder(a, b, c),
+        "cuboid-at-corner": boxed(a, b, c),
+        "angle": angled(a, b, c),
+        "angle-plate": flat,
+        "points": masses,
+    }
+    hollow = {
+        "hollow-cuboid": without(boxed(a, b, c), boxed(a * f, b * f, c * f)),
+        "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
+    }
+    tetrahedron = images(a, b, c)["tetrahedron"]
+    turns = {"turned-tetrahedron": turned(tetrahedron, vector(p, "attitude"))}
+    return plain | hollow | images(a, b, c) | turns
+
+
+def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
+    """Solids that taper: images of cuboids, with the factor by which volumes grow."""
+    half = Fraction(1, 2)
     nothing = Fraction(0)
     one = Fraction(1)
-    cube = [Fraction(0)] * 3
-    ones = [Fraction(1)] * 3
-
-    def box(x: Fraction, y: Fraction, z: Fraction) -> Rule:
-        return brick([-x / 2, -y / 2, -z / 2], [x / 2, y / 2, z / 2])
 
     def tetrahedron(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
-        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - y) * (
-            1 - z
-        ) * (1 - z)
+        grown = a * b * c * (1 - y) * (1 - z) * (1 - z)
+        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), grown
 
     def pyramid(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
         return (a * x * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - z) ** 2
 
-    half = Fraction(1, 2)
+    def right_angle_wedge(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
+        return (a * x * (1 - z), b * y, c * z), a * b * c * (1 - z)
+
+    def isosceles_wedge(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
+        return (b * x * (1 - z), a * y, c * z), a * b * c * (1 - z)
+
+    def triangle(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
+        return (b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y)
+
+    cube = [nothing, nothing, nothing]
+    ones = [one, one, one]
+    halves = [half, half, one]
+    lows = [-half, -half, nothing]
     return {
-        "cuboid": box(a, b, c),
-        "ellipsoid": ellipsoid(a, b, c),
-        "elliptical-cylinder": cylinder(a, b, c),
-        "rectangular-pyramid": brick([-half, -half, nothing], [half, half, one], pyramid),
-        "right-angle-wedge": brick(
-            [nothing, -half, nothing],
-            [one, half, one],
-            lambda x, y, z: ((a * x * (1 - z), b * y, c * z), a * b * c * (1 - z)),
-        ),
-        "isosceles-wedge": brick(
-            [-half, -half, nothing],
-            [half, half, one],
-            lambda x, y, z: ((b * x * (1 - z), a * y, c * z), a * b * c * (1 - z)),
-        ),
         "tetrahedron": brick(cube, ones, tetrahedron),
-        "turned-tetrahedron": turned(brick(cube, ones, tetrahedron), vector(p, "attitude")),
-        "angle": angled(a, b, c),
-        "hollow-cuboid": without(box(a, b, c), box(a * f, b * f, c * f)),
-        "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
-        "cuboid-at-corner": box(a, b, c),
-        "triangle": brick(
-            cube, ones, lambda x, y, z: ((b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y))
-        ),
-        "angle-plate": ((weight, (x, y, nothing)) for weight, (x, y, _) in angled(a, b, one)),
-        "points": ((Fraction(m), (a * (m > 1), b * (m > 2), c * (m > 3))) for m in (1, 2, 3, 4)),
+        "rectangular-pyramid": brick(lows, halves, pyramid),
+        "right-angle-wedge": brick([nothing, -half, nothing], [one, half, one], right_angle_wedge),
+        "isosceles-wedge": brick(lows, halves, isosceles_wedge),
+        "triangle": brick(cube, ones, triangle),
     }
 
 
@@ -257,79 +272,98 @@ def conjugate(q: Point) -> list[Any]:
     return [q[0], -q[1], -q[2], -q[3]]
 
 
+def applied(rows: Sequence[Sequence[Any]], v: Sequence[Fraction]) -> list[arb]:
+    """A matrix times an exact vector."""
+    return [sum((m * arb_of(x) for m, x in zip(row, v, strict=True)), arb(0)) for row in rows]
+
+
+def added(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """The sum a + b, entry by entry."""
+    return [x + y for x, y in zip(a, b, strict=True)]
+
+
 def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Hamilton's products, exact as long as nothing is made unit; the matrix from w and the skew
     matrix of the vector.
     """
-    a, b, c, v, omega, rise = (
-        vector(p, name) for name in ("p", "q", "r", "vector", "omega", "rise")
-    )
+    b = vector(p, "q")
     size = arb_of(sum((x * x for x in b), Fraction(0))).sqrt()
     u = [arb_of(x) / size for x in b]
-    turning = [arb(0), *map(arb_of, omega)]
-    rate = [x / 2 for x in hamilton(turning, u)]
-    twice = hamilton(u, u)
-    matrix = matrix_of(u)
-    double = matrix_of(twice)
+    yield None, listed(products(p, size) | turns_by(p, u) | rates_of(p, u))
+
+
+def products(p: Mapping[str, Exact], size: arb) -> dict[str, Sequence[Any]]:
+    """What the exact quaternions p, q and r give; `size` is |q|."""
+    a, b, c = (vector(p, name) for name in ("p", "q", "r"))
     pq = hamilton(a, b)
     qp = hamilton(b, a)
-    both = [x + y for x, y in zip(a, b, strict=True)]
-    moved, again = (
-        [sum((m * arb_of(x) for m, x in zip(row, v, strict=True)), arb(0)) for row in rows]
-        for rows in (matrix, double)
-    )
-    second = [
-        x / 2
-        for x in map(
-            sum,
-            zip(hamilton([arb(0), *map(arb_of, rise)], u), hamilton(turning, rate), strict=True),
-        )
-    ]
+    both = added(a, b)
+    # q* / |q|^2
     inverse = [x / sum(y * y for y in b) for x in conjugate(b)]
+    across = (size * size - arb_of(b[0] * b[0])).sqrt()
+    return {
+        "p-q": pq,
+        "q-p": qp,
+        "commutator": [x - y for x, y in zip(pq, qp, strict=True)],
+        "q-r": hamilton(b, c),
+        "left": hamilton(pq, c),
+        "right": hamilton(a, hamilton(b, c)),
+        "conjugate-of-product": conjugate(pq),
+        "sum": both,
+        "conjugate-of-sum": conjugate(both),
+        "inverse": inverse,
+        "one": hamilton(b, inverse),
+        "absolute": [size],
+        "real-product": pq,
+        "complex-product": pq,
+        "complex-eigenvalue": [b[0], across],
+    }
+
+
+def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
+    """What a vector is turned to by the unit quaternion u."""
+    v = vector(p, "vector")
+    matrix = matrix_of(u)
+    twice = hamilton(u, u)
+    moved = applied(matrix, v)
+    return {
+        "u": u,
+        "-u": [-x for x in u],
+        "u-conjugate": conjugate(u),
+        "back": [x if u[0] > 0 else -x for x in u],
+        "rotated": moved,
+        "rotated-by-minus-u": moved,
+        "matrix": [x for row in matrix for x in row],
+        "euler": euler_of(matrix),
+        "turned-twice": twice,
+        "rotated-twice": applied(matrix_of(twice), v),
+    }
+
+
+def rates_of(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
+    """u' = omega u/2 and what follows from it."""
+    omega = vector(p, "omega")
+    turning = [arb(0), *map(arb_of, omega)]
+    rising = [arb(0), *map(arb_of, vector(p, "rise"))]
+    rate = [x / 2 for x in hamilton(turning, u)]
+    # u'' = (omega' u + omega u')/2
+    second = [x / 2 for x in added(hamilton(rising, u), hamilton(turning, rate))]
+    matrix = matrix_of(u)
     body = [sum((matrix[k][i] * arb_of(omega[k]) for k in range(3)), arb(0)) for i in range(3)]
     ahead = hamilton(u, conjugate(rate))
     behind = hamilton(rate, conjugate(u))
-    yield (
-        None,
-        listed(
-            {
-                "p-q": pq,
-                "q-p": qp,
-                "commutator": [x - y for x, y in zip(pq, qp, strict=True)],
-                "q-r": hamilton(b, c),
-                "left": hamilton(pq, c),
-                "right": hamilton(a, hamilton(b, c)),
-                "conjugate-of-product": conjugate(pq),
-                "sum": both,
-                "conjugate-of-sum": conjugate(both),
-                "inverse": inverse,
-                "one": hamilton(b, inverse),
-                "absolute": [size],
-                "u": u,
-                "real-product": pq,
-                "complex-product": pq,
-                "complex-eigenvalue": [b[0], (size * size - arb_of(b[0] * b[0])).sqrt()],
-                "rotated": moved,
-                "-u": [-x for x in u],
-                "rotated-by-minus-u": moved,
-                "matrix": [x for row in matrix for x in row],
-                "euler": euler_of(matrix),
-                "back": [x if u[0] > 0 else -x for x in u],
-                "turned-twice": twice,
-                "rotated-twice": again,
-                "rate": rate,
-                "second-rate": second,
-                "orthogonal": [sum((x * y for x, y in zip(u, rate, strict=True)), arb(0))],
-                "rate-conjugate": conjugate(rate),
-                "u-conjugate": conjugate(u),
-                "u-rate": ahead,
-                "rate-u": behind,
-                "anticommute": [x + y for x, y in zip(ahead, behind, strict=True)],
-                "omega-back": [2 * x for x in hamilton(rate, conjugate(u))][1:],
-                "omega-body": body,
-            }
-        ),
-    )
+    return {
+        "rate": rate,
+        "second-rate": second,
+        "orthogonal": [sum((x * y for x, y in zip(u, rate, strict=True)), arb(0))],
+        "rate-conjugate": conjugate(rate),
+        "u-rate": ahead,
+        "rate-u": behind,
+        "anticommute": added(ahead, behind),
+        # omega = 2 u' u*
+        "omega-back": [2 * x for x in behind][1:],
+        "omega-body": body,
+    }
 
 
 def about(axis: str, angle: arb) -> arb_mat:
@@ -342,61 +376,87 @@ def about(axis: str, angle: arb) -> arb_mat:
     return arb_mat([[entries.get((m, n), arb(0)) for n in range(3)] for m in range(3)])
 
 
+PRODUCTS = (
+    ("z-then-x", "x+90", "z+90"),
+    ("x-then-z", "z+90", "x+90"),
+    ("globe", "x-90", "y-90"),
+    ("two-halves", "x+180", "y+180"),
+    ("x-y", "x+90", "y+90"),
+    ("x-y-back", "x-y", "x-90"),
+)
+"""Products of turns: name, first and second factor."""
+
+
 def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Products of turns about coordinate axes; rates from the axes about which Euler's angles
     turn.
     """
-    angle, near, frequency = (arb_of(number(p, name)) for name in ("angle", "near", "frequency"))
-    v, euler, omega = (
-        [arb_of(x) for x in vector(p, name)] for name in ("vector", "euler", "omega")
-    )
+    frequency = arb_of(number(p, "frequency"))
+    # Energy per moment of inertia, omega^2/2 with omega = 2 pi f.
+    spin = (2 * arb.pi() * frequency) ** 2 / 2
+    slow = frequency * frequency / 2
+    energies = {"energy": [spin], "frequency-energy": [slow], "energy-ratio": [spin / slow]}
+    yield None, listed(quarter_turns() | in_the_plane(p) | by_euler(p) | energies)
+
+
+def quarter_turns() -> dict[str, Sequence[Any]]:
+    """Turns by 90 and 180 degrees, and products of them."""
     turn = {
         f"{axis}{degrees:+d}": about(axis, arb.pi() * degrees / 180)
         for axis in "xyz"
         for degrees in (90, -90, 180)
     }
-    for name, first, second in (
-        ("z-then-x", "x+90", "z+90"),
-        ("x-then-z", "z+90", "x+90"),
-        ("globe", "x-90", "y-90"),
-        ("two-halves", "x+180", "y+180"),
-        ("x-y", "x+90", "y+90"),
-        ("x-y-back", "x-y", "x-90"),
-    ):
+    for name, first, second in PRODUCTS:
         turn[name] = turn[first] * turn[second]
-    found: dict[str, Sequence[Any]] = {
-        name: [x for row in m.table() for x in row] for name, m in turn.items()
-    }
+    found: dict[str, Sequence[Any]] = {name: row_by_row(m) for name, m in turn.items()}
     globe = turn["globe"]
-    plane = about("z", angle)
-    flat = [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)]
-    along = plane[0, 0] * v[0] + plane[1, 0] * v[1]
-    whole = about("z", euler[0]) * about("x", euler[1]) * about("z", euler[2])
-    spin = (2 * arb.pi() * frequency) ** 2 / 2
-    slow = frequency * frequency / 2
-    tilted = attitude(euler[0], near, euler[2])
-    found |= {
+    trace = globe[0, 0] + globe[1, 1] + globe[2, 2]
+    return found | {
         "globe-x": [globe[i, 0] for i in range(3)],
         "globe-determinant": [globe.det()],
-        "globe-angle": [((globe[0, 0] + globe[1, 1] + globe[2, 2] - 1) / 2).acos()],
+        # The trace is 1 + 2 cos(angle).
+        "globe-angle": [((trace - 1) / 2).acos()],
+    }
+
+
+def row_by_row(m: arb_mat) -> list[arb]:
+    """The entries of a matrix."""
+    return [x for row in m.table() for x in row]
+
+
+def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
+    """A turn of the plane, and the mirror at the line that the x axis is turned to."""
+    v = [arb_of(x) for x in vector(p, "vector")]
+    plane = about("z", arb_of(number(p, "angle")))
+    flat = [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)]
+    along = plane[0, 0] * v[0] + plane[1, 0] * v[1]
+    return {
         "plane-turn": flat,
         "complex-turn": flat,
         "plane-determinant": [plane.det()],
         "mirror-determinant": [-plane.det()],
         "plane-eigenvalue": [plane[0, 0], (plane[0, 1] * plane[0, 1]).sqrt()],
+        # 2 (v.e) e - v
         "mirror": [2 * along * plane[i, 0] - v[i] for i in (0, 1)],
-        "euler-matrix": [x for row in whole.table() for x in row],
+    }
+
+
+def by_euler(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
+    """Euler's angles z-x-z, with their rates, also next to their singularity."""
+    near = arb_of(number(p, "near"))
+    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
+    omega = [arb_of(x) for x in vector(p, "omega")]
+    whole = about("z", phi) * about("x", theta) * about("z", psi)
+    tilted = attitude(phi, near, psi)
+    return {
+        "euler-matrix": row_by_row(whole),
         "euler-back": euler_of(whole.table()),
-        "euler-quaternion": attitude(*euler),
-        "euler-rates": turning(euler[0], euler[1], omega),
-        "near-rates": turning(euler[0], near, omega),
+        "euler-quaternion": attitude(phi, theta, psi),
+        "euler-rates": turning(phi, theta, omega),
+        "near-rates": turning(phi, near, omega),
         "near-quaternion": tilted,
         "near-quaternion-rate": [x / 2 for x in hamilton([arb(0), *omega], tilted)],
-        "energy": [spin],
-        "frequency-energy": [slow],
-        "energy-ratio": [spin / slow],
     }
-    yield None, listed(found)
 
 
 def attitude(phi: arb, theta: arb, psi: arb) -> list[arb]:

@@ -6,8 +6,9 @@ constant spin w2: D^2 = x^2 + b^2, overlap d = D0 - D, A = asinh(x/b). The slip 
 the lever l2 = R2 - beta d has the way sigma = C + g A + a x + e x D, and with forces k d along n =
 (x, b)/D and k_t sigma, or mu k d, along (-b, x)/D all impulses and turning impulses are integrals
 of A, x and D in closed form. Where the spring comes to its limit, and where it is caught, is proved
-by bisection and interval Newton. The masses are finite and give way by less than 1e-20 of the
-overlap, which the radii contain.
+by bisection and interval Newton. Without a spring (k_t = 0) it slides all the way, by mu k d
+against the slip; a slip that then changes its sign is not certified. The masses are finite and give
+way by less than 1e-20 of the overlap, which the radii contain.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,9 +21,10 @@ from typing import Any, Self
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import Grows, UnsharpError, upper
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.slopes import Sloped, parameters
 from refdem.truth.swept_growth import Span, largest_growth
 
@@ -99,7 +101,7 @@ class ContactPath(ClosedForm):
     )
 
     def __init__(self, scale: Mapping[str, Size], path: Passing) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
@@ -214,6 +216,8 @@ class ContactPath(ClosedForm):
             side = 1
         else:
             side = -1
+        if not self.path.tangential_stiffness:
+            return self.without_spring(Piece(x, side, arb(0)), end)
         first = self.surplus(side, 0, x)
         if not (first > 0 or first < 0):
             raise UndecidedError("whether it slides from touch on")
@@ -230,6 +234,24 @@ class ContactPath(ClosedForm):
             else:
                 touching = {}
         raise SwitchError("end", "the contact has more pieces than are followed", 0.0)
+
+    def without_spring(self, whole: Piece, end: arb) -> list[Piece]:
+        """The one piece of a contact without a tangential spring: friction mu k d against the slip.
+
+        SwitchError where the slip changes its sign: there friction jumps, and nothing holds a slip
+        that is prescribed at zero.
+        """
+        slip: list[Along] = [partial(self.sided_slip, whole.side, order) for order in (0, 1)]
+        turns = earliest([Watched("slip", slip)], whole.begin, end)
+        if turns is not None and self.path.friction:
+            n = self.numbers()
+            told = "friction without a tangential spring jumps where the slip changes its sign"
+            raise SwitchError("singular", told, float(((turns[1] - n["x"]) / n["V"]).mid()))
+        return [whole]
+
+    def sided_slip(self, side: int, order: int, x: arb) -> arb:
+        """A derivative by x of the slip to one side."""
+        return side * self.slip(x, order)
 
     def after(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
         """The piece that follows a piece; None after the last one."""
@@ -476,11 +498,11 @@ class PathGrowth:
         slip = (u * y - v * x) / distance + (
             arb_of(p.radii[1]) - arb_of(p.lever) * overlap
         ) * arb_of(p.spin)
-        if piece.side:
-            stretch = piece.side * form.slack() * overlap
-            slip = slip * 0
         press = arb_of(p.stiffness) * overlap / distance
         rub = arb_of(p.tangential_stiffness) * stretch
+        if piece.side:
+            rub = piece.side * arb_of(p.friction * p.stiffness) * overlap
+            slip = slip * 0
         along = -press * x + rub * y / distance
         across = -press * y - rub * x / distance
         torque = -rub * (arb_of(p.radii[0]) - arb_of(p.lever) * overlap)

@@ -12,17 +12,17 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from fractions import Fraction
 from functools import partial
-from typing import Self
+from typing import Any, Protocol, Self
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball
-from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 HERTZ = Fraction(3, 2)
@@ -30,7 +30,90 @@ STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class HertzWallImpact(SmoothFlow):
+class AgainstWall(Guarded):
+    """The part that all impacts of Hertz's law on a wall share: the start, and the normal motion,
+    which no friction changes.
+    """
+
+    mass: Number
+    radius: Fraction
+    stiffness: Number
+    friction: Fraction
+    begin: tuple[Number, ...]
+    kept: dict[Any, Any]
+
+    def strike(
+        self,
+        *,
+        mass: Number,
+        radius: Fraction,
+        stiffness: Number,
+        friction: Fraction,
+        normal: Number,
+        across: Number,
+        spin: Fraction,
+    ) -> None:
+        """Sets the exact numbers: the sphere touches the wall with the velocity (normal, across)
+        and the spin.
+        """
+        self.mass = mass
+        self.radius = radius
+        self.stiffness = stiffness
+        self.friction = friction
+        self.begin = (-radius, Fraction(0), normal, across, spin)
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        other = copy(self)
+        other.kept = {}
+        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))
+        return other
+
+    @per_precision
+    def contact(self) -> tuple[PowerContact, arb]:
+        """The contact, and when it begins."""
+        return touching(
+            self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2]
+        )
+
+    def slip(self) -> Number:
+        """v_y + R omega at the start."""
+        return self.begin[3] + self.radius * self.begin[4]
+
+    def slip_size(self) -> Number:
+        """|v_y + R omega| at the start."""
+        slip = self.slip()
+        if slip < 0:
+            return -slip
+        return slip
+
+    def normal(self, t: arb) -> tuple[arb, arb]:
+        """Overlap (negative while apart) and its rate."""
+        contact, touch = self.contact()
+        since = t - touch
+        if since < 0:
+            return arb_of(self.begin[0] + self.radius) + arb_of(self.begin[2]) * t, arb_of(
+                self.begin[2]
+            )
+        after = since - 2 * contact.half
+        if after >= 0:
+            return (-contact.speed * after, -contact.speed)
+        return contact.state(since)
+
+    def normal_at(self, t: arb) -> tuple[arb, arb]:
+        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and
+        the speed that it began with.
+        """
+        contact, touch = self.contact()
+        beyond = t - touch - 2 * contact.half
+        if beyond > 0 or beyond < 0:
+            return self.normal(t)
+        depth = contact.speed * beyond
+        deepest = arb(depth.abs_upper())
+        lost = arb_of(self.stiffness / self.mass) * deepest * deepest.sqrt() * beyond
+        return depth, -contact.speed + arb(0, lost.abs_upper())
+
+
+class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0."""
 
     state = STATE
@@ -52,18 +135,16 @@ class HertzWallImpact(SmoothFlow):
         across: Number,
         spin: Fraction,
     ) -> None:
-        super().__init__(scale)
-        self.mass = mass
-        self.radius = radius
-        self.stiffness = stiffness
-        self.friction = friction
-        self.begin: tuple[Number, ...] = (-radius, Fraction(0), normal, across, spin)
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        other = copy(self)
-        other.kept = {}
-        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))
-        return other
+        self.refiner = Refiner.of(scale)
+        self.strike(
+            mass=mass,
+            radius=radius,
+            stiffness=stiffness,
+            friction=friction,
+            normal=normal,
+            across=across,
+            spin=spin,
+        )
 
     @per_precision
     def growth(self) -> Grows:
@@ -157,13 +238,12 @@ class HertzWallImpact(SmoothFlow):
             else:
                 force = none
             (x1, x2), (v1, v2) = homogeneous(depth, rate, force, t - touch, power, one).table()
-            rows = [
-                [x1, x2, none, none, none],
-                [push * x1, push * x2, one, t, none],
-                [v1, v2, none, none, none],
-                [push * v1, push * v2, none, one, none],
-                [turn * v1, turn * v2, none, none, one],
-            ]
+            row_x = [x1, x2, none, none, none]
+            row_y = [push * x1, push * x2, one, t, none]
+            row_vx = [v1, v2, none, none, none]
+            row_vy = [push * v1, push * v2, none, one, none]
+            row_omega = [turn * v1, turn * v2, none, none, one]
+            rows = [row_x, row_y, row_vx, row_vy, row_omega]
             return arb_mat(
                 [
                     [entry / arb_of(self.scale[name]) for entry in row]
@@ -172,19 +252,6 @@ class HertzWallImpact(SmoothFlow):
             )
 
         return found
-
-    def normal_at(self, t: arb) -> tuple[arb, arb]:
-        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and
-        the speed that it began with.
-        """
-        contact, touch = self.contact()
-        beyond = t - touch - 2 * contact.half
-        if beyond > 0 or beyond < 0:
-            return self.normal(t)
-        depth = contact.speed * beyond
-        deepest = arb(depth.abs_upper())
-        lost = arb_of(self.stiffness / self.mass) * deepest * deepest.sqrt() * beyond
-        return depth, -contact.speed + arb(0, lost.abs_upper())
 
     @staticmethod
     def later(errors: Callable[[arb], arb_mat], begin: arb, since: arb) -> arb_mat:
@@ -208,37 +275,6 @@ class HertzWallImpact(SmoothFlow):
                 for row, size in zip(rows, sizes, strict=True)
             ]
         )
-
-    @per_precision
-    def contact(self) -> tuple[PowerContact, arb]:
-        """The contact, and when it begins."""
-        return touching(
-            self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2]
-        )
-
-    def slip(self) -> Number:
-        """v_y + R omega at the start."""
-        return self.begin[3] + self.radius * self.begin[4]
-
-    def slip_size(self) -> Number:
-        """|v_y + R omega| at the start."""
-        slip = self.slip()
-        if slip < 0:
-            return -slip
-        return slip
-
-    def normal(self, t: arb) -> tuple[arb, arb]:
-        """Overlap (negative while apart) and its rate."""
-        contact, touch = self.contact()
-        since = t - touch
-        if since < 0:
-            return arb_of(self.begin[0] + self.radius) + arb_of(self.begin[2]) * t, arb_of(
-                self.begin[2]
-            )
-        after = since - 2 * contact.half
-        if after >= 0:
-            return (-contact.speed * after, -contact.speed)
-        return contact.state(since)
 
     @per_precision
     def stop(self) -> tuple[arb, arb] | None:
@@ -281,17 +317,29 @@ class HertzWallImpact(SmoothFlow):
         turned = spin - push * impulse * arb_of(Fraction(5, 2) / self.radius)
         return dict(zip((*STATE, *STILL), (*now, turned, *(arb(0),) * 4), strict=True))
 
-    def scalars(self) -> dict[str, Ball]:
-        return self._certified(self.constants, "scalars")
-
     def constants(self) -> dict[str, arb]:
-        contact, touch = self.contact()
-        deepest = contact.depth
-        last = self.evaluate(touch + 3 * contact.half)
-        return {
-            "duration": 2 * contact.half,
-            "max_overlap": deepest,
-            "max_force": arb_of(self.stiffness) * deepest * deepest.sqrt(),
-            "rebound_across": last["v.y"],
-            "rebound_spin": last["omega.z"],
-        }
+        return impact_constants(self)
+
+
+class Impact(Protocol):
+    """What the scalars of an impact are found from."""
+
+    stiffness: Number
+
+    def contact(self) -> tuple[PowerContact, arb]: ...
+
+    def evaluate(self, t: arb) -> dict[str, arb]: ...
+
+
+def impact_constants(impact: Impact) -> dict[str, arb]:
+    """How long it lasts, its largest overlap and force, and with what it leaves."""
+    contact, touch = impact.contact()
+    deepest = contact.depth
+    last = impact.evaluate(touch + 3 * contact.half)
+    return {
+        "duration": 2 * contact.half,
+        "max_overlap": deepest,
+        "max_force": arb_of(impact.stiffness) * deepest * deepest.sqrt(),
+        "rebound_across": last["v.y"],
+        "rebound_spin": last["omega.z"],
+    }

@@ -18,12 +18,13 @@ from functools import partial
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     HERTZ,
     STATE,
     STILL,
-    HertzWallImpact,
+    AgainstWall,
+    impact_constants,
 )
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import (
@@ -39,6 +40,8 @@ from refdem.truth.growth import (
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, root, started
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
+from refdem.truth.smooth_flow import SmoothFlow
 
 COORDINATES = (*STATE, "stretch")
 """What errors grow in: the spring remembers them."""
@@ -109,11 +112,12 @@ class Phase:
         return slope * spring.pace(leg, x), self.way + stretch - self.stretch
 
 
-class MindlinWallImpact(HertzWallImpact):
+class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and
     `stiffness_ratio` = k_t/k are not 0.
     """
 
+    state = STATE
     method = (
         "closed form: incomplete beta function along, 2F1 across while it sticks; switches proved"
         " by bisection and interval Newton"
@@ -121,9 +125,28 @@ class MindlinWallImpact(HertzWallImpact):
     witness = "Taylor integration in w = sqrt(overlap), switches found anew"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, stiffness_ratio: Fraction, **numbers: Number
+        self,
+        scale: Mapping[str, Size],
+        *,
+        mass: Number,
+        radius: Fraction,
+        stiffness: Number,
+        stiffness_ratio: Fraction,
+        friction: Fraction,
+        normal: Number,
+        across: Number,
+        spin: Fraction,
     ) -> None:
-        super().__init__(scale, **numbers)  # type: ignore[arg-type]
+        self.refiner = Refiner.of(scale)
+        self.strike(
+            mass=mass,
+            radius=radius,
+            stiffness=stiffness,
+            friction=friction,
+            normal=normal,
+            across=across,
+            spin=spin,
+        )
         self.stiffness_ratio = stiffness_ratio
 
     @per_precision
@@ -305,6 +328,9 @@ class MindlinWallImpact(HertzWallImpact):
         )
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
 
+    def constants(self) -> dict[str, arb]:
+        return impact_constants(self)
+
     @per_precision
     def growth(self) -> Grows:
         """Proved for errors of STATE at all times; the spring takes part in how they grow."""
@@ -481,14 +507,13 @@ class MindlinWallImpact(HertzWallImpact):
         (x1, v1), (x2, v2) = self.along_errors(t)
         none = arb(0)
         one = arb(1)
-        return [
-            [x1, x2, none, none, none, none],
-            [push * x1, push * x2, one, t, none, none],
-            [v1, v2, none, none, none, none],
-            [push * v1, push * v2, none, one, none, none],
-            [turn * v1, turn * v2, none, none, one, none],
-            [none, none, none, none, none, one],
-        ]
+        row_x = [x1, x2, none, none, none, none]
+        row_y = [push * x1, push * x2, one, t, none, none]
+        row_vx = [v1, v2, none, none, none, none]
+        row_vy = [push * v1, push * v2, none, one, none, none]
+        row_omega = [turn * v1, turn * v2, none, none, one, none]
+        row_stretch = [none, none, none, none, none, one]
+        return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]
 
     def sticking_errors(self, motion: Stretched, t: arb) -> list[list[arb]]:
         """The same while it sticks, where y is 2/7 s + 5/7 (v_y - 2/5 R omega) t and a constant.
@@ -516,11 +541,10 @@ class MindlinWallImpact(HertzWallImpact):
         part = arb_of(Fraction(2, 7))
         kept = arb_of(Fraction(5, 7))
         radius = arb_of(self.radius)
-        return [
-            [x1, x2, none, none, none, none],
-            [*(part * value for value in stretches), kept * t, one],
-            [v1, v2, none, none, none, none],
-            [*(part * value for value in slips), kept, none],
-            [*(kept * value / radius for value in slips), -kept / radius, none],
-            [*stretches, none, none],
-        ]
+        row_x = [x1, x2, none, none, none, none]
+        row_y = [*(part * value for value in stretches), kept * t, one]
+        row_vx = [v1, v2, none, none, none, none]
+        row_vy = [*(part * value for value in slips), kept, none]
+        row_omega = [*(kept * value / radius for value in slips), -kept / radius, none]
+        row_stretch = [*stretches, none, none]
+        return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]

@@ -17,9 +17,10 @@ from typing import Self
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner, Size
 
 STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
@@ -43,7 +44,7 @@ class SlideToRoll(ClosedForm):
         friction: Fraction,
         speed: Fraction,
     ) -> None:
-        super().__init__(scale)
+        self.refiner = Refiner.of(scale)
         self.radius = radius
         self.gravity = gravity
         self.friction = friction
@@ -100,13 +101,13 @@ class SlideToRoll(ClosedForm):
         risen = [cosine - 1, sine / rate - t]
         gained = [-rate * sine, cosine - 1]
         turn = friction * arb_of(Fraction(5, 2) / self.radius)
-        rows = [
-            [one, -friction * risen[0], t, -friction * risen[1], none],
-            [none, rise[0], none, rise[1], none],
-            [none, -friction * gained[0], one, -friction * gained[1], none],
-            [none, speed[0], none, speed[1], none],
-            [none, -turn * gained[0], none, -turn * gained[1], one],
-        ]
+        # By the errors of x, y, v_x, v_y and omega.
+        row_x = [one, -friction * risen[0], t, -friction * risen[1], none]
+        row_y = [none, rise[0], none, rise[1], none]
+        row_vx = [none, -friction * gained[0], one, -friction * gained[1], none]
+        row_vy = [none, speed[0], none, speed[1], none]
+        row_omega = [none, -turn * gained[0], none, -turn * gained[1], one]
+        rows = [row_x, row_y, row_vx, row_vy, row_omega]
         sizes = [arb_of(self.scale[name]) for name in STATE]
         return arb_mat(
             [

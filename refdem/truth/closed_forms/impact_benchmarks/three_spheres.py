@@ -13,12 +13,12 @@ from fractions import Fraction
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball
-from refdem.truth.closed_forms.two_spheres import TwoSpheres
+from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
-from refdem.truth.events.truth import HybridFlow
+from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number
-from refdem.truth.sphere_pair import SpherePair
+from refdem.truth.sphere_pair import TouchingPair
 from refdem.truth.validated_ivp.moved import identity
 
 NAMES = tuple(
@@ -29,7 +29,7 @@ MOVED = ("r1.x", "r1.y", "v1.x", "v1.y", "omega1.z", "omega2.z")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Squeezed(SpherePair):
+class Squeezed(TouchingPair):
     """An outer sphere of `masses[0]` against the middle one; masses[1] is half of the middle one's,
     which its torque feels.
     """
@@ -45,21 +45,31 @@ class Squeezed(SpherePair):
         return False
 
 
-class ThreeSpheres(TwoSpheres):
+class ThreeSpheres(Collision):
     """Positions [m], velocities [m/s] and angular velocities [rad/s] of the three, NAMES, at t >=
     0, from touch.
     """
 
+    method = METHOD
+    witness = "Taylor series of the three bodies, each with its own equation; momenta"
+
     def __init__(self, scale: Mapping[str, float], pair: Squeezed, *, digits: int = 40) -> None:
-        super().__init__(scale, pair, digits=digits)
-        self.method = HybridFlow.method
-        self.witness = "Taylor series of the three bodies, each with its own equation; momenta"
+        self.spheres = pair
+        self.collide(scale, ContactPhases(pair), pair.effective_mass, digits=digits)
 
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        def found(motion: ContactMotion) -> dict[str, arb]:
-            return self.quantities(self.in_si(motion.place(self.clock(t))))
+    def formula_at(self, t: Fraction) -> None:
+        """None: the motion is followed."""
 
-        return self.climbed(found, f"at t = {float(t):.17g} s")
+    def formula_of_scalars(self) -> None:
+        """None: the motion is followed."""
+
+    def extremes(self, motion: ContactMotion) -> dict[str, arb]:
+        return self.contact_extremes(motion)
+
+    def units(self) -> list[Fraction]:
+        """The units of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
+        turns = [self.phases.speed / radius for radius in self.spheres.radii]
+        return [self.phases.length] * 2 + [self.phases.speed] * 2 + turns
 
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
         """The 27 quantities from x, y, vx, vy of body 1 and the spins about z of it and the middle
@@ -67,32 +77,11 @@ class ThreeSpheres(TwoSpheres):
         """
         x, y, vx, vy, outer, middle = relative[:6]
         o = arb(0)
-        values = (
-            x,
-            y,
-            o,
-            vx,
-            vy,
-            o,
-            o,
-            o,
-            outer,
-            *(o,) * 8,
-            middle,
-            -x,
-            -y,
-            o,
-            -vx,
-            -vy,
-            o,
-            o,
-            o,
-            outer,
-        )
+        first = [x, y, o, vx, vy, o, o, o, outer]
+        second = [o, o, o, o, o, o, o, o, middle]
+        third = [-x, -y, o, -vx, -vy, o, o, o, outer]
+        values = [*first, *second, *third]
         return dict(zip(NAMES, values, strict=True))
-
-    def scalars(self) -> dict[str, Ball]:
-        return self.climbed(self.extremes, "scalars")
 
     def drifting(self) -> Sequence[int]:
         """None: the middle sphere stays, and mirror images stay mirror images."""

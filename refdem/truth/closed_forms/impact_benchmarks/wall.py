@@ -14,12 +14,11 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_forms.two_spheres import TwoSpheres
+from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
-from refdem.truth.contact_phases import ContactPhases, State, dyadic_root
-from refdem.truth.events.truth import HybridFlow
+from refdem.truth.contact_phases import PlanarPhases, State, dyadic_root
+from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number, near
 from refdem.truth.validated_ivp.moved import identity
 
@@ -73,12 +72,16 @@ class WallPair:
         return self.friction > 0 and bool(self.slip or self.lever * self.spin)
 
 
-class WallPhases(ContactPhases):
+class WallPhases(PlanarPhases):
     """Phases of a sphere against the wall."""
 
     def __init__(self, pair: WallPair) -> None:
         m = pair.mass
-        self.pair, self.ease, self.eps = pair, [Fraction(5, 2), Fraction(0)], Fraction(0)  # type: ignore[assignment]
+        self.pair = pair
+        self.wall = pair
+        # The wall is flat and does not turn: no curvature, and all of the torque is the sphere's.
+        self.eps = Fraction(0)
+        self.ease = [Fraction(5, 2), Fraction(0)]
         self.friction = pair.friction * pair.rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
         fastest = max(pair.stiffness, spring * Fraction(7, 2)) / near(m)
@@ -91,47 +94,42 @@ class WallPhases(ContactPhases):
         self.kt = spring * self.time**2 / m
 
     def start(self) -> list[Callable[[], arb]]:
-        """Functions that give the components of the state at touch."""
-        pair = self.pair
+        """The state of the sphere at touch."""
+        pair = self.wall
         v = self.speed
-        exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
+        turns = pair.radius * pair.spin / v
+        exact = (0, pair.normal / v, 0, -pair.across / v, turns, 0, 0, 0)
         return [partial(arb_of, value) for value in exact]
 
-    def field(
-        self, friction: Callable[[State], Any] | None, *, stretches: bool = False
-    ) -> Callable[[State], list[Any]]:
-        """The rates under a friction; the way along the wall in the place of the angle."""
-        rates = super().field(friction, stretches=stretches)
-
-        def flat(y: State) -> list[Any]:
-            found = rates(y)
-            return [*found[:2], y[3], *found[3:]]
-
-        return flat
+    def turning(self, y: State, r: Any) -> Any:
+        """The rate of the way along the wall, which is in the place of the angle."""
+        return y[3]
 
     def cartesian(self, y: State) -> list[Any]:
         """x, y in units of X and vx, vy in units of V, in contact."""
-        return [y[0] - self.pair.radius / self.length, -y[2], y[1], -y[3]]  # type: ignore[attr-defined]
+        return [y[0] - self.wall.radius / self.length, -y[2], y[1], -y[3]]
 
 
-class WallImpact(TwoSpheres):
+class WallImpact(Collision):
     """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0.
 
     S counts what moves in the plane.
     """
 
+    method = METHOD
+    witness = (
+        "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
+    )
+
     def __init__(self, scale: Mapping[str, float], pair: WallPair, *, digits: int = 40) -> None:
-        super(HybridFlow, self).__init__(scale, digits=digits)
-        self.spheres, self.wall, self.phases = pair, pair, WallPhases(pair)  # type: ignore[assignment]
-        self.witness = (
-            "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
-        )
+        self.wall = pair
+        self.collide(scale, WallPhases(pair), pair.mass, digits=digits)
 
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        def found(motion: ContactMotion) -> dict[str, arb]:
-            return self.quantities(self.in_si(motion.place(self.clock(t))))
+    def formula_at(self, t: Fraction) -> None:
+        """None: the motion is followed."""
 
-        return self.climbed(found, f"at t = {float(t):.17g} s")
+    def formula_of_scalars(self) -> None:
+        """None: the motion is followed."""
 
     def units(self) -> list[Fraction]:
         turns = self.phases.speed / self.wall.radius
@@ -145,14 +143,11 @@ class WallImpact(TwoSpheres):
             zip(NAMES, (x, y, nothing, vx, vy, nothing, nothing, nothing, spin), strict=True)
         )
 
-    def scalars(self) -> dict[str, Ball]:
-        return self.climbed(self.extremes, "scalars")
-
     def extremes(self, motion: ContactMotion) -> dict[str, arb]:
         """The scalars of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and
         rebound_spin [rad/s].
         """
-        found = super().extremes(motion)
+        found = self.contact_extremes(motion)
         begin = motion.phases[0].entered
         end = motion.phases[-2].crossing()[3]
         speed = arb_of(self.phases.speed)

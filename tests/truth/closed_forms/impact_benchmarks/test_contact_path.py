@@ -10,6 +10,7 @@ import pytest
 
 from refdem.cases.impact_benchmarks import member
 from refdem.core import discovery
+from refdem.errors import NotCertifiedError
 from refdem.truth.balls import precision
 
 
@@ -79,6 +80,42 @@ def _limits(v, x):
 def test_pieces_of_sticking_and_sliding(spin, sides):
     with precision(256):
         assert [piece.side for piece in found(partner_spin=spin)[1].pieces()] == sides
+
+
+@pytest.mark.parametrize("spin", ["-0.9", "-1.02"])
+def test_without_a_spring_friction_is_that_of_a_very_stiff_one(spin):
+    """k_t = 0: mu k d against the slip from touch on, as a spring of 100 k is at its limit at once
+    and stays there.
+    """
+    t = Fraction(1)
+    none, stiff = (
+        found(partner_spin=spin, tangential_stiffness=size)[1].refined(20).at(t)
+        for size in ("0", "1e9")
+    )
+    for name in ("impulse.x", "impulse.y", "turning.z"):
+        assert float(none[name].mid) == pytest.approx(float(stiff[name].mid), rel=1e-9)
+
+
+def test_without_a_spring_s_is_no_less_than_what_displaced_starts_do():
+    truth = found(tangential_stiffness="0")[1]
+    t = Fraction(1)
+    bound = truth.sensitivity(t)
+    small = Fraction(1, 10**20)
+    grown = dict.fromkeys(truth.at(t), 0.0)
+    for axis, name in enumerate(truth.state):
+        before, after = (
+            truth.displaced(axis, sign * small * truth.scale[name]).at(t) for sign in (-1, 1)
+        )
+        for key in grown:
+            change = (after[key].mid - before[key].mid) / (2 * small) / truth.scale[key]
+            grown[key] += abs(float(change))
+    assert 1 < max(grown.values()) <= bound * (1 + 1e-9)
+
+
+def test_without_a_spring_a_slip_that_changes_its_sign_is_singular():
+    with pytest.raises(NotCertifiedError, match="changes its sign") as caught:
+        found(partner_spin="-0.985", tangential_stiffness="0")[1].at(Fraction(1))
+    assert caught.value.code == "singular"
 
 
 def test_the_force_turns_with_the_pair_and_what_gives_way_is_in_the_radius():

@@ -1,0 +1,161 @@
+"""What a truth is composed of: a refiner, which proves values, and a sensitivity, which proves S.
+
+Theorem (refiner): a formula that is evaluated in balls at any working precision gives balls that
+contain its values. So a radius is only ever too large, never wrong, and raising the precision until
+all radii are small enough proves the values to the digits that are asked for.
+
+Hypotheses, and where each is checked:
+
+* the formula begins at exact numbers: the constructor of every truth (`Guarded.__new__`) and
+  `arb_of` refuse what is rounded;
+* every branch is decided for whole balls: a comparison that is not raises UndecidedError, after
+  which more bits are tried;
+* one thread at a time sets the precision: `precision` and `Guarded` hold a lock;
+* the balls are finite: `ball_of` refuses one that is not.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Self
+
+from flint import arb
+
+from refdem.core.truth import Ball
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import Climb, UndecidedError, climbed, precision, refined
+from refdem.truth.growth import Grows
+
+FIRST_BITS = 256
+"""Working precision to begin with."""
+MOST_BITS = 16384
+"""Where raising it ends."""
+GROWTH_BITS = (64, 128, 256, 512, 1024, 2048)
+"""Working precisions for S, which need not be sharp."""
+
+Size = float | Fraction
+Formula = Callable[[], dict[str, arb]]
+"""Quantities by name, as balls at the current precision."""
+
+
+@dataclass(frozen=True)
+class Refiner:
+    """Proves a formula to radii of at most 10^-digits times the smallest scale (and 10^-digits).
+
+    `scale` maps every quantity to the size against which its error counts. Precision rises from
+    `first` bits to `most` bits.
+    """
+
+    scale: Mapping[str, Fraction]
+    digits: int = 40
+    first: int = FIRST_BITS
+    most: int = MOST_BITS
+
+    @classmethod
+    def of(cls, scale: Mapping[str, Size], *, digits: int = 40) -> Self:
+        """The refiner of quantities with these scales, which need not be exact."""
+        return cls({name: Fraction(size) for name, size in scale.items()}, digits)
+
+    def to(self, digits: int) -> Self:
+        """The same one for other digits."""
+        return replace(self, digits=digits)
+
+    def target(self) -> Fraction:
+        """The largest radius that is asked for."""
+        sizes = [Fraction(1), *(size for size in self.scale.values() if size > 0)]
+        return min(sizes) / Fraction(10) ** self.digits
+
+    def balls(
+        self, formula: Formula, what: str, t: Fraction | None = None, start: Formula | None = None
+    ) -> dict[str, Ball]:
+        """Balls of `what` within the target; NotCertifiedError that says which end it is.
+
+        The codes of ends are those of refdem/errors.py. `start` is the formula at time 0: its balls
+        are the last certified state where a branch is not decided at `t`.
+        """
+        target = self.target()
+        climb = climbed(formula, target, self.first, self.most)
+        balls = climb.balls
+        if balls is None:
+            raise self.undecided(climb, what, t, start)
+        if any(ball.radius > target for ball in balls.values()):
+            worst = max(balls, key=lambda name: balls[name].radius)
+            radius = float(balls[worst].radius)
+            told = (
+                f"{what}: precision: with {climb.bits} bits the radius of {worst} stays at"
+                f" {radius:.3g}; ask for fewer digits"
+            )
+            raise NotCertifiedError(
+                told,
+                code="precision",
+                time=None if t is None else float(t),
+                state={} if t is None else balls,
+            )
+        return balls
+
+    def undecided(
+        self, climb: Climb, what: str, t: Fraction | None, start: Formula | None
+    ) -> NotCertifiedError:
+        """The end of a climb without balls; the last certified state is that which the reason has,
+        or the one at the start.
+        """
+        reason = climb.reason
+        if not isinstance(reason, UndecidedError):
+            told = f"{what}: precision: with {climb.bits} bits a value is not finite: {reason}"
+            return NotCertifiedError(
+                told, code="precision", time=0.0 if t else None, state=self.at_start(t, start)
+            )
+        if reason.time is not None:
+            told = f"{what}: {reason.code}: {reason}"
+            return NotCertifiedError(told, code=reason.code, time=reason.time, state=reason.balls)
+        if reason.code == "separatrix":
+            advice = "; move the start off the boundary"
+        else:
+            advice = ""
+        told = (
+            f"{what}: {reason.code}: with {climb.bits} bits balls cannot decide a branch:"
+            f" {reason}{advice}"
+        )
+        return NotCertifiedError(
+            told, code=reason.code, time=0.0 if t else None, state=self.at_start(t, start)
+        )
+
+    def at_start(self, t: Fraction | None, start: Formula | None) -> dict[str, Ball]:
+        """The last state that is certified where a branch is not: that at 0.
+
+        None for scalars, for a time 0, and where the start has such a branch itself.
+        """
+        if not t or start is None:
+            return {}
+        return refined(start, self.target(), self.first) or {}
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Proves S(t), at the first working precision of `bits` at which it is known.
+
+    Theorem: what `Grows.at` returns is an upper bound of S at any precision (refdem/truth/growth.py
+    has the proofs and their hypotheses). So the first precision at which it returns at all is
+    enough; a higher one could only make S smaller by what balls lose.
+    """
+
+    bits: Sequence[int] = GROWTH_BITS
+
+    def at(
+        self, growth: Callable[[], Grows], t: Fraction, start: Callable[[], Mapping[str, Ball]]
+    ) -> float:
+        """S(t) >= 1; NotCertifiedError, with the state at the start, where no precision tells."""
+        code = "precision"
+        why = "no precision suffices"
+        for bits in self.bits:
+            with precision(bits):
+                try:
+                    return growth().at(t)
+                except (UndecidedError, NotCertifiedError) as error:
+                    # An integration to few bits may end where one to more goes on.
+                    code = error.code
+                    why = str(error)
+                    if isinstance(error, UndecidedError) and error.final:
+                        break
+        told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
+        raise NotCertifiedError(told, code=code, time=0.0, state=start())
