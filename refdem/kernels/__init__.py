@@ -76,16 +76,18 @@ def repeated(times: int) -> Iterator[None]:
         _repeats = before
 
 
-def timed(call: Callable[..., Any], *arguments: Any) -> float:
-    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand.
+def timed(call: Callable[..., Any], *arguments: Any) -> tuple[float, Any]:
+    """Seconds of one call, what a kernel takes to answer once all that it is told is at hand; and
+    what it returned.
 
     It answers the same when asked again.
     """
     times = range(_repeats)
+    answer = None
     started = perf_counter()
     for _ in times:
-        call(*arguments)
-    return (perf_counter() - started) / _repeats
+        answer = call(*arguments)
+    return (perf_counter() - started) / _repeats, answer
 
 
 def prepared(family: str) -> Any:

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.kernels import load, pointer
 from refdem.mechanics.poincare import Exponent, exponent
 from refdem.scene import Scene
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.solvers import _single_point as single
+from refdem.solvers._kernel_solver import KernelCall
 from refdem.solvers.stick_slip import FAMILY, belt_law
 
 Array = NDArray[np.float64]
@@ -63,23 +63,15 @@ def _part(
     """
     count = len(frequency)
     most = PER_PERIOD * keep
-    own = np.ascontiguousarray(frequency, dtype=np.float64)
     counts = np.zeros(count)
     sums = np.zeros((count, BLOCKS))
     out = np.zeros((count, most))
     if count:
-        buffers = [pointer(FAMILY, array, output=True) for array in (counts, sums, out)]
-        call = load(FAMILY).lib.refdem_stick_slip_section
-        call(
-            belt_law(scene),
-            count,
-            pointer(FAMILY, own),
-            origin,
-            *start,
-            skip,
-            keep,
-            BLOCKS,
-            most,
-            *buffers,
+        call = KernelCall(
+            function="refdem_stick_slip_section",
+            inputs=(belt_law(scene), count, frequency, origin, *start),
+            clock=(skip, keep, BLOCKS, most),
+            outputs=(counts, sums, out),
         )
+        call.made(FAMILY)
     return [row[: int(n)].copy() for row, n in zip(out, counts, strict=True)], sums

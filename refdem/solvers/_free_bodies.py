@@ -8,33 +8,22 @@ from numpy.typing import NDArray
 
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer, repeats
+from refdem.kernels import repeats
 from refdem.scene import Bodies
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, steps_of, steps_to_samples
+from refdem.solvers._scene_pattern import ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 
 
-class FreeBodies(Solver):
-    """Bodies on which nothing acts;
+class FreeBodies(SceneSolver):
+    """Bodies on which nothing acts, turned one after another by calls of a kernel."""
 
-    `turn` fills in the attitude and omega of one of them, and says how long the kernel took.
-    """
-
-    def unsupported(self, problem: Motion) -> str | None:
-        """None if nothing acts on any body."""
-        scene = problem.scene
-        if scene.elements:
-            return f"{scene.elements[0].kind} acts on the bodies; only free bodies are done"
-        if scene.bodies.fixed.any():
-            return "a body is fixed"
-        return None
+    pattern = ScenePattern()
 
     @abstractmethod
-    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
-        """Fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins; seconds in the
-        kernel.
-        """
+    def turn(self, request: Request, number: int) -> KernelCall:
+        """The call that fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins."""
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
@@ -47,24 +36,13 @@ class FreeBodies(Solver):
             for column in (bodies.velocity, bodies.attitude, bodies.omega)
         )
         seconds = 0.0
+        steps = 0
         for number in spinning(bodies):
-            alone = len(bodies) == 1
-            if alone:
-                turned = attitude.reshape(-1, 4)
-            else:
-                turned = np.empty((len(t), 4))
-            if alone:
-                rate = omega.reshape(-1, 3)
-            else:
-                rate = np.empty((len(t), 3))
-            seconds += self.turn(request, number, turned, rate)
-            if not alone:
-                attitude[:, number] = turned
-                omega[:, number] = rate
-        if request.step is None:
-            steps = 0
-        else:
-            steps = request.stride * (len(t) - 1)
+            call = self.turn(request, number)
+            spent, _ = call.answered(self.kernels[0])
+            seconds += spent
+            steps = call.steps
+            attitude[:, number], omega[:, number] = call.outputs
         setup = perf_counter() - begun - repeats() * seconds
         found = Trajectory(
             t=t, position=position, velocity=velocity, attitude=attitude, omega=omega
@@ -82,26 +60,22 @@ class SteppedFreeBodies(FreeBodies):
     def function(self) -> str:
         """Name of the kernel's function."""
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None if nothing acts on any body and some body turns."""
-        reason = super().unsupported(problem)
-        if reason:
-            return reason
+    def unfit(self, problem: Motion) -> str | None:
+        """None if some body turns."""
         if "rotation" not in problem.scene.features:
             return "nothing turns; uniform motion needs no steps"
         return None
 
-    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
+    def turn(self, request: Request, number: int) -> KernelCall:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""
-        state = [
-            pointer("rigid_body", column)
-            for column in first_state(request.problem.scene.bodies, number)
-        ]
-        out = [pointer("rigid_body", column, output=True) for column in (attitude, omega)]
-        steps = getattr(load("rigid_body").lib, self.function)
-        started = perf_counter()
-        steps(*state, request.signed_step, len(request.problem.times), request.stride, *out)
-        return perf_counter() - started
+        count = len(request.problem.times)
+        return KernelCall(
+            function=self.function,
+            inputs=first_state(request.problem.scene.bodies, number),
+            clock=steps_to_samples(request),
+            outputs=(np.empty((count, 4)), np.empty((count, 3))),
+            steps=steps_of(request),
+        )
 
 
 def spinning(bodies: Bodies) -> list[int]:
@@ -110,9 +84,5 @@ def spinning(bodies: Bodies) -> list[int]:
 
 
 def first_state(bodies: Bodies, number: int) -> tuple[Array, Array, Array]:
-    """Principal inertia (3,), attitude (4,) and omega (3,) of one body, each contiguous."""
-    return (
-        bodies.inertia[number].copy(),
-        bodies.attitude[number].copy(),
-        bodies.omega[number].copy(),
-    )
+    """Principal inertia (3,), attitude (4,) and omega (3,) of one body."""
+    return bodies.inertia[number], bodies.attitude[number], bodies.omega[number]

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Trajectory
 from refdem.errors import UnsupportedError
 from refdem.scene import Scene
@@ -18,10 +17,16 @@ from refdem.scene.elements.force import Force
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
+from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, ScenePattern
 
 Array = NDArray[np.float64]
 
-ELEMENTS = (Spring, Dashpot, Force, UniformGravity)
+PATTERN = ScenePattern(
+    elements={Spring: ONE, Dashpot: OPTIONAL, Force: ANY, UniformGravity: ANY},
+    bodies=ONE,
+    only_points=True,
+)
+"""One point on one spring to the world, with at most one dashpot, forces and gravity."""
 ASKEW = 1e-15
 """Part of a vector that may point off the line: round-off of a scene turned into some other
 direction.
@@ -62,38 +67,17 @@ class Line:
         return Trajectory.of_points(t, position, v[:, None, None] * self.axis, **more)
 
 
-def unsupported(problem: Motion) -> str | None:
-    """None for one point on one spring to the world, with at most one dashpot, forces and gravity,
-    all along one line.
-    """
-    scene = problem.scene
-    others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
-    if others:
-        return f"{others[0]} is more than an oscillator on a line has"
-    if len(scene.bodies) != 1 or scene.bodies.fixed.any():
-        return f"{len(scene.bodies)} bodies, or a fixed one; expected one that moves"
-    if len(scene.all(Spring)) != 1 or len(scene.all(Dashpot)) > 1:
-        return (
-            f"{len(scene.all(Spring))} springs and {len(scene.all(Dashpot))} dashpots; expected one"
-            " and at most one"
-        )
-    return single.turning(scene) or _askew(scene)
-
-
-def line_of(request: Request) -> Line:
-    """The line of a scene that is not refused."""
-    scene = request.problem.scene
+def line_of(scene: Scene) -> Line:
+    """The line of a scene that has the pattern."""
     bodies = scene.bodies
     spring = scene.all(Spring)[0]
     axis = _axis(scene)
-    origin = np.array(spring.anchor_b) + spring.length * axis
-    dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
-    drives = []
-    for force in scene.all(Force):
-        amplitude = force.amplitude * float(axis @ np.array(force.axis))
-        drives.append((amplitude, force.frequency, force.phase))
+    anchor = single.anchor(spring)
     # Places count from where the spring is at rest, not from its anchor.
-    from_anchor = float(axis @ (bodies.position[0] - np.array(spring.anchor_b)))
+    origin = anchor + spring.length * axis
+    from_anchor = float(axis @ (bodies.position[0] - anchor))
+    dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
+    offset = float(axis @ (origin - single.anchor(dashpot)))
     mass = float(bodies.mass[0])
     return Line(
         axis=axis,
@@ -105,9 +89,18 @@ def line_of(request: Request) -> Line:
         spring=spring,
         damping=dashpot.damping,
         van_der_pol=dashpot.van_der_pol,
-        offset=float(axis @ (origin - np.array(dashpot.anchor_b))),
-        drives=np.array(drives, float).reshape(-1, 3),
+        offset=offset,
+        drives=_drives(scene, axis),
     )
+
+
+def _drives(scene: Scene, axis: Array) -> Array:
+    """Amplitude along the axis [N], frequency [rad/s] and phase of every force (M, 3)."""
+    drives = []
+    for force in scene.all(Force):
+        amplitude = force.amplitude * float(axis @ np.array(force.axis))
+        drives.append((amplitude, force.frequency, force.phase))
+    return np.array(drives, float).reshape(-1, 3)
 
 
 def _axis(scene: Scene) -> Array:
@@ -126,18 +119,18 @@ def _axis(scene: Scene) -> Array:
     return axis
 
 
-def _askew(scene: Scene) -> str | None:
+def askew(scene: Scene) -> str | None:
     """None if everything lies on the line."""
-    links = [element for element in scene.elements if isinstance(element, Link)]
-    if any(link.b >= 0 for link in links):
+    if any(link.b >= 0 for link in scene.all(Link)):
         return "a link between bodies"
     axis = _axis(scene)
-    anchor = np.array(scene.all(Spring)[0].anchor_b)
-    vectors = [scene.bodies.position[0] - anchor, scene.bodies.velocity[0], single.gravity(scene)]
+    bodies = scene.bodies
+    anchor = single.anchor(scene.all(Spring)[0])
+    vectors = [bodies.position[0] - anchor, bodies.velocity[0], single.gravity(scene)]
     vectors += [np.array(force.axis) for force in scene.all(Force)]
-    vectors += [np.array(dashpot.anchor_b) - anchor for dashpot in scene.all(Dashpot)]
+    vectors += [single.anchor(dashpot) - anchor for dashpot in scene.all(Dashpot)]
     for vector in vectors:
-        aside = np.linalg.norm(vector - (vector @ axis) * axis)
-        if aside > ASKEW * np.linalg.norm(vector):
+        along = (vector @ axis) * axis
+        if np.linalg.norm(vector - along) > ASKEW * np.linalg.norm(vector):
             return "the motion is not along one line"
     return None

@@ -2,8 +2,8 @@
 kernel's words.
 """
 
+from abc import abstractmethod
 from itertools import combinations, product
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -11,20 +11,32 @@ from numpy.typing import NDArray
 
 from refdem import kernels
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.core.trajectory import Event, Trajectory
 from refdem.mechanics.quaternion import conjugate, rotated
-from refdem.scene import Point, Polyhedron, Scene
-from refdem.scene.element import Element
+from refdem.scene import Bodies, Point, Polyhedron, Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct
+from refdem.solvers._scene_pattern import ANY, OPTIONAL, ScenePattern
+from refdem.solvers._single_point import gravity
 
 Array = NDArray[np.float64]
 
-ELEMENTS = (Spring, UniformGravity, CentralField, Contact, Plane)
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
+PATTERN = ScenePattern(
+    elements={
+        Spring: ANY,
+        UniformGravity: ANY,
+        CentralField: ANY,
+        Contact: OPTIONAL,
+        Plane: ANY,
+    },
+    may_be_fixed=True,
+)
+"""Points and spheres under springs, gravity, a central field and contact."""
 METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
 FAMILY = "particles"
 ORIGIN = np.zeros(3)
@@ -32,6 +44,8 @@ FAR = 16.0
 """Places that are more than so many sizes of the scene away cost digits; nearer ones are left as
 they are given.
 """
+MOST_EVENTS = 1024
+"""Events that are told; those after them are left out."""
 MANY = 12
 """Pairs that are looked at one by one in every step, and whose events cut it."""
 
@@ -72,13 +86,17 @@ def unsupported(problem: Motion) -> str | None:
     """None if the scene is points and spheres under springs, gravity, a central field and linear or
     Hertzian contact.
     """
+    return PATTERN.unsupported(problem) or unfit(problem)
+
+
+def unfit(problem: Motion) -> str | None:
+    """None if springs, bodies and contacts of such a scene are those that the kernel has."""
     scene = problem.scene
-    for element in scene.elements:
-        reason = _element_unsupported(element)
-        if reason:
-            return reason
-    if len(scene.all(Contact)) > 1:
-        return "more than one contact law"
+    for spring in scene.all(Spring):
+        if any(spring.anchor_a) or (spring.b >= 0 and any(spring.anchor_b)):
+            return "a spring away from a body's centre"
+        if spring.exponent < 1:
+            return "a spring whose stiffness is infinite at its natural length"
     spheres = 0
     if scene.all(Contact):
         spheres = int(np.count_nonzero(scene.bodies.radius))
@@ -88,17 +106,6 @@ def unsupported(problem: Motion) -> str | None:
     if law:
         return _contact_unsupported(scene, law)
     return _body_unsupported(scene)
-
-
-def _element_unsupported(element: Element) -> str | None:
-    if not isinstance(element, ELEMENTS):
-        return f"{element.kind} is not a smooth force or a contact"
-    if isinstance(element, Spring):
-        if any(element.anchor_a) or (element.b >= 0 and any(element.anchor_b)):
-            return "a spring away from a body's centre"
-        if element.exponent < 1:
-            return "a spring whose stiffness is infinite at its natural length"
-    return None
 
 
 def _body_unsupported(scene: Scene) -> str | None:
@@ -144,7 +151,7 @@ def middle(scene: Scene) -> Array:
 
 
 class Packed:
-    """A scene in the kernel's words, from `origin` (3,) [m]; keeps its arrays alive.
+    """A scene in the kernel's words, its places counted from `origin` (3,) [m].
 
     `turning`: omega and attitude are in the state.
     """
@@ -153,55 +160,32 @@ class Packed:
         self.origin = origin
         bodies = scene.bodies
         law = contact_of(scene)
-        self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
+        has_friction = law is not None and law.friction > 0
+        self.turning = bool(np.any(bodies.omega)) or has_friction
+        self.pairs = np.zeros((0, 2), np.int64)
         if law:
             self.pairs = pairs(scene)
-        else:
-            self.pairs = np.zeros((0, 2), np.int64)
-        free = ~bodies.fixed
-        inertia = bodies.inertia[:, 0]
-        turns = free & (inertia > 0)
         springs = scene.all(Spring)
         planes = scene.all(Plane)
-        fields = [field.g for field in scene.all(UniformGravity)]
-        if fields:
-            gravity = np.sum(fields, axis=0)
-        else:
-            gravity = np.zeros(3)
-        self._kept: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "mass": bodies.mass,
-            "ease": np.where(free, 1.0 / bodies.mass, 0.0),
-            "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
+            "ease": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
+            "turn_ease": _turn_ease(bodies),
             "radius": bodies.radius,
-            "gravity": gravity,
+            "gravity": gravity(scene),
+            "gm": sum(field.gm for field in scene.all(CentralField)),
             "spring": np.array([_spring_row(spring, origin) for spring in springs], float),
             "spring_end": np.array([(spring.a, spring.b) for spring in springs], np.int64),
             "plane": np.array([_plane_row(plane, origin) for plane in planes], float),
             "pair": self.pairs,
-        }
-        numbers: dict[str, Any] = {
             "bodies": len(bodies),
             "springs": len(springs),
             "pairs": len(self.pairs),
             "turning": self.turning,
         }
-        numbers["gm"] = sum(e.gm for e in scene.all(CentralField))
         if law:
-            numbers |= {
-                name: getattr(law, name)
-                for name in ("stiffness", "damping", "tangential_stiffness", "friction")
-            }
-            numbers |= {
-                "branch": BRANCH[law.branch],
-                "no_pull": law.cutoff == "zero_force",
-                "hertz": law.law == "hertz",
-            }
-        ffi = kernels.load(FAMILY).ffi
-        arrays = {
-            name: _address(ffi, np.ascontiguousarray(value)) for name, value in self._kept.items()
-        }
-        self._buffers = arrays
-        self.struct = ffi.new("refdem_particles *", {**arrays, **numbers})
+            fields |= _law_fields(law)
+        self.struct = Struct(FAMILY, "refdem_particles", fields)
 
     def start(self, scene: Scene, size: int) -> Array:
         """The state (size,) at the start: of all bodies the places [m], then the velocities [m/s],
@@ -213,6 +197,27 @@ class Packed:
             columns += [bodies.omega, bodies.attitude]
         flat = np.concatenate([column.ravel() for column in columns])
         return np.concatenate([flat, np.zeros(size - len(flat))])
+
+
+def _turn_ease(bodies: Bodies) -> Array:
+    """1/J (N,) of every body, and 0 for those that nothing turns."""
+    inertia = bodies.inertia[:, 0]
+    turns = ~bodies.fixed & (inertia > 0)
+    safe = np.where(turns, inertia, 1.0)
+    return np.where(turns, 1.0 / safe, 0.0)
+
+
+def _law_fields(law: Contact) -> dict[str, Any]:
+    """The contact law in the kernel's words."""
+    return {
+        "stiffness": law.stiffness,
+        "damping": law.damping,
+        "tangential_stiffness": law.tangential_stiffness,
+        "friction": law.friction,
+        "branch": BRANCH[law.branch],
+        "no_pull": law.cutoff == "zero_force",
+        "hertz": law.law == "hertz",
+    }
 
 
 def _spring_row(spring: Spring, origin: Array) -> tuple[float, ...]:
@@ -227,56 +232,58 @@ def _plane_row(plane: Plane, origin: Array) -> tuple[float, ...]:
     return (*(plane.point - origin), *plane.normal)
 
 
-def _address(ffi: Any, array: NDArray[Any]) -> Any:
-    """Where the kernel finds an array; NULL for an empty one."""
-    if not array.size:
-        return ffi.NULL
-    if array.dtype == np.int64:
-        kind = "int64_t[]"
-    else:
-        kind = "double[]"
-    return ffi.from_buffer(kind, array)
+class ParticleSolver(KernelSolver):
+    """Points and spheres, by the method of kernels/particles.c that the claims name."""
 
+    pattern = PATTERN
+    kernels = (FAMILY,)
 
-def run(
-    request: Request, step: float, stride: int, origin: Array = ORIGIN
-) -> tuple[Trajectory, Cost]:
-    """The motion by the method that the request names, `stride` signed steps `step` [s] a sample;
-    places count from `origin` (3,) [m].
-    """
-    begun = perf_counter()
-    scene = request.problem.scene
-    times = request.problem.times
-    kernel = kernels.load(FAMILY)
-    packed = Packed(scene, origin)
-    size = kernel.lib.refdem_particles_size(packed.struct)
-    out = np.zeros((len(times), size))
-    channel = np.zeros((len(times), 4))
-    work = np.zeros(kernel.lib.refdem_particles_work(packed.struct))
-    mode = np.zeros(max(1, len(packed.pairs)), np.int64)
-    event = np.zeros((1024, 3))
-    out[0] = packed.start(scene, size)
-    buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
-    work_at, event_at, channel_at, out_at = buffers
-    modes = kernel.ffi.from_buffer("int64_t[]", mode)
-    started = perf_counter()
-    method = METHODS[request.method]
-    events = kernel.lib.refdem_particles_run(
-        packed.struct,
-        method,
-        step,
-        len(times),
-        stride,
-        len(event),
-        modes,
-        work_at,
-        event_at,
-        channel_at,
-        out_at,
-    )
-    seconds = perf_counter() - started
-    cost = Cost(seconds=seconds, setup=started - begun, steps=stride * (len(times) - 1))
-    return _trajectory(scene, times, packed, out, channel, event[:events]), cost
+    @abstractmethod
+    def origin(self, scene: Scene) -> Array:
+        """From where places (3,) [m] are counted in the kernel."""
+
+    @abstractmethod
+    def stride(self, request: Request) -> int:
+        """Steps from each sample to the next."""
+
+    def prepare(self, request: Request) -> KernelCall:
+        """The scene, the method and its step, and room for modes, work, events, channels and
+        states.
+        """
+        scene = request.problem.scene
+        count = len(request.problem.times)
+        stride = self.stride(request)
+        packed = Packed(scene, self.origin(scene))
+        lib = kernels.load(FAMILY).lib
+        size = lib.refdem_particles_size(packed.struct.address)
+        states = np.zeros((count, size))
+        states[0] = packed.start(scene, size)
+        if request.step is None:
+            step = request.problem.interval / stride
+        else:
+            step = request.signed_step
+        outputs = (
+            np.zeros(max(1, len(packed.pairs)), np.int64),
+            np.zeros(lib.refdem_particles_work(packed.struct.address)),
+            np.zeros((MOST_EVENTS, 3)),
+            np.zeros((count, 4)),
+            states,
+        )
+        return KernelCall(
+            function="refdem_particles_run",
+            inputs=(packed.struct, METHODS[self.claims.name]),
+            clock=(step, count, stride, MOST_EVENTS),
+            outputs=outputs,
+            steps=stride * (count - 1),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States, channels and events at the samples."""
+        scene = request.problem.scene
+        packed = Packed(scene, self.origin(scene))
+        # The kernel returns how many events it has told.
+        _, _, told, channel, states = call.outputs
+        return _trajectory(scene, request.problem.times, packed, states, channel, told[:status])
 
 
 def _trajectory(
@@ -288,7 +295,11 @@ def _trajectory(
     # A row has the numbers of all bodies column by column; after them come the springs' states.
     columns: dict[str, Any] = {}
     begin = 0
-    for name, width in _COLUMNS.items() if packed.turning else _MOVING.items():
+    if packed.turning:
+        widths = _COLUMNS
+    else:
+        widths = _MOVING
+    for name, width in widths.items():
         block = out[:, begin : begin + width * n]
         columns[name] = np.ascontiguousarray(block).reshape(count, n, width)
         begin += width * n

@@ -7,7 +7,7 @@ from math import inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.scene import Element, Scene
+from refdem.scene import Scene
 from refdem.scene.element import Link
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -21,31 +21,6 @@ def gravity(scene: Scene) -> Array:
     """Acceleration (3,) [m/s^2] of all uniform fields together."""
     fields = [np.asarray(field.g, float) for field in scene.all(UniformGravity)]
     return np.sum([np.zeros(3), *fields], axis=0)
-
-
-def unsupported(scene: Scene, *kinds: type[Element]) -> str | None:
-    """None if one body that does not turn is acted on by exactly one element of each kind, and by
-    gravity where it may be.
-
-    Every link of one body is then one to the world: a scene has no link from a body to itself.
-    """
-    others = [
-        element.kind
-        for element in scene.elements
-        if not isinstance(element, (*kinds, UniformGravity))
-    ]
-    if others:
-        return f"{others[0]} is more than the closed form has"
-    for kind in kinds:
-        count = len(scene.all(kind))
-        if count != 1:
-            return f"{count} elements of kind {kind.__struct_config__.tag}; expected one"
-    reason = turning(scene)
-    if reason:
-        return reason
-    if len(scene.bodies) != 1:
-        return f"{len(scene.bodies)} bodies; expected one"
-    return None
 
 
 def turning(scene: Scene) -> str | None:

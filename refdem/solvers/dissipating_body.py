@@ -1,20 +1,18 @@
 """One free body with damping inside (kernels/dissipating_body.c)."""
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene.elements.internal_damping import InternalDamping
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
-class DissipatingBody(Solver):
+class DissipatingBody(KernelSolver):
     """Angular momentum in principal axes and attitude by Taylor series; the centre flies
     straight.
     """
@@ -38,61 +36,56 @@ class DissipatingBody(Solver):
     )
     kernels = ("dissipating_body",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one free body with inertia about every axis and damping inside it, and nothing
-        else.
-        """
-        scene = problem.scene
-        if (
-            len(scene.bodies) != 1
-            or scene.bodies.fixed.any()
-            or not np.all(scene.bodies.inertia > 0)
-        ):
-            return "not one free body with inertia"
-        if [element.kind for element in scene.elements] != ["internal_damping"]:
-            return "not internal damping alone"
+    pattern = ScenePattern(elements={InternalDamping: ONE}, bodies=ONE, has_inertia=True)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None: every body with inertia and damping inside it is done."""
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States and the work dissipated at the samples."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """Moments and damping, and rows for angular momentum in principal axes [kg m^2/s] and
+        attitude.
+        """
         scene = request.problem.scene
         t = request.problem.times
         bodies = scene.bodies
-        damping = scene.all(InternalDamping)[0].coefficient
-        inertia = np.ascontiguousarray(bodies.inertia[0])
+        inertia = bodies.inertia[0]
         attitude = bodies.attitude[0]
-        # A row: angular momentum in principal axes [kg m^2/s], attitude.
         momentum = inertia * rotated(conjugate(attitude), bodies.omega[0])
-        out = np.empty((len(t), 7))
-        out[0] = np.concatenate([momentum, attitude])
-        moments = pointer("dissipating_body", inertia)
-        samples = pointer("dissipating_body", t)
-        row = pointer("dissipating_body", out, output=True)
-        started = perf_counter()
-        failed = load("dissipating_body").lib.refdem_dissipating_body(
-            moments, damping, len(t), samples, row
+        rows = np.empty((len(t), 7))
+        rows[0] = np.concatenate([momentum, attitude])
+        return KernelCall(
+            function="refdem_dissipating_body",
+            inputs=(inertia, scene.all(InternalDamping)[0].coefficient),
+            clock=samples(t),
+            outputs=(rows,),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if failed:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States and the work dissipated at the samples."""
+        t = request.problem.times
+        if status:
             raise EngineError(
-                f"dissipating-body: no step leads to t = {t[failed - 1]:.6g} s; take a smaller"
+                f"dissipating-body: no step leads to t = {t[status - 1]:.6g} s; take a smaller"
                 " damping or duration"
             )
-        turn = out[:, 3:] / np.linalg.norm(out[:, 3:], axis=1, keepdims=True)
-        omega = rotated(turn, out[:, :3] / inertia)
+        bodies = request.problem.scene.bodies
+        inertia = bodies.inertia[0]
+        (rows,) = call.outputs
+        momentum = rows[:, :3]
+        attitude = rows[:, 3:] / np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)
+        omega = rotated(attitude, momentum / inertia)
         omega[0] = bodies.omega[0]
-        energy = 0.5 * np.sum(out[:, :3] ** 2 / inertia, axis=1)
+        energy = 0.5 * np.sum(momentum**2 / inertia, axis=1)
         flown = (t - t[0])[:, None, None] * bodies.velocity
-        found = Trajectory(
+        return Trajectory(
             t=t,
             position=bodies.position + flown,
             velocity=np.broadcast_to(bodies.velocity, flown.shape).copy(),
-            attitude=turn[:, None],
+            attitude=attitude[:, None],
             omega=omega[:, None],
             channels={"dissipated_work": energy[0] - energy},
         )
-        return found, cost
 
 
 METHOD = DissipatingBody()

@@ -10,9 +10,8 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.scene.elements.catch import Catch
-from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 REACH = 1.0 + 1e-9
 """A mass that just reaches the hook is caught in any turned frame."""
@@ -20,7 +19,7 @@ ACROSS = 1e-12
 """Part of the speed along the line to the hook that is rounding: closest approach is now."""
 
 
-class ExactCapture(Solver):
+class ExactCapture(SceneSolver):
     """What is not caught flies on; the force [N] of the hook is m v^2/d."""
 
     claims = Method(
@@ -32,16 +31,15 @@ class ExactCapture(Solver):
         cost_rank=0,
     )
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one free point and one hook of the world."""
-        scene = problem.scene
-        reason = single.unsupported(scene, Catch)
-        if reason:
-            return reason
-        if scene.all(UniformGravity) or scene.bodies.fixed.any():
-            return "the point does not fly freely past a hook of the world"
-        if problem.interval < 0:
-            return "backwards in time the hook would have to let go, and nothing says where"
+    pattern = ScenePattern(
+        elements={Catch: ONE},
+        bodies=ONE,
+        only_points=True,
+        irreversible="the hook would have to let go, and nothing says where",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None: every free point and every hook is done."""
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -2,10 +2,12 @@
 (kernels/free_body.c).
 """
 
+import numpy as np
+
 from refdem.core.engine import Method
-from refdem.core.problem import Request
-from refdem.kernels import load, pointer, prepared, timed
-from refdem.solvers._free_bodies import Array, FreeBodies, first_state
+from refdem.core.problem import Motion, Request
+from refdem.solvers._free_bodies import FreeBodies, first_state
+from refdem.solvers._kernel_solver import KernelCall, samples_from_start
 
 
 class ExactFreeBody(FreeBodies):
@@ -26,18 +28,19 @@ class ExactFreeBody(FreeBodies):
     )
     kernels = ("free_body",)
 
-    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
+    def unfit(self, problem: Motion) -> str | None:
+        """None: every free body is done, turning or not."""
+        return None
+
+    def turn(self, request: Request, number: int) -> KernelCall:
         """Attitude (T, 4) and omega (T, 3) at the samples; errors of a few ulp."""
         t = request.problem.times
-        state = [
-            pointer("free_body", column)
-            for column in first_state(request.problem.scene.bodies, number)
-        ]
-        out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
-        lib = load("free_body").lib
-        motion = prepared("free_body")
-        lib.refdem_free_body_prepare(*state, t[0], len(t), pointer("free_body", t), *out, motion)
-        return timed(lib.refdem_free_body_run, motion)
+        return KernelCall(
+            function="refdem_free_body",
+            inputs=first_state(request.problem.scene.bodies, number),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 4)), np.empty((len(t), 3))),
+        )
 
 
 METHOD = ExactFreeBody()

@@ -2,20 +2,19 @@
 closed form (kernels/oscillator.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Trajectory
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from_start
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 
-class ExactHarmonic(Solver):
+class ExactHarmonic(KernelSolver):
     """Harmonic motion along a line or on an ellipse about the equilibrium."""
 
     claims = Method(
@@ -30,42 +29,35 @@ class ExactHarmonic(Solver):
     )
     kernels = ("oscillator",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one point on one spring to the world, linear and of natural length 0."""
-        scene = problem.scene
-        reason = single.unsupported(scene, Spring)
-        if reason:
-            return reason
-        spring = scene.all(Spring)[0]
-        if scene.bodies.fixed.any():
-            return "the spring does not pull towards a place in the world"
+    pattern = ScenePattern(
+        elements={Spring: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a spring that is linear and of natural length 0."""
+        spring = problem.scene.all(Spring)[0]
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The law, the start, and columns for position and velocity."""
         scene = request.problem.scene
         t = request.problem.times
         spring = scene.all(Spring)[0]
-        given = (
-            single.gravity(scene),
-            single.anchor(spring),
-            scene.bodies.position[0].copy(),
-            scene.bodies.velocity[0].copy(),
+        bodies = scene.bodies
+        law = (bodies.mass[0], spring.stiffness, single.gravity(scene), single.anchor(spring))
+        return KernelCall(
+            function="refdem_harmonic",
+            inputs=(*law, bodies.position[0], bodies.velocity[0]),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))),
         )
-        position = np.empty((len(t), 1, 3))
-        velocity = np.empty((len(t), 1, 3))
-        columns = [pointer("oscillator", column) for column in given]
-        samples = pointer("oscillator", t)
-        out = [pointer("oscillator", column, output=True) for column in (position, velocity)]
-        law = (scene.bodies.mass[0], spring.stiffness)
-        lib = load("oscillator").lib
-        started = perf_counter()
-        lib.refdem_harmonic(*law, *columns, t[0], len(t), samples, *out)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        return Trajectory.of_points(t, position, velocity), cost
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position and velocity at the samples."""
+        position, velocity = call.outputs
+        return Trajectory.of_points(request.problem.times, position, velocity)
 
 
 METHOD = ExactHarmonic()

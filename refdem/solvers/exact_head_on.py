@@ -3,18 +3,17 @@ cut-offs, any damping.
 """
 
 from math import hypot
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.problem import Motion, Problem, Request
+from refdem.core.trajectory import Trajectory
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import Elapsed, KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 
 Array = NDArray[np.float64]
 
@@ -24,7 +23,7 @@ rounding.
 """
 
 
-class ExactHeadOn(Solver):
+class ExactHeadOn(KernelSolver):
     """Free flight, damped sine, free flight, about a centre of mass in uniform motion."""
 
     claims = Method(
@@ -39,86 +38,64 @@ class ExactHeadOn(Solver):
     )
     kernels = ("head_on",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for two free spheres that do not turn, nothing but linear contact, and no sideways
-        velocity.
+    pattern = ScenePattern(
+        elements={Contact: ONE}, bodies=TWO, shape=Sphere, law="linear", may_spin=False
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for spheres that meet along the line of their centres, and forward in time if the
+        contact is damped.
         """
         scene = problem.scene
-        bodies = problem.scene.bodies
-        laws = scene.all(Contact)
-        if (
-            len(bodies) != 2
-            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
-            or bodies.fixed.any()
-        ):
-            return "not two free spheres"
-        if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "linear":
-            return "something else than one linear contact law"
-        if np.any(bodies.omega):
-            return "a sphere turns"
-        if problem.interval < 0 and laws[0].damping > 0:
+        if problem.interval < 0 and scene.all(Contact)[0].damping > 0:
             return "time runs backwards through a dashpot"
         overlap, closing, sideways = approach(scene)
-        distance = float(bodies.radius.sum())
-        if overlap > ROUNDED * distance:
+        if overlap > ROUNDED * float(scene.bodies.radius.sum()):
             return "the spheres overlap at the start"
         if sideways > ROUNDED * abs(closing):
             return "the spheres do not meet along the line of their centres"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States at the samples; a run backwards is one with flipped velocities."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The law, the start along the line of centres, and room for the times of touch and
+        release and for the rows.
+        """
         scene = request.problem.scene
-        t = request.problem.times
+        elapsed = Elapsed(request.problem)
         law = scene.all(Contact)[0]
-        bodies = scene.bodies
-        sense = float(np.sign(request.problem.interval))
         overlap, closing, _ = approach(scene)
-        if abs(overlap) > ROUNDED * bodies.radius.sum():
-            start = min(overlap, 0.0)
-        else:
-            start = 0.0
-        since = sense * (t - t[0])
-        out = np.empty((len(t), 5))
-        touch = np.empty(2)
-        numbers = (
-            *bodies.mass.tolist(),
-            law.stiffness,
-            law.damping,
-            law.cutoff == "zero_force",
-            start,
-            sense * closing,
+        start = min(unrounded(scene, overlap), 0.0)
+        no_pull = law.cutoff == "zero_force"
+        return KernelCall(
+            function="refdem_head_on",
+            inputs=(
+                *scene.bodies.mass.tolist(),
+                law.stiffness,
+                law.damping,
+                no_pull,
+                start,
+                elapsed.sense * closing,
+            ),
+            clock=samples(elapsed.since),
+            outputs=(np.empty(2), np.empty((len(elapsed.since), 5))),
         )
-        buffers = [pointer("head_on", array, output=True) for array in (touch, out)]
-        lib = load("head_on").lib
-        started = perf_counter()
-        lib.refdem_head_on(*numbers, len(t), pointer("head_on", since), *buffers)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        # The kernel's rows: overlap, its rate, contacts, force, dissipated work.
-        overlap_now = out[:, 0]
-        rate_now = sense * out[:, 1]
-        position, velocity = states(scene, since * sense, overlap_now - start, rate_now - closing)
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States at the samples; a run backwards is one with flipped velocities."""
+        scene = request.problem.scene
+        overlap, _, _ = approach(scene)
+        start = min(unrounded(scene, overlap), 0.0)
+        touch, rows = call.outputs
+        # A row: overlap, its rate, contacts, force, dissipated work.
+        pressed, rate, contacts, force, work = rows.T
         channels = {
-            "overlap": np.maximum(overlap_now, 0.0),
-            "contacts": out[:, 2].copy(),
-            "contact_force": out[:, 3].copy(),
-            "dissipated_work": out[:, 4].copy(),
+            "overlap": np.maximum(pressed, 0.0),
+            "contacts": contacts.copy(),
+            "contact_force": force.copy(),
+            "dissipated_work": work.copy(),
         }
-        events = []
-        for when, kind in zip(touch, ("contact", "release"), strict=True):
-            if 0 < when <= since[-1]:
-                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
-        found = Trajectory(
-            t=t,
-            position=position,
-            velocity=velocity,
-            attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
-            omega=np.zeros_like(velocity),
-            channels=channels,
-            events=tuple(events),
-        )
-        return found, cost
+        told = {"contact": touch[0], "release": touch[1]}
+        return met(request.problem, pressed - start, rate, channels, told)
 
 
 def approach(scene: Scene) -> tuple[float, float, float]:
@@ -131,6 +108,40 @@ def approach(scene: Scene) -> tuple[float, float, float]:
     closing = float(relative @ normal)
     overlap = float(bodies.radius.sum()) - hypot(*(bodies.position[1] - bodies.position[0]))
     return overlap, closing, hypot(*(relative - closing * normal))
+
+
+def unrounded(scene: Scene, overlap: float) -> float:
+    """The overlap [m] at the start; 0 where it is what rounding leaves of a touch."""
+    if abs(overlap) > ROUNDED * scene.bodies.radius.sum():
+        return overlap
+    return 0.0
+
+
+def met(
+    problem: Problem,
+    pressed: Array,
+    rate: Array,
+    channels: dict[str, Array],
+    told: dict[str, float],
+) -> Trajectory:
+    """The trajectory of two spheres whose overlap has grown by `pressed` (T,) [m] and whose
+    overlap's rate is `rate` (T,) [m/s], time counted upwards; `told`: when its events are [s].
+    """
+    scene = problem.scene
+    bodies = scene.bodies
+    elapsed = Elapsed(problem)
+    _, closing, _ = approach(scene)
+    sped = elapsed.sense * rate - closing
+    position, velocity = states(scene, elapsed.since * elapsed.sense, pressed, sped)
+    return Trajectory(
+        t=problem.times,
+        position=position,
+        velocity=velocity,
+        attitude=np.repeat(bodies.attitude[None], len(problem.times), axis=0),
+        omega=np.zeros_like(velocity),
+        channels=channels,
+        events=elapsed.events(told),
+    )
 
 
 def along(scene: Scene) -> Array:

@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.solvers._kernel_solver import KernelCall, samples
 from refdem.solvers._mindlin_spring import Spring, course
-from refdem.solvers.solver import Solver
+from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 ROUNDED = 4 * 2.0**-52
 
 
-class ExactHertzWall(Solver):
+class ExactHertzWall(SceneSolver):
     """A sphere against a wall under Hertz's law; its slip keeps its line.
 
     Sliding, the slip falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a
@@ -45,28 +45,30 @@ class ExactHertzWall(Solver):
     )
     kernels = ("power_contact",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one free solid sphere at or before a plane, forward in time, under nothing but
-        Hertz's contact.
-        """
+    pattern = ScenePattern(
+        elements={Contact: ONE, Plane: ONE},
+        bodies=ONE,
+        shape=Sphere,
+        law="hertz",
+        irreversible="friction has forgotten where it came from",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a sphere at or before the plane whose slip keeps its line."""
         scene = problem.scene
-        bodies = problem.scene.bodies
-        laws = scene.all(Contact)
-        planes = scene.all(Plane)
-        if len(bodies) != 1 or not isinstance(bodies.shape[0], Sphere) or bodies.fixed.any():
-            return "not one free sphere"
-        if len(laws) != 1 or len(planes) != 1 or len(scene.elements) != 2 or laws[0].law != "hertz":
-            return "something else than one plane and one contact law of Hertz"
-        moment = 0.4 * bodies.mass[0] * bodies.radius[0] ** 2
+        bodies = scene.bodies
+        law = scene.all(Contact)[0]
+        plane = scene.all(Plane)[0]
+        radius = bodies.radius[0]
+        moment = 0.4 * bodies.mass[0] * radius**2
         solid = np.all(np.abs(bodies.inertia[0] - moment) <= ROUNDED * moment)
-        if laws[0].friction > 0 and (laws[0].branch != "R" or not solid):
+        if law.friction > 0 and (law.branch != "R" or not solid):
             return "friction with another lever than R, or on a sphere that is not solid"
         if np.any(bodies.omega) and not (solid and np.all(bodies.omega[0, :2] == 0)):
             return "the sphere turns about another axis than z"
-        height = (bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal)
-        gap = float(height) - bodies.radius[0]
-        if problem.interval < 0 or gap < -ROUNDED * bodies.radius[0]:
-            return "time runs backwards, or they overlap at the start"
+        height = (bodies.position[0] - np.array(plane.point)) @ np.array(plane.normal)
+        if float(height) - radius < -ROUNDED * radius:
+            return "sphere and plane overlap at the start"
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -133,13 +135,13 @@ class Impact:
         out = np.empty((len(t), 2))
         touch = np.empty(3)
         law = np.array([self.law.stiffness, self.law.exponent])
-        laws = pointer("power_contact", law)
-        kernel = load("power_contact").lib
-        buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
-        since = np.ascontiguousarray(t)
-        samples = pointer("power_contact", since)
-        start = (self.overlap, self.rate)
-        kernel.refdem_power_contact(self.mass, laws, laws, *start, len(t), samples, *buffers)
+        call = KernelCall(
+            function="refdem_power_contact",
+            inputs=(self.mass, law, law, self.overlap, self.rate),
+            clock=samples(t),
+            outputs=(touch, out),
+        )
+        call.made("power_contact")
         return out, touch
 
     def stop(self, impulse: float, touch: Array) -> float:

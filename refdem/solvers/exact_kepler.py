@@ -2,22 +2,18 @@
 (kernels/kepler.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer, prepared, timed
+from refdem.core.trajectory import Trajectory
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
-from refdem.scene.elements.uniform_gravity import UniformGravity
-from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from_start
+from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
-class ExactKepler(Solver):
+class ExactKepler(KernelSolver):
     """Ellipses of any eccentricity below 1."""
 
     claims = Method(
@@ -32,35 +28,28 @@ class ExactKepler(Solver):
     )
     kernels = ("kepler",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one point on a bound orbit about one centre."""
-        scene = problem.scene
-        reason = single.unsupported(scene, CentralField)
-        if reason:
-            return reason
-        if scene.all(UniformGravity) or scene.bodies.fixed.any():
-            return "more than the central field acts on the point"
-        return _unbound(scene)
+    pattern = ScenePattern(elements={CentralField: ONE}, bodies=ONE, only_points=True)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples."""
-        begun = perf_counter()
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a bound orbit that misses the centre."""
+        return _unbound(problem.scene)
+
+    def prepare(self, request: Request) -> KernelCall:
+        """The field, the start, and columns for position and velocity."""
         scene = request.problem.scene
         t = request.problem.times
-        gm = scene.all(CentralField)[0].gm
         bodies = scene.bodies
-        start = [pointer("kepler", bodies.position[0].copy())]
-        start.append(pointer("kepler", bodies.velocity[0].copy()))
-        position = np.empty((len(t), 1, 3))
-        velocity = np.empty((len(t), 1, 3))
-        out = [pointer("kepler", column, output=True) for column in (position, velocity)]
-        lib = load("kepler").lib
-        motion = prepared("kepler")
-        lib.refdem_kepler_prepare(gm, *start, t[0], len(t), pointer("kepler", t), *out, motion)
-        started = perf_counter()
-        seconds = timed(lib.refdem_kepler_run, motion)
-        cost = Cost(seconds=seconds, setup=started - begun)
-        return Trajectory.of_points(t, position, velocity), cost
+        return KernelCall(
+            function="refdem_kepler",
+            inputs=(scene.all(CentralField)[0].gm, bodies.position[0], bodies.velocity[0]),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position and velocity at the samples."""
+        position, velocity = call.outputs
+        return Trajectory.of_points(request.problem.times, position, velocity)
 
 
 def _unbound(scene: Scene) -> str | None:

@@ -2,22 +2,19 @@
 (kernels/linear_oscillator.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Trajectory
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples_from_start
 
 
-class ExactLinear(Solver):
+class ExactLinear(KernelSolver):
     """Under-damped, critically damped and over-damped, with periodic forces, also at resonance."""
 
     claims = Method(
@@ -29,13 +26,12 @@ class ExactLinear(Solver):
     )
     kernels = ("linear_oscillator",)
 
-    def unsupported(self, problem: Motion) -> str | None:
+    pattern = _line.PATTERN
+
+    def unfit(self, problem: Motion) -> str | None:
         """None for a linear spring that pulls, and a dashpot or a force; without these the motion
         is harmonic.
         """
-        reason = _line.unsupported(problem)
-        if reason:
-            return reason
         scene = problem.scene
         spring = scene.all(Spring)[0]
         if not single.is_linear(spring) or not spring.stiffness > 0:
@@ -44,33 +40,32 @@ class ExactLinear(Solver):
             return "the dashpot is not linear"
         if not {"dashpot", "force"} & scene.features:
             return "nothing damps or drives: the motion is harmonic"
-        return None
+        return _line.askew(scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples."""
-        begun = perf_counter()
-        line = _line.line_of(request)
-        t = request.problem.times
-        kernel = load("linear_oscillator")
-        out = np.empty((len(t), 2))
-        drives = pointer("linear_oscillator", line.drives)
-        given = {
+    def prepare(self, request: Request) -> KernelCall:
+        """The law and the start along the line, and rows for place and velocity."""
+        line = _line.line_of(request.problem.scene)
+        law = {
             "mass": line.mass,
             "linear": line.spring.stiffness,
             "damping": line.damping,
             "weight": line.weight,
             "drives": len(line.drives),
-            "drive": drives,
+            "drive": line.drives,
         }
-        struct = kernel.ffi.new("refdem_linear *", given)
-        samples = pointer("linear_oscillator", t)
-        rows = pointer("linear_oscillator", out, output=True)
-        started = perf_counter()
-        kernel.lib.refdem_linear_oscillator(
-            struct, line.place, line.speed, t[0], len(t), samples, rows
+        t = request.problem.times
+        return KernelCall(
+            function="refdem_linear_oscillator",
+            inputs=(Struct("linear_oscillator", "refdem_linear", law), line.place, line.speed),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 2)),),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        return line.trajectory(t, out[:, 0], out[:, 1]), cost
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position and velocity at the samples."""
+        place, speed = call.outputs[0].T
+        line = _line.line_of(request.problem.scene)
+        return line.trajectory(request.problem.times, place, speed)
 
 
 METHOD = ExactLinear()

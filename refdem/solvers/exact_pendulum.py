@@ -1,17 +1,16 @@
 """A point on a rod to the world in uniform gravity, in closed form (kernels/pendulum.c)."""
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer, prepared, timed
+from refdem.core.trajectory import Trajectory
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from_start
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 PLANAR = 1e-12
 """Part of the speed that may point out of the plane or along the rod: round-off of a scene turned
@@ -19,7 +18,7 @@ into some other plane.
 """
 
 
-class ExactPendulum(Solver):
+class ExactPendulum(KernelSolver):
     """Swinging, rotating, on the separatrix, at rest at the bottom or at the top, in any plane that
     contains gravity.
     """
@@ -36,43 +35,33 @@ class ExactPendulum(Solver):
     )
     kernels = ("pendulum",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one point on one rod to the world that moves in a plane with gravity."""
-        scene = problem.scene
-        reason = single.unsupported(scene, Rod)
-        if reason:
-            return reason
-        if scene.bodies.fixed.any():
-            return "the rod does not hang from the world"
-        return _astray(scene)
+    pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity and rod force [N] at the samples."""
-        begun = perf_counter()
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a point that moves on the rod in a plane with gravity."""
+        return _astray(problem.scene)
+
+    def prepare(self, request: Request) -> KernelCall:
+        """Mass, rod, gravity and start, and columns for position, velocity and rod force."""
         scene = request.problem.scene
         t = request.problem.times
         rod = scene.all(Rod)[0]
-        given = (
-            single.gravity(scene),
-            single.anchor(rod),
-            scene.bodies.position[0].copy(),
-            scene.bodies.velocity[0].copy(),
+        bodies = scene.bodies
+        hung = (bodies.mass[0], rod.length, single.gravity(scene), single.anchor(rod))
+        shapes = ((len(t), 1, 3), (len(t), 1, 3), (len(t), 1))
+        return KernelCall(
+            function="refdem_pendulum",
+            inputs=(*hung, bodies.position[0], bodies.velocity[0]),
+            clock=samples_from_start(t),
+            # Filled, not only allocated: the first touch of memory is set-up.
+            outputs=tuple(np.full(shape, np.nan) for shape in shapes),
         )
-        # Filled, not only allocated: the first touch of memory is set-up.
-        position = np.full((len(t), 1, 3), np.nan)
-        velocity = np.full((len(t), 1, 3), np.nan)
-        force = np.full((len(t), 1), np.nan)
-        columns = [pointer("pendulum", column) for column in given]
-        out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
-        lib = load("pendulum").lib
-        motion = prepared("pendulum")
-        body = (scene.bodies.mass[0], rod.length, *columns)
-        samples = pointer("pendulum", t)
-        lib.refdem_pendulum_prepare(*body, t[0], len(t), samples, *out, motion)
-        started = perf_counter()
-        seconds = timed(lib.refdem_pendulum_run, motion)
-        cost = Cost(seconds=seconds, setup=started - begun)
-        return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity and rod force [N] at the samples."""
+        position, velocity, force = call.outputs
+        channels = {"rod_force": force}
+        return Trajectory.of_points(request.problem.times, position, velocity, channels=channels)
 
 
 def _astray(scene: Scene) -> str | None:

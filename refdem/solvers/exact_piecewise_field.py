@@ -2,19 +2,18 @@
 (kernels/piecewise_field.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Trajectory
+from refdem.scene import Scene
 from refdem.scene.elements.piecewise_field import PiecewiseField
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import Elapsed, KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
-class ExactPiecewiseField(Solver):
+class ExactPiecewiseField(KernelSolver):
     """Free flight, a hyperbola, an ellipse, free flight."""
 
     claims = Method(
@@ -29,49 +28,50 @@ class ExactPiecewiseField(Solver):
     )
     kernels = ("piecewise_field",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one free point, nothing but one such field, and a velocity along its axis."""
+    pattern = ScenePattern(elements={PiecewiseField: ONE}, bodies=ONE, may_spin=False)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a velocity along the axis of the field."""
         scene = problem.scene
-        bodies = problem.scene.bodies
-        if len(scene.elements) != 1 or not isinstance(scene.elements[0], PiecewiseField):
-            return "something else than one piecewise linear field"
-        if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
-            return "not one free body that does not turn"
-        across = np.cross(bodies.velocity[0], scene.elements[0].axis)
-        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]):
+        velocity = scene.bodies.velocity[0]
+        across = np.cross(velocity, scene.all(PiecewiseField)[0].axis)
+        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(velocity):
             return "it moves across the axis of the field"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States at the samples; a run backwards is one with flipped velocities."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The field, the start along its axis, and rows for place and velocity."""
         scene = request.problem.scene
-        t = request.problem.times
+        elapsed = Elapsed(request.problem)
         field = scene.all(PiecewiseField)[0]
-        axis = np.array(field.axis)
-        sense = float(np.sign(request.problem.interval))
-        place = float((scene.bodies.position[0] - field.point) @ axis)
-        speed = sense * float(scene.bodies.velocity[0] @ axis)
-        since = sense * (t - t[0])
-        out = np.empty((len(t), 2))
-        numbers = (
-            float(scene.bodies.mass[0]),
-            field.k1,
-            field.k2,
-            field.x1,
-            field.x2,
-            place,
-            speed,
+        place, speed = _along(scene)
+        law = (float(scene.bodies.mass[0]), field.k1, field.k2, field.x1, field.x2)
+        return KernelCall(
+            function="refdem_piecewise_field",
+            inputs=(*law, place, elapsed.sense * speed),
+            clock=samples(elapsed.since),
+            outputs=(np.empty((len(elapsed.since), 2)),),
         )
-        kernel = load("piecewise_field").lib
-        times = pointer("piecewise_field", since)
-        target = pointer("piecewise_field", out, output=True)
-        started = perf_counter()
-        kernel.refdem_piecewise_field(*numbers, len(t), times, target)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position = scene.bodies.position + (out[:, :1, None] - place) * axis
-        velocity = scene.bodies.velocity + sense * (out[:, 1:, None] - speed) * axis
-        return Trajectory.of_points(t, position, velocity), cost
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States at the samples; a run backwards is one with flipped velocities."""
+        scene = request.problem.scene
+        bodies = scene.bodies
+        sense = Elapsed(request.problem).sense
+        place, speed = _along(scene)
+        (rows,) = call.outputs
+        axis = np.array(scene.all(PiecewiseField)[0].axis)
+        position = bodies.position + (rows[:, :1, None] - place) * axis
+        velocity = bodies.velocity + sense * (rows[:, 1:, None] - sense * speed) * axis
+        return Trajectory.of_points(request.problem.times, position, velocity)
+
+
+def _along(scene: Scene) -> tuple[float, float]:
+    """Place [m] from the field's point, and velocity [m/s], along the axis at the start."""
+    field = scene.all(PiecewiseField)[0]
+    axis = np.array(field.axis)
+    place = float((scene.bodies.position[0] - field.point) @ axis)
+    return place, float(scene.bodies.velocity[0] @ axis)
 
 
 METHOD = ExactPiecewiseField()

@@ -2,20 +2,18 @@
 (kernels/power_oscillator.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Trajectory
 from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from_start
+from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
-class ExactPower(Solver):
+class ExactPower(KernelSolver):
     """m x'' + k |x|^n sgn x = 0, n > 1, through any number of zero crossings."""
 
     claims = Method(
@@ -30,41 +28,36 @@ class ExactPower(Solver):
     )
     kernels = ("power_oscillator",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one power-law spring of natural length 0 and nothing else."""
-        reason = _line.unsupported(problem)
-        if reason:
-            return reason
-        scene = problem.scene
-        spring = scene.all(Spring)[0]
-        if len(scene.elements) > 1:
-            return "more than a spring acts"
-        if (
-            spring.length
-            or spring.quadratic
-            or spring.cubic
-            or not (spring.exponent > 1 and spring.stiffness > 0)
-        ):
+    pattern = ScenePattern(elements={Spring: ONE}, bodies=ONE, only_points=True)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for one power above 1 of the stretch from natural length 0."""
+        spring = problem.scene.all(Spring)[0]
+        more = spring.length or spring.quadratic or spring.cubic
+        if more or not (spring.exponent > 1 and spring.stiffness > 0):
             return (
                 "the spring does not pull with one power above 1 of its stretch from natural"
                 " length 0"
             )
-        return None
+        return _line.askew(problem.scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples."""
-        begun = perf_counter()
-        line = _line.line_of(request)
+    def prepare(self, request: Request) -> KernelCall:
+        """The law and the start along the line, and rows for place and velocity."""
+        line = _line.line_of(request.problem.scene)
+        law = (line.mass, line.spring.stiffness, line.spring.exponent)
         t = request.problem.times
-        out = np.empty((len(t), 2))
-        lib = load("power_oscillator").lib
-        samples = pointer("power_oscillator", t)
-        rows = pointer("power_oscillator", out, output=True)
-        given = (line.mass, line.spring.stiffness, line.spring.exponent, line.place, line.speed)
-        started = perf_counter()
-        lib.refdem_power_oscillator(*given, t[0], len(t), samples, rows)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        return line.trajectory(t, out[:, 0], out[:, 1]), cost
+        return KernelCall(
+            function="refdem_power_oscillator",
+            inputs=(*law, line.place, line.speed),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 2)),),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position and velocity at the samples."""
+        place, speed = call.outputs[0].T
+        line = _line.line_of(request.problem.scene)
+        return line.trajectory(request.problem.times, place, speed)
 
 
 METHOD = ExactPower()

@@ -2,24 +2,22 @@
 (kernels/power_contact.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Trajectory
 from refdem.scene import Sphere
 from refdem.scene.elements.contact import Contact
-from refdem.solvers.exact_head_on import ROUNDED, approach, states
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import Elapsed, KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
+from refdem.solvers.exact_head_on import ROUNDED, approach, met, unrounded
 
 Array = NDArray[np.float64]
 
 
-class ExactPowerContact(Solver):
+class ExactPowerContact(KernelSolver):
     """Free flight, a contact in closed form, free flight, about a centre of mass in uniform
     motion.
     """
@@ -36,72 +34,45 @@ class ExactPowerContact(Solver):
     )
     kernels = ("power_contact",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for two free spheres that do not turn, nothing but Hertz's contact, and no sideways
-        velocity.
-        """
-        scene = problem.scene
-        bodies = problem.scene.bodies
-        laws = scene.all(Contact)
-        if (
-            len(bodies) != 2
-            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
-            or bodies.fixed.any()
-        ):
-            return "not two free spheres"
-        if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "hertz":
-            return "something else than one contact law of Hertz"
-        if np.any(bodies.omega):
-            return "a sphere turns"
-        _, closing, sideways = approach(scene)
+    pattern = ScenePattern(
+        elements={Contact: ONE}, bodies=TWO, shape=Sphere, law="hertz", may_spin=False
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for spheres that meet along the line of their centres."""
+        _, closing, sideways = approach(problem.scene)
         if sideways > ROUNDED * abs(closing):
             return "the spheres do not meet along the line of their centres"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States at the samples; a run backwards is one with flipped velocities."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The law, the start along the line of centres, and room for the times of touch, turn and
+        parting and for overlaps and rates.
+        """
         scene = request.problem.scene
-        t = request.problem.times
-        law = scene.all(Contact)[0]
-        bodies = scene.bodies
-        sense = float(np.sign(request.problem.interval))
+        elapsed = Elapsed(request.problem)
+        contact = scene.all(Contact)[0]
         overlap, closing, _ = approach(scene)
-        if abs(overlap) > ROUNDED * bodies.radius.sum():
-            start = overlap
-        else:
-            start = 0.0
-        since = sense * (t - t[0])
-        out = np.empty((len(t), 2))
-        touch = np.empty(3)
-        mass = float(bodies.mass.prod() / bodies.mass.sum())
-        force = np.array([law.stiffness, law.exponent])
-        kernel = load("power_contact").lib
-        laws = pointer("power_contact", force)
-        samples = pointer("power_contact", since)
-        buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
-        started = perf_counter()
-        kernel.refdem_power_contact(
-            mass, laws, laws, start, sense * closing, len(t), samples, *buffers
+        mass = scene.bodies.mass
+        reduced = float(mass.prod() / mass.sum())
+        law = np.array([contact.stiffness, contact.exponent])
+        start = (unrounded(scene, overlap), elapsed.sense * closing)
+        return KernelCall(
+            function="refdem_power_contact",
+            inputs=(reduced, law, law, *start),
+            clock=samples(elapsed.since),
+            outputs=(np.empty(3), np.empty((len(elapsed.since), 2))),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        overlap_now = out[:, 0]
-        rate_now = sense * out[:, 1]
-        position, velocity = states(scene, since * sense, overlap_now - start, rate_now - closing)
-        events = []
-        for when, kind in ((touch[0], "contact"), (touch[2], "release")):
-            if 0 < when <= since[-1]:
-                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
-        found = Trajectory(
-            t=t,
-            position=position,
-            velocity=velocity,
-            attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
-            omega=np.zeros_like(velocity),
-            channels=_channels(np.maximum(overlap_now, 0.0), law),
-            events=tuple(events),
-        )
-        return found, cost
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States at the samples; a run backwards is one with flipped velocities."""
+        scene = request.problem.scene
+        overlap, _, _ = approach(scene)
+        touch, rows = call.outputs
+        pressed, rate = rows.T
+        channels = _channels(np.maximum(pressed, 0.0), scene.all(Contact)[0])
+        told = {"contact": touch[0], "release": touch[2]}
+        return met(request.problem, pressed - unrounded(scene, overlap), rate, channels, told)
 
 
 def _channels(overlap: Array, law: Contact) -> dict[str, Array]:

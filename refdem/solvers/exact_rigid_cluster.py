@@ -14,16 +14,15 @@ from refdem.kernels import load, pointer
 from refdem.mechanics.quaternion import matrix
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
-from refdem.solvers import _single_point as single
+from refdem.solvers._scene_pattern import SOME, ScenePattern, SceneSolver
 from refdem.solvers._single_point import Array
-from refdem.solvers.solver import Solver
 
 FITS = 1e-9
 """Part of a length, or of a speed, by which the start may miss what rigid rods allow: rounding."""
 START = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-class ExactRigidCluster(Solver):
+class ExactRigidCluster(SceneSolver):
     """Centre of mass in a straight line, all else turned about it; rod forces from the
     accelerations, of least squares if redundant.
     """
@@ -40,17 +39,14 @@ class ExactRigidCluster(Solver):
     )
     kernels = ("free_body",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for points that are not in one plane, all held by rods, and nothing else."""
+    pattern = ScenePattern(elements={Rod: SOME}, only_points=True)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for points that are not in one plane, all held by rods."""
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, Rod)]
-        if others:
-            return f"{others[0]} beside rods"
-        if not scene.elements:
-            return "nothing beside rods"
-        if any(rod.b < 0 for rod in scene.all(Rod)) or scene.bodies.fixed.any():
-            return "a rod to the world, or a point that is fixed"
-        return single.turning(scene) or _loose(scene)
+        if any(rod.b < 0 for rod in scene.all(Rod)):
+            return "a rod to the world; expected rods between the points"
+        return _loose(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the force [N] of every rod at the samples."""

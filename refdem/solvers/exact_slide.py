@@ -14,10 +14,10 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _balance
-from refdem.solvers.solver import Solver
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern, SceneSolver
 
 
-class ExactSlide(Solver):
+class ExactSlide(SceneSolver):
     """One polyhedron with a face on one plane; where friction holds it, the method `equilibrium`
     has it.
     """
@@ -30,26 +30,26 @@ class ExactSlide(Solver):
         cost_rank=1,
     )
 
-    def unsupported(self, problem: Motion) -> str | None:
+    pattern = ScenePattern(
+        elements={Contact: ONE, Plane: ONE, UniformGravity: ANY},
+        bodies=ONE,
+        shape=Polyhedron,
+        law="rigid",
+        may_spin=False,
+        irreversible="the block slides from rest",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
         """None for a block at rest on a plane that is too steep for friction to hold it, and that
         does not tip it.
         """
         scene = problem.scene
-        bodies = scene.bodies
-        laws = scene.all(Contact)
-        if len(bodies) != 1 or len(laws) != 1 or not isinstance(bodies.shape[0], Polyhedron):
-            return "no single polyhedron with one contact law"
-        if (
-            any(not isinstance(e, Contact | Plane | UniformGravity) for e in scene.elements)
-            or laws[0].law != "rigid"
-        ):
-            return "other elements than a plane, gravity and rigid contact"
-        if np.any(bodies.velocity) or np.any(bodies.omega) or problem.interval < 0:
-            return "it slides from rest, forward in time"
+        if np.any(scene.bodies.velocity):
+            return "the block moves at the start; expected one that slides from rest"
         load = _balance.pressed(scene)
         if isinstance(load, str):
             return load
-        return _balance.tipping(scene, laws[0], load)
+        return _balance.tipping(scene, scene.all(Contact)[0], load)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """s = a t^2/2, a = g (sin - mu cos), down the steepest line of the plane."""

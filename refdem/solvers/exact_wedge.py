@@ -1,23 +1,23 @@
 """A wedge that meets a wall, turns and leaves, in closed form (kernels/power_contact.c)."""
 
-from time import perf_counter
+from dataclasses import dataclass
 
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.problem import Motion, Problem, Request
+from refdem.core.trajectory import Trajectory
 from refdem.mechanics.quaternion import product
 from refdem.scene import Scene
 from refdem.scene.elements.wedge import Wedge
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import Elapsed, KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 TURN = np.array([0.0, 0.0, 0.0, 1.0])
 """By pi about the body's z axis."""
 
 
-class ExactWedge(Solver):
+class ExactWedge(KernelSolver):
     """Free flight, in with one law, out with the other, free flight; the orientation chooses."""
 
     claims = Method(
@@ -31,81 +31,93 @@ class ExactWedge(Solver):
     )
     kernels = ("power_contact",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one free body that moves along the normal and does not turn by itself, and
-        nothing but one wall for wedges.
-        """
+    pattern = ScenePattern(elements={Wedge: ONE}, bodies=ONE, may_spin=False)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a velocity along the normal of the wall."""
         scene = problem.scene
-        bodies = problem.scene.bodies
-        if len(scene.elements) != 1 or not isinstance(scene.elements[0], Wedge):
-            return "something else than one wall for wedges"
-        if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
-            return "not one free body that does not turn"
-        across = np.cross(bodies.velocity[0], scene.elements[0].normal)
-        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]):
+        velocity = scene.bodies.velocity[0]
+        across = np.cross(velocity, scene.all(Wedge)[0].normal)
+        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(velocity):
             return "it moves along the wall"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+    def prepare(self, request: Request) -> KernelCall:
+        """Both laws, the start along the normal, and room for the times of touch, turn and parting
+        and for overlaps and rates.
+        """
+        elapsed = Elapsed(request.problem)
+        meeting = _meeting(request.problem, elapsed.sense)
+        return KernelCall(
+            function="refdem_power_contact",
+            inputs=(meeting.mass, meeting.inward, meeting.outward, meeting.overlap, meeting.rate),
+            clock=samples(elapsed.since),
+            outputs=(np.empty(3), np.empty((len(elapsed.since), 2))),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """States at the samples; a run backwards is one with flipped velocities."""
-        begun = perf_counter()
+        elapsed = Elapsed(request.problem)
+        sense = elapsed.sense
+        meeting = _meeting(request.problem, sense)
         scene = request.problem.scene
-        t = request.problem.times
-        wall = scene.all(Wedge)[0]
         bodies = scene.bodies
-        sense = float(np.sign(request.problem.interval))
-        start = float(wall.overlap(bodies.position[0]))
-        rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
-        # A law: factor and exponent of the overlap.
-        of_edge = np.array([wall.quadratic, 2.0])
-        of_side = np.array([wall.stiffness, 1.0])
-        is_edge_first = _comes_edge_first(scene, wall, start, rate)
-        if is_edge_first:
-            inward = of_edge
-        else:
-            inward = of_side
-        if is_edge_first:
-            outward = of_side
-        else:
-            outward = of_edge
-        since = sense * (t - t[0])
-        out = np.empty((len(t), 2))
-        touch = np.empty(3)
-        kernel = load("power_contact").lib
-        mass = float(bodies.mass[0])
-        laws = [pointer("power_contact", law) for law in (inward, outward)]
-        samples = pointer("power_contact", since)
-        buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
-        started = perf_counter()
-        kernel.refdem_power_contact(mass, *laws, start, rate, len(t), samples, *buffers)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        normal = np.array(wall.normal)
-        turned = (since > touch[1]) & (touch[1] > 0)
-        attitude = np.where(turned[:, None, None], product(bodies.attitude, TURN), bodies.attitude)
-        position = bodies.position - (out[:, :1, None] - start) * normal
-        velocity = bodies.velocity - sense * (out[:, 1:, None] - rate) * normal
-        pressed = np.maximum(out[:, 0], 0.0)
-        deepest = _deepest(mass, inward, outward, start, rate)
-        gained = _stored(outward, deepest) - _stored(inward, deepest)
+        touch, rows = call.outputs
+        normal = np.array(scene.all(Wedge)[0].normal)
+        turned = (elapsed.since > touch[1]) & (touch[1] > 0)
+        half_turned = product(bodies.attitude, TURN)
+        position = bodies.position - (rows[:, :1, None] - meeting.overlap) * normal
+        velocity = bodies.velocity - sense * (rows[:, 1:, None] - meeting.rate) * normal
+        pressed = np.maximum(rows[:, 0], 0.0)
         channels = {
             "overlap": pressed,
             "contacts": (pressed > 0).astype(float),
-            "dissipated_work": np.where(turned, -gained, 0.0),
+            "dissipated_work": np.where(turned, -meeting.gained, 0.0),
         }
-        events = []
-        for when, kind in zip(touch, ("contact", "turn", "release"), strict=True):
-            if 0 < when <= since[-1]:
-                events.append(Event(time=float(t[0] + sense * when), kind=kind, body=0))
-        found = Trajectory(
-            t=t,
+        kinds = ("contact", "turn", "release")
+        return Trajectory(
+            t=request.problem.times,
             position=position,
             velocity=velocity,
-            attitude=attitude,
+            attitude=np.where(turned[:, None, None], half_turned, bodies.attitude),
             omega=np.zeros_like(velocity),
             channels=channels,
-            events=tuple(events),
+            events=elapsed.events(dict(zip(kinds, touch, strict=True))),
         )
-        return found, cost
+
+
+@dataclass(frozen=True)
+class _Meeting:
+    """A wedge of some `mass` [kg] and its wall: laws on the way in and out, each a factor and an
+    exponent of the overlap; overlap [m] and its rate [m/s] at the start.
+    """
+
+    mass: float
+    inward: np.ndarray
+    outward: np.ndarray
+    overlap: float
+    rate: float
+
+    @property
+    def gained(self) -> float:
+        """Energy [J] that the turn at the greatest overlap adds."""
+        deepest = _deepest(self.mass, self.inward, self.outward, self.overlap, self.rate)
+        return _stored(self.outward, deepest) - _stored(self.inward, deepest)
+
+
+def _meeting(problem: Problem, sense: float) -> _Meeting:
+    """Wedge and wall at the start, time counted upwards."""
+    scene = problem.scene
+    bodies = scene.bodies
+    wall = scene.all(Wedge)[0]
+    mass = float(bodies.mass[0])
+    overlap = float(wall.overlap(bodies.position[0]))
+    rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
+    of_edge = np.array([wall.quadratic, 2.0])
+    of_side = np.array([wall.stiffness, 1.0])
+    if _comes_edge_first(scene, wall, overlap, rate):
+        return _Meeting(mass, of_edge, of_side, overlap, rate)
+    return _Meeting(mass, of_side, of_edge, overlap, rate)
 
 
 def _stored(law: np.ndarray, overlap: float) -> float:
@@ -131,7 +143,11 @@ def _deepest(
     """Greatest overlap [m] of the contact; 0 if there is none."""
     if overlap <= 0 and rate <= 0:
         return 0.0
-    factor, exponent = outward if overlap > 0 and rate < 0 else inward
+    is_leaving = overlap > 0 and rate < 0
+    if is_leaving:
+        factor, exponent = outward
+    else:
+        factor, exponent = inward
     power = exponent + 1
     # factor d^power/power = m v^2/2 + factor d0^power/power at the turning point.
     moving = 0.5 * mass * rate**2 * power / factor

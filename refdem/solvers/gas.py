@@ -7,8 +7,6 @@ No bit of the result depends on it.
 """
 
 import os
-from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -16,15 +14,22 @@ from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError, UsageError
-from refdem.kernels import load, pointer
+from refdem.kernels import load
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
+from refdem.solvers._kernel_solver import (
+    KernelCall,
+    KernelSolver,
+    Struct,
+    steps_of,
+    steps_to_samples,
+)
 from refdem.solvers._particles import BRANCH, MANY
-from refdem.solvers.solver import Solver
+from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, Count, ScenePattern
 
 Array = NDArray[np.float64]
 
@@ -44,39 +49,13 @@ MOST_EVENTS = 100_000
 """Contacts whose begin is told; of a motion with more none is, so that those told are all."""
 
 
+NO_THREADS = 2
+"""What the kernel returns if it cannot have its threads."""
 THREADS = "REFDEM_THREADS"
 MOST_THREADS = 64
 
 
-@dataclass(frozen=True, eq=False)
-class Buffers:
-    """Arrays of one run; `turning`: omega and attitude are told, else no sphere turns."""
-
-    channel: Array
-    event: Array
-    events: NDArray[np.int64]
-    states: dict[str, Array]
-    room: NDArray[np.uint8]
-
-    def addresses(self) -> tuple[Any, ...]:
-        """The addresses of the arrays in the kernel's order; NULL for states that are not told."""
-        ffi = load("gas").ffi
-        states = []
-        for name in STATE:
-            rows = self.states.get(name)
-            if rows is None:
-                address = ffi.NULL
-            else:
-                address = pointer("gas", rows, output=True)
-            states.append(address)
-        room = ffi.from_buffer("uint8_t[]", self.room)
-        events = ffi.from_buffer("int64_t[]", self.events)
-        event = pointer("gas", self.event, output=True)
-        channel = pointer("gas", self.channel, output=True)
-        return (room, events, event, channel, *states)
-
-
-class Gas(Solver):
+class Gas(KernelSolver):
     """Second order in energy: a contact that begins within a step is hit or missed by a part of it,
     as often early as late.
 
@@ -103,62 +82,66 @@ class Gas(Solver):
     )
     kernels = ("gas",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for many equal spheres under a linear contact law, with a tangential spring if there
-        is friction, and no other force.
+    pattern = ScenePattern(
+        elements={Contact: ONE, Plane: ANY, PeriodicBox: OPTIONAL},
+        bodies=Count(2),
+        law="linear",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for many equal spheres in one kind of bounds, with a tangential spring if there is
+        friction.
         """
         scene = problem.scene
-        for element in scene.elements:
-            if not isinstance(element, Contact | Plane | PeriodicBox):
-                return f"{element.kind} is neither contact nor what bounds a gas"
         return _of_bodies(scene) or _of_bounds(scene) or _of_contact(scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States at the samples, number of contacts, dissipated work and where contacts begin."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The gas and its threads, and room for lists, events, channels and states; the start is in
+        its place.
+        """
         scene = request.problem.scene
-        t = request.problem.times
-        ffi = load("gas").ffi
-        lib = load("gas").lib
-        planes = np.array([(*plane.point, *plane.normal) for plane in scene.all(Plane)]).ravel()
-        # `planes` must live as long as the struct, which does not keep it.
-        if planes.size:
-            at_planes = pointer("gas", planes)
-        else:
-            at_planes = ffi.NULL
-        struct = ffi.new("refdem_gas *", {**_numbers(scene), "plane": at_planes})
-        used = _buffers(scene, struct, len(t))
-        started = perf_counter()
-        counts = len(used.events), request.signed_step, len(t), request.stride, used.event.shape[1]
-        fault = lib.refdem_gas_run(struct, *counts, *used.addresses())
-        cost = Cost(
-            seconds=perf_counter() - started,
-            setup=started - begun,
-            steps=request.stride * (len(t) - 1),
+        count = len(request.problem.times)
+        fields = _fields(scene)
+        struct = Struct("gas", "refdem_gas", fields)
+        members = min(threads(), len(scene.bodies))
+        size = load("gas").lib.refdem_gas_room(struct.address, members)
+        room = np.empty(size, np.uint8)
+        begun = np.zeros(members, np.int64)
+        told = np.empty((members, MOST_EVENTS, 2))
+        channels = np.empty((count, 2))
+        states = _states(scene, count, bool(fields["turning"]))
+        return KernelCall(
+            function="refdem_gas_run",
+            inputs=(struct, members),
+            clock=(*steps_to_samples(request), MOST_EVENTS),
+            outputs=(room, begun, told, channels, *states),
+            steps=steps_of(request),
         )
-        if fault == 2:
-            raise EngineError(
-                f"gas: {len(used.events)} threads asked for by {THREADS} could not be had"
-            )
-        if fault:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """States at the samples, number of contacts, dissipated work and where contacts begin."""
+        t = request.problem.times
+        _, begun, told, channel, *states = call.outputs
+        if status == NO_THREADS:
+            raise EngineError(f"gas: {len(begun)} threads asked for by {THREADS} could not be had")
+        if status:
             raise EngineError(
                 "gas: more bodies in one place than spheres can be; a smaller step would keep"
                 " them apart"
             )
-        contacts, work = used.channel.T.copy()
+        contacts, work = channel.T.copy()
         channels = {"contacts": contacts, "dissipated_work": work}
-        events = _begins(used, float(t[0]))
-        return _trajectory(scene, t, used.states, channels, events), cost
+        events = _begins(begun, told, float(t[0]))
+        columns = {name: rows for name, rows in zip(STATE, states, strict=True) if rows is not None}
+        return _trajectory(request.problem.scene, t, columns, channels, events)
 
 
 def _of_bodies(scene: Scene) -> str | None:
     bodies = scene.bodies
-    if len(bodies) < 2 or not bodies.radius.all():
-        return "what is not two or more spheres"
+    if not bodies.radius.all():
+        return "bodies that are no spheres"
     if np.ptp(bodies.radius) or np.ptp(bodies.mass) or np.ptp(bodies.inertia):
         return "spheres that differ"
-    if bodies.fixed.any():
-        return "spheres that are fixed"
     return None
 
 
@@ -166,8 +149,8 @@ def _of_bounds(scene: Scene) -> str | None:
     boxes = scene.all(PeriodicBox)
     walls = scene.all(Plane)
     n = len(scene.bodies)
-    if len(boxes) > 1 or (boxes and walls):
-        return "more than one kind of bounds"
+    if boxes and walls:
+        return "a box and planes; expected one kind of bounds"
     if not boxes and n * (n - 1) // 2 + n * len(walls) <= MANY:
         return "few bodies: the methods for them find contacts to the last bit"
     if boxes and boxes[0].size < FEWEST * 2 * scene.bodies.radius[0]:
@@ -176,49 +159,29 @@ def _of_bounds(scene: Scene) -> str | None:
 
 
 def _of_contact(scene: Scene) -> str | None:
-    laws = scene.all(Contact)
-    if len(laws) != 1:
-        return "not one contact law"
-    if laws[0].law != "linear":
-        return f"contact law {laws[0].law}"
-    if laws[0].friction > 0 and laws[0].tangential_stiffness == 0:
+    law = scene.all(Contact)[0]
+    if law.friction > 0 and law.tangential_stiffness == 0:
         return "friction without a tangential spring"
     return None
 
 
-def _numbers(scene: Scene) -> dict[str, Any]:
-    """The fields of the kernel's struct that are numbers; room for pairs as at three times the
-    density, at most closest packing.
-    """
+def _fields(scene: Scene) -> dict[str, Any]:
+    """The fields of the kernel's struct."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
-    boxes = scene.all(PeriodicBox)
-    diameter = 2 * float(bodies.radius[0])
-    n = len(bodies)
-    planes = len(scene.all(Plane))
-    if boxes:
-        size = boxes[0].size
-    else:
-        size = 0.0
-    if boxes:
-        extent = [size] * 3
-    else:
-        extent = np.maximum(np.ptp(bodies.position, axis=0), diameter)
-    # The part of space that the spheres would fill at three times their density.
-    filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
-    # Half the partners of a sphere within 1.5 diameters, and some; never more than all pairs.
-    listed = n * (20 + 0.5 * 8 * 1.5**3 * filled)
-    most = int(min(n * (n - 1) / 2, listed)) + n * planes
-    return {
-        "bodies": n,
-        "planes": planes,
-        "most_pairs": most,
-        "most_contacts": min(most, TOUCHING * n + n * min(planes, 3)),
+    walls = [(*plane.point, *plane.normal) for plane in scene.all(Plane)]
+    size = 0.0
+    for box in scene.all(PeriodicBox):
+        size = box.size
+    return _room_fields(scene, size) | {
+        "bodies": len(bodies),
+        "planes": len(walls),
+        "plane": np.array(walls, float),
         "turning": law.friction > 0 or bool(bodies.omega.any()),
         "size": size,
         "mass": bodies.mass[0],
         "inertia": bodies.inertia[0, 0],
-        "diameter": diameter,
+        "diameter": 2 * float(bodies.radius[0]),
         "stiffness": law.stiffness,
         "damping": law.damping,
         "tangential_stiffness": law.tangential_stiffness,
@@ -228,25 +191,41 @@ def _numbers(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _buffers(scene: Scene, struct: Any, samples: int) -> Buffers:
-    """Everything that a run writes; the start is in its place."""
-    n = len(scene.bodies)
-    members = min(threads(), len(scene.bodies))
-    states = {
-        name: np.empty((samples, n, width))
-        for name, width in STATE.items()
-        if struct.turning or name in MOVING
-    }
-    for name, rows in states.items():
-        rows[0] = getattr(scene.bodies, name)
-    room = np.empty(load("gas").lib.refdem_gas_room(struct, members), np.uint8)
-    return Buffers(
-        np.empty((samples, 2)),
-        np.empty((members, MOST_EVENTS, 2)),
-        np.zeros(members, np.int64),
-        states,
-        room,
-    )
+def _room_fields(scene: Scene, size: float) -> dict[str, int]:
+    """The most pairs and contacts there can be, as at three times the density of the start, but at
+    most closest packing; `size` is the edge of the box [m], or 0.
+    """
+    bodies = scene.bodies
+    n = len(bodies)
+    planes = len(scene.all(Plane))
+    diameter = 2 * float(bodies.radius[0])
+    if size > 0:
+        volume = float(np.prod([size] * 3))
+    else:
+        volume = float(np.prod(np.maximum(np.ptp(bodies.position, axis=0), diameter)))
+    # The part of space that the spheres would fill at three times their density.
+    sphere = np.pi / 6 * diameter**3
+    filled = min(PACKED, 0.05 + 3 * n * sphere / volume)
+    # Half the partners of a sphere within 1.5 diameters, and some; never more than all pairs.
+    partners = 20 + 0.5 * 8 * 1.5**3 * filled
+    pairs = int(min(n * (n - 1) / 2, n * partners)) + n * planes
+    contacts = TOUCHING * n + n * min(planes, 3)
+    return {"most_pairs": pairs, "most_contacts": min(pairs, contacts)}
+
+
+def _states(scene: Scene, samples: int, turning: bool) -> list[Array | None]:
+    """Room for the states in the kernel's order, the start in row 0; None for those that are not
+    told.
+    """
+    rows: list[Array | None] = []
+    for name, width in STATE.items():
+        if not turning and name not in MOVING:
+            rows.append(None)
+            continue
+        column = np.empty((samples, len(scene.bodies), width))
+        column[0] = getattr(scene.bodies, name)
+        rows.append(column)
+    return rows
 
 
 def threads() -> int:
@@ -259,17 +238,16 @@ def threads() -> int:
     return int(said)
 
 
-def _begins(used: Buffers, start: float) -> tuple[Event, ...]:
+def _begins(begun: NDArray[np.int64], told: Array, start: float) -> tuple[Event, ...]:
     """Contacts that begin, in time and then in the order of the threads, which is that of the list;
     none if there were too many.
     """
-    if used.events.sum() > MOST_EVENTS:
+    if begun.sum() > MOST_EVENTS:
         return ()
-    by_thread = [rows[:count] for rows, count in zip(used.event, used.events, strict=True)]
-    told = np.concatenate(by_thread)
-    in_time = told[np.argsort(told[:, 0], kind="stable")]
-    events = [Event(start + when, "contact", int(body)) for when, body in in_time.tolist()]
-    return tuple(events)
+    by_thread = [rows[:count] for rows, count in zip(told, begun, strict=True)]
+    found = np.concatenate(by_thread)
+    in_time = found[np.argsort(found[:, 0], kind="stable")]
+    return tuple(Event(start + when, "contact", int(body)) for when, body in in_time.tolist())
 
 
 def _trajectory(

@@ -2,7 +2,7 @@
 rectangle and in a stadium.
 """
 
-from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +16,8 @@ from refdem.core.maps import (
     StadiumBilliard,
 )
 from refdem.core.problem import Iteration, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
-from refdem.solvers.solver import Solver
+from refdem.core.trajectory import Trajectory
+from refdem.solvers._kernel_solver import KernelCall, KernelRun, samples
 
 FUNCTIONS: dict[type[Map], str] = {
     Logistic: "refdem_logistic",
@@ -28,7 +27,7 @@ FUNCTIONS: dict[type[Map], str] = {
 }
 
 
-class IteratedMap(Solver):
+class IteratedMap(KernelRun):
     """Each iterate from the one before, or from the start where that is possible."""
 
     claims = Method(
@@ -49,29 +48,36 @@ class IteratedMap(Solver):
             return None
         return f"no map {problem.map.kind}"
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The iterates asked for: `x` (T,), or `position` [m] and `direction` (T, 2)."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The map and its start, and rows for the iterates asked for."""
         problem = request.problem
         assert isinstance(problem, Iteration)
-        counts = problem.times
-        start = np.ascontiguousarray(problem.start, float)
         asked = problem.map
-        out = np.empty((len(counts), asked.dimension))
-        lib = load("maps").lib
-        n = pointer("maps", counts)
-        rows = pointer("maps", out, output=True)
-        function = getattr(lib, FUNCTIONS[type(asked)])
-        started = perf_counter()
+        start = np.ascontiguousarray(problem.start, float)
+        inputs: tuple[Any, ...]
         if isinstance(asked, Billiard):
-            function(asked.width, asked.height, pointer("maps", start), len(counts), n, rows)
-            values = {"position": out[:, :2].copy(), "direction": out[:, 2:].copy()}
+            inputs = (asked.width, asked.height, start)
         else:
             assert isinstance(asked, Logistic)
-            function(asked.eta, start[0], len(counts), n, rows)
-            values = {"x": out[:, 0]}
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=problem.n)
-        return Trajectory.of_values(counts, values), cost
+            inputs = (asked.eta, start[0])
+        return KernelCall(
+            function=FUNCTIONS[type(asked)],
+            inputs=inputs,
+            clock=samples(problem.times),
+            outputs=(np.empty((len(problem.times), asked.dimension)),),
+            steps=problem.n,
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """The iterates: `x` (T,), or `position` [m] and `direction` (T, 2)."""
+        problem = request.problem
+        assert isinstance(problem, Iteration)
+        (rows,) = call.outputs
+        if isinstance(problem.map, Billiard):
+            values = {"position": rows[:, :2].copy(), "direction": rows[:, 2:].copy()}
+        else:
+            values = {"x": rows[:, 0]}
+        return Trajectory.of_values(problem.times, values)
 
 
 METHOD = IteratedMap()

@@ -3,17 +3,21 @@
 """
 
 from math import ceil, frexp, ldexp, log2, sqrt
-from time import perf_counter
 
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer, timed
+from refdem.core.trajectory import Trajectory
 from refdem.solvers import _line
+from refdem.solvers._kernel_solver import (
+    KernelCall,
+    KernelSolver,
+    Struct,
+    steps_of,
+    steps_to_samples,
+)
 from refdem.solvers._line import Line
-from refdem.solvers.solver import Solver
 
 FAMILY = "lattice"
 ROOM = 1.7
@@ -24,7 +28,7 @@ WIDEST = 64
 """Doublings of the start's size after which a motion counts as unbound."""
 
 
-class LatticeVerlet(Solver):
+class LatticeVerlet(KernelSolver):
     """Places and velocities are whole multiples of powers of two, which binary64 holds: a run back
     ends in the very bits of its start.
 
@@ -47,30 +51,31 @@ class LatticeVerlet(Solver):
     kernels = (FAMILY,)
     bits = 53
 
-    def unsupported(self, problem: Motion) -> str | None:
+    pattern = _line.PATTERN
+
+    def unfit(self, problem: Motion) -> str | None:
         """None for a conservative oscillator on a line whose motion has ends."""
-        reason = _line.unsupported(problem)
-        if reason:
-            return reason
-        line = _line.line_of(Request(problem=problem, method=self.claims.name))
+        scene = problem.scene
+        line = _line.line_of(scene)
         if line.damping or line.van_der_pol or len(line.drives):
             return "more than a spring and gravity acts on the point"
         if line.spring.length:
             return "the spring has a length: its force turns round at the anchor"
         if line.spring.quadratic:
             return "the square of the stretch turns round at the anchor"
+        reason = _line.askew(scene)
+        if reason:
+            return reason
         if _reach(line):
             return None
         return "the motion has no bound, or is rest"
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Places and velocities after each `stride` steps; the first row is the start as given."""
-        begun = perf_counter()
-        t = request.problem.times
-        line = _line.line_of(request)
-        out = np.empty((len(t), 2))
-        place, speed = (ldexp(size, -self.bits) for size in _reach(line) or (1.0, 1.0))
+    def prepare(self, request: Request) -> KernelCall:
+        """The law and the start along the line, and the units of the lattice."""
+        line = _line.line_of(request.problem.scene)
         spring = line.spring
+        reach = _reach(line) or (1.0, 1.0)
+        place, speed = (ldexp(size, -self.bits) for size in reach)
         law = {
             "mass": line.mass,
             "stiffness": spring.stiffness,
@@ -80,13 +85,19 @@ class LatticeVerlet(Solver):
             "place": place,
             "speed": speed,
         }
-        told = load(FAMILY).ffi.new("refdem_lattice *", law)
-        rows = pointer(FAMILY, out, output=True)
-        step = (line.place, line.speed, request.signed_step, len(t), request.stride)
-        started = perf_counter()
-        seconds = timed(load(FAMILY).lib.refdem_lattice_verlet, told, *step, rows)
-        cost = Cost(seconds=seconds, setup=started - begun, steps=request.stride * (len(t) - 1))
-        return line.trajectory(t, out[:, 0].copy(), out[:, 1].copy()), cost
+        return KernelCall(
+            function="refdem_lattice_verlet",
+            inputs=(Struct(FAMILY, "refdem_lattice", law), line.place, line.speed),
+            clock=steps_to_samples(request),
+            outputs=(np.empty((len(request.problem.times), 2)),),
+            steps=steps_of(request),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Places and velocities after each `stride` steps; the first row is the start as given."""
+        place, speed = call.outputs[0].T
+        line = _line.line_of(request.problem.scene)
+        return line.trajectory(request.problem.times, place.copy(), speed.copy())
 
 
 def _reach(line: Line) -> tuple[float, float] | None:

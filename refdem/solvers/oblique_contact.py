@@ -2,22 +2,19 @@
 (kernels/oblique.c).
 """
 
-from time import perf_counter
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer, timed
 from refdem.mechanics.quaternion import product
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples
 from refdem.solvers._particles import BRANCH
-from refdem.solvers.solver import Solver
+from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 
 Array = NDArray[np.float64]
 FAMILY = "oblique"
@@ -30,7 +27,7 @@ some other direction.
 COLUMNS = 12
 
 
-class ObliqueContact(Solver):
+class ObliqueContact(KernelSolver):
     """Hold, slip, release and the pull of a dashpot are zeros of series, to the last bits."""
 
     claims = Method(
@@ -45,69 +42,72 @@ class ObliqueContact(Solver):
     )
     kernels = (FAMILY,)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for two free spheres that touch and press, spins across the plane of their motion,
-        under linear contact alone.
-        """
+    pattern = ScenePattern(
+        elements={Contact: ONE},
+        bodies=TWO,
+        shape=Sphere,
+        law="linear",
+        irreversible="friction has forgotten where it came from",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for spheres that touch and press, with spins across the plane of their motion."""
         scene = problem.scene
-        bodies = problem.scene.bodies
-        laws = scene.all(Contact)
-        if (
-            len(bodies) != 2
-            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
-            or bodies.fixed.any()
-        ):
-            return "not two free spheres"
-        if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "linear":
-            return "something else than one linear contact law"
-        if laws[0].friction > 0 and laws[0].tangential_stiffness == 0:
+        bodies = scene.bodies
+        law = scene.all(Contact)[0]
+        if law.friction > 0 and law.tangential_stiffness == 0:
             return "friction without a tangential spring"
         if np.any(np.ptp(bodies.inertia, axis=1) > 1e-12 * bodies.inertia.max(axis=1)):
             return "a sphere whose three moments of inertia differ"
-        if problem.interval < 0:
-            return "time runs backwards, and friction has forgotten"
         axes = frame(scene)
-        start = beginning(scene, axes)
-        if start[0] < 0 or (start[0] == 0 and start[1] <= 0):
-            return "the spheres do not touch and approach at the start"
-        if (
-            start[0] > 0
-            and laws[0].cutoff == "zero_force"
-            and laws[0].stiffness * start[0] + laws[0].damping * start[1] <= 0
-        ):
-            return "the force would pull at the start"
-        across_plane = np.outer(bodies.omega @ axes[2], axes[2])
-        aside = np.linalg.norm(bodies.omega - across_plane, axis=1)
-        if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1)):
-            return "a spin turns the motion out of its plane"
-        return None
+        return _parting(law, beginning(scene, axes)) or _leaning(bodies.omega, axes[2])
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+    def prepare(self, request: Request) -> KernelCall:
+        """The pair and its start, and room for the release and for the rows."""
+        scene = request.problem.scene
+        t = request.problem.times
+        since = t - t[0]
+        return KernelCall(
+            function="refdem_oblique",
+            inputs=(words(scene, float(since[-1])), beginning(scene, frame(scene))),
+            clock=samples(since),
+            outputs=(np.empty(1), np.full((len(t), COLUMNS), np.nan)),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """States of both, contact channels and the release; raises EngineError if hold and slip
         change without end.
         """
-        begun = perf_counter()
         scene = request.problem.scene
         t = request.problem.times
-        axes = frame(scene)
-        start = beginning(scene, axes)
-        since = t - t[0]
-        out = np.full((len(t), COLUMNS), np.nan)
-        release = np.empty(1)
-        pair = words(scene, float(since[-1]))
-        buffers = [pointer(FAMILY, array, output=True) for array in (release, out)]
-        lib = load(FAMILY).lib
-        given = (pointer(FAMILY, start), len(t), pointer(FAMILY, since))
-        started = perf_counter()
-        seconds = timed(lib.refdem_oblique, pair, *given, *buffers)
-        cost = Cost(seconds=seconds, setup=started - begun)
-        if np.isnan(out[-1, 0]):
-            reached = int(np.argmax(np.isnan(out[:, 0])))
-            raise EngineError(f"hold and slip change without end at t = {t[reached]:g} s")
+        release, rows = call.outputs
+        # The kernel returns how many samples it has reached.
+        if status < len(t):
+            raise EngineError(f"hold and slip change without end at t = {t[status]:g} s")
         told: tuple[Event, ...] = ()
-        if release[0] <= since[-1]:
+        if release[0] <= t[-1] - t[0]:
             told = (Event(time=float(t[0] + release[0]), kind="release", body=0),)
-        return _trajectory(scene, axes, t, out, told), cost
+        return _trajectory(scene, frame(scene), t, rows, told)
+
+
+def _parting(law: Contact, start: Array) -> str | None:
+    """None if the spheres touch and approach at the start, and their force presses them."""
+    overlap = start[0]
+    rate = start[1]
+    if overlap < 0 or (overlap == 0 and rate <= 0):
+        return "the spheres do not touch and approach at the start"
+    force = law.stiffness * overlap + law.damping * rate
+    if overlap > 0 and law.cutoff == "zero_force" and force <= 0:
+        return "the force would pull at the start"
+    return None
+
+
+def _leaning(omega: Array, normal: Array) -> str | None:
+    """None if the spins (2, 3) point along the normal of the plane of the motion."""
+    aside = np.linalg.norm(omega - np.outer(omega @ normal, normal), axis=1)
+    if np.any(aside > ASKEW * np.linalg.norm(omega, axis=1)):
+        return "a spin turns the motion out of its plane"
+    return None
 
 
 def frame(scene: Scene) -> Array:
@@ -146,13 +146,12 @@ def beginning(scene: Scene, axes: Array) -> Array:
     return np.array([overlap, rate, transverse, 0.0, *spins])
 
 
-def words(scene: Scene, longest: float) -> Any:
+def words(scene: Scene, longest: float) -> Struct:
     """The pair in the kernel's words."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     radius_i, radius_j = bodies.radius.tolist()
-    # 1/J, and 0 for a sphere that nothing turns.
-    turn_ease_i, turn_ease_j = (1.0 / j if j > 0 else 0.0 for j in bodies.inertia[:, 0])
+    turn_ease_i, turn_ease_j = (_turn_ease(float(j)) for j in bodies.inertia[:, 0])
     numbers = {
         "stiffness": law.stiffness,
         "damping": law.damping,
@@ -167,7 +166,14 @@ def words(scene: Scene, longest: float) -> Any:
         "longest": longest,
         "no_pull": law.cutoff == "zero_force",
     }
-    return load(FAMILY).ffi.new("refdem_oblique_pair *", numbers)
+    return Struct(FAMILY, "refdem_oblique_pair", numbers)
+
+
+def _turn_ease(inertia: float) -> float:
+    """1/J, and 0 for a sphere that nothing turns."""
+    if inertia > 0:
+        return 1.0 / inertia
+    return 0.0
 
 
 def _trajectory(

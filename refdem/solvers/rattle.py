@@ -2,26 +2,31 @@
 (kernels/rattle.c).
 """
 
-from time import perf_counter
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
 from refdem.scene import Scene
 from refdem.scene.element import Link
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import (
+    KernelCall,
+    KernelSolver,
+    steps_of,
+    steps_to_samples,
+)
+from refdem.solvers._scene_pattern import ANY, SOME, ScenePattern
+
+Array = NDArray[np.float64]
 
 
-class Rattle(Solver):
+class Rattle(KernelSolver):
     """Rods are held in position and in velocity; the rod force is that of the sampled state."""
 
     claims = Method(
@@ -37,71 +42,60 @@ class Rattle(Solver):
     )
     kernels = ("rattle",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for points with at least one rod; springs and gravity are welcome."""
-        scene = problem.scene
-        others = [
-            element.kind
-            for element in scene.elements
-            if not isinstance(element, Rod | Spring | UniformGravity)
-        ]
-        if others:
-            return f"{others[0]} is not a rod, a spring or gravity"
-        if not scene.all(Rod):
-            return "no rod: velocity Verlet needs no constraints"
-        if any(spring.quadratic or spring.cubic for spring in scene.all(Spring)):
-            return "a spring with a square or a cube"
-        return single.turning(scene)
+    pattern = ScenePattern(
+        elements={Rod: SOME, Spring: ANY, UniformGravity: ANY},
+        may_be_fixed=True,
+        only_points=True,
+    )
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity and the force [N] of every rod after each `stride` steps."""
-        begun = perf_counter()
+    def unfit(self, problem: Motion) -> str | None:
+        """None for springs whose force is one power of their stretch."""
+        if any(spring.quadratic or spring.cubic for spring in problem.scene.all(Spring)):
+            return "a spring with a square or a cube"
+        return None
+
+    def prepare(self, request: Request) -> KernelCall:
+        """Masses, gravity, rods and springs, and room for work, position, velocity and force."""
         scene = request.problem.scene
-        t = request.problem.times
         n = len(scene.bodies)
         rods = scene.all(Rod)
         springs = scene.all(Spring)
         mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
         length = np.array([rod.length for rod in rods])
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
+        held = (len(rods), *_links(rods), length)
+        sprung = (len(springs), *_links(springs), law)
         work = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
-        position, velocity, force = _room(scene, len(t), len(rods))
-        bodies = (n, _doubles(mass), _doubles(single.gravity(scene)))
-        held = (len(rods), *_links(rods), _doubles(length))
-        sprung = (len(springs), *_links(springs), _doubles(law))
-        clock = (request.signed_step, len(t), request.stride)
-        out = [
-            pointer("rattle", column, output=True) for column in (work, position, velocity, force)
-        ]
-        started = perf_counter()
-        failed = load("rattle").lib.refdem_rattle(*bodies, *held, *sprung, *clock, *out)
-        cost = Cost(
-            seconds=perf_counter() - started,
-            setup=started - begun,
-            steps=request.stride * (len(t) - 1),
+        return KernelCall(
+            function="refdem_rattle",
+            inputs=(n, mass, single.gravity(scene), *held, *sprung),
+            clock=steps_to_samples(request),
+            outputs=(work, *_room(scene, len(request.problem.times), len(rods))),
+            steps=steps_of(request),
         )
-        if failed:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity and the force [N] of every rod after each `stride` steps."""
+        if status:
             raise EngineError(
-                f"rattle: no multipliers hold the rods before sample {failed - 1} at a step of"
+                f"rattle: no multipliers hold the rods before sample {status - 1} at a step of"
                 f" {request.step} s; take a smaller one"
             )
-        return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
+        _, position, velocity, force = call.outputs
+        channels = {"rod_force": force}
+        return Trajectory.of_points(request.problem.times, position, velocity, channels=channels)
 
 
-def _doubles(values: Any) -> Any:
-    return pointer("rattle", values)
-
-
-def _links(links: "list[Rod] | list[Spring]") -> tuple[Any, Any]:
+def _links(links: "list[Rod] | list[Spring]") -> tuple[NDArray[np.int64], Array]:
     """Ends (M, 2) and world anchors (M, 3) as the kernel reads them."""
     every: list[Link] = list(links)
     pairs = [(link.a, max(link.b, -1)) for link in every]
     ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
     anchors = np.array([link.anchor_b for link in every], dtype=float).reshape(-1, 3)
-    return load("rattle").ffi.from_buffer("int64_t[]", ends), _doubles(anchors)
+    return ends, anchors
 
 
-def _room(scene: Scene, samples: int, rods: int) -> tuple[Any, Any, Any]:
+def _room(scene: Scene, samples: int, rods: int) -> tuple[Array, Array, Array]:
     """Arrays for position, velocity (T, N, 3) with the start in row 0, and force (T, rods)."""
     n = len(scene.bodies)
     position = np.empty((samples, n, 3))

@@ -4,13 +4,13 @@ contact begins or ends.
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.scene import Scene
 from refdem.scene.elements.spring import Spring
 from refdem.solvers import _particles, _sliding
-from refdem.solvers.solver import Solver
+from refdem.solvers._particles import Array
 
 
-class RungeKutta(Solver):
+class RungeKutta(_particles.ParticleSolver):
     """Fourth order, through contacts too; neither symplectic nor reversible; momentum is kept,
     angular momentum is not.
     """
@@ -26,17 +26,20 @@ class RungeKutta(Solver):
         locates_events=True,
         cost_rank=40,
     )
-    kernels = (_particles.FAMILY,)
 
-    def unsupported(self, problem: Motion) -> str | None:
+    def unfit(self, problem: Motion) -> str | None:
         """As velocity Verlet, but springs must be smooth at their natural length."""
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
-        return _particles.unsupported(problem) or _sliding.unsupported(problem.scene)
+        return _particles.unfit(problem) or _sliding.unsupported(problem.scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Fixed steps in the direction of time."""
-        return _particles.run(request, request.signed_step, request.stride)
+    def origin(self, scene: Scene) -> Array:
+        """Places count from where they are given."""
+        return _particles.ORIGIN
+
+    def stride(self, request: Request) -> int:
+        """As many steps as the request asks for."""
+        return request.stride
 
 
 METHOD = RungeKutta()

@@ -2,23 +2,22 @@
 (kernels/rod_chain.c).
 """
 
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
 from refdem.scene import Scene
 from refdem.scene.elements.moving_anchor import MovingAnchor
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ANY, OPTIONAL, Count, ScenePattern
 from refdem.solvers._single_point import Array
-from refdem.solvers.solver import Solver
 
 FITS = 1e-9
 """Part of a length, or of a speed, by which the start may miss what rigid rods and the moved pivot
@@ -27,7 +26,7 @@ allow: rounding.
 MOST = 8
 
 
-class RodChain(Solver):
+class RodChain(KernelSolver):
     """Angles by Taylor series; places, velocities and rod forces from them."""
 
     claims = Method(
@@ -45,55 +44,55 @@ class RodChain(Solver):
     )
     kernels = ("rod_chain",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for a planar chain of points that fits its rods."""
-        scene = problem.scene
-        others = [
-            element.kind
-            for element in scene.elements
-            if not isinstance(element, Rod | MovingAnchor | UniformGravity)
-        ]
-        if others:
-            return f"{others[0]} beside rods, a moved pivot and gravity"
-        if "dimension:3" in scene.features:
-            return "the motion is not in the plane x-y"
-        reason = single.turning(scene) or _broken(scene)
-        return reason or _astray(problem)
+    pattern = ScenePattern(
+        elements={Rod: Count(1, MOST), MovingAnchor: OPTIONAL, UniformGravity: ANY},
+        in_plane=True,
+        only_points=True,
+    )
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity and the force [N] of every rod at the samples."""
-        begun = perf_counter()
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a chain from one pivot whose start fits its rods."""
+        return _broken(problem.scene) or _astray(problem)
+
+    def prepare(self, request: Request) -> KernelCall:
+        """Rods, directions at the start, masses and drive, and rows for angles from the start
+        [rad], rates [rad/s] and the work of the pivot.
+        """
         scene = request.problem.scene
-        t = np.ascontiguousarray(request.problem.times)
+        t = request.problem.times
         chain = _chain(scene)
-        pivot = _pivot(scene, t)
-        aim, rate = _aim(scene, chain, pivot)
-        n = len(chain.bobs)
-        # A row: angles from the start [rad], rates [rad/s], work of the pivot.
-        states = np.empty((len(t), 2 * n + 1))
-        states[0] = np.concatenate([np.zeros(n), rate, [0.0]])
-        length = np.array([rod.length for rod in chain.rods])
+        aim, rate = _aim(scene, chain, _pivot(scene, t))
+        count = len(chain.bobs)
+        states = np.empty((len(t), 2 * count + 1))
+        states[0] = np.concatenate([np.zeros(count), rate, [0.0]])
         mass = scene.bodies.mass[chain.bobs]
-        drive, frequency, phase = _drive(scene)
-        gravity = single.gravity(scene)[:2].copy()
-        columns = (length, aim, mass, gravity, drive)
-        given = [pointer("rod_chain", column) for column in columns]
-        out = pointer("rod_chain", states, output=True)
-        started = perf_counter()
-        failed = load("rod_chain").lib.refdem_rod_chain(
-            n, *given, frequency, phase, len(t), pointer("rod_chain", t), out
+        gravity = single.gravity(scene)[:2]
+        return KernelCall(
+            function="refdem_rod_chain",
+            inputs=(count, _lengths(chain), aim, mass, gravity, *_drive(scene)),
+            clock=samples(t),
+            outputs=(states,),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if failed or not np.all(np.isfinite(states)):
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity and the force [N] of every rod at the samples."""
+        (states,) = call.outputs
+        if status or not np.all(np.isfinite(states)):
             raise EngineError(
-                f"rod-chain: the series do not reach sample {failed - 1}; expected a regular motion"
+                f"rod-chain: the series do not reach sample {status - 1}; expected a regular motion"
                 f" of at most {MOST} rods"
             )
-        position, velocity = _places(scene, chain, pivot, length[:, None] * aim, states[:, :-1])
+        scene = request.problem.scene
+        t = request.problem.times
+        chain = _chain(scene)
+        pivot = _pivot(scene, t)
+        aim, _ = _aim(scene, chain, pivot)
+        arms = _lengths(chain)[:, None] * aim
+        position, velocity = _places(scene, chain, pivot, arms, states[:, :-1])
         channels = {"rod_force": _tension(scene, pivot, position, velocity)}
         if chain.pivot >= 0:
             channels["dissipated_work"] = _lost(scene, chain.pivot, pivot, states[:, -1])
-        return Trajectory.of_points(t, position, velocity, channels=channels), cost
+        return Trajectory.of_points(t, position, velocity, channels=channels)
 
 
 class Chain(NamedTuple):
@@ -135,17 +134,17 @@ def _chain(scene: Scene) -> Chain:
     return chain
 
 
+def _lengths(chain: Chain) -> Array:
+    """Lengths (N,) [m] of the rods from the pivot on."""
+    return np.array([rod.length for rod in chain.rods])
+
+
 def _broken(scene: Scene) -> str | None:
     """None if the rods are one chain from one pivot that holds every body."""
     anchors = scene.all(MovingAnchor)
     rods = scene.all(Rod)
-    if len(anchors) > 1 or not rods or len(rods) > MOST:
-        return (
-            f"{len(anchors)} moved pivots and {len(rods)} rods; expected at most one, and 1 to"
-            f" {MOST}"
-        )
-    if scene.bodies.fixed.any() or (anchors and any(rod.b < 0 for rod in rods)):
-        return "a body is fixed, or a rod hangs beside the moved pivot"
+    if anchors and any(rod.b < 0 for rod in rods):
+        return "a rod hangs beside the moved pivot"
     chain = _chain(scene)
     held = {*chain.bobs, *(anchor.a for anchor in anchors)}
     if (

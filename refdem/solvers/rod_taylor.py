@@ -3,19 +3,20 @@
 """
 
 from math import inf, sqrt
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer, timed
+from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from_start
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 Array = NDArray[np.float64]
 FITS = 1e-9
@@ -23,7 +24,7 @@ FITS = 1e-9
 """
 
 
-class RodTaylor(Solver):
+class RodTaylor(KernelSolver):
     """The plane and the spherical pendulum: no angles, so that no direction is special."""
 
     claims = Method(
@@ -41,56 +42,60 @@ class RodTaylor(Solver):
     )
     kernels = ("rod_taylor",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one point on one rod to the world, in gravity or none."""
+    pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a point that starts on its rod, and at no speed along it."""
         scene = problem.scene
-        reason = single.unsupported(scene, Rod)
-        if reason:
-            return reason
         rod = scene.all(Rod)[0]
-        if scene.bodies.fixed.any():
-            return "the rod does not hang from the world"
         arm = scene.bodies.position[0] - single.anchor(rod)
         velocity = scene.bodies.velocity[0]
-        if abs(float(np.linalg.norm(arm)) - rod.length) > FITS * rod.length:
-            return f"the rod of length {rod.length} starts {float(np.linalg.norm(arm))} long"
-        along = abs(float(arm @ velocity)) > FITS * rod.length * float(np.linalg.norm(velocity))
-        if along:
+        reach = float(np.linalg.norm(arm))
+        speed = float(np.linalg.norm(velocity))
+        if abs(reach - rod.length) > FITS * rod.length:
+            return f"the rod of length {rod.length} starts {reach} long"
+        if abs(float(arm @ velocity)) > FITS * rod.length * speed:
             return "the point starts with a speed along the rod"
         return None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity and rod force [N] at the samples."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """Mass, rod, gravity and start in the kernel's unit of time."""
         scene = request.problem.scene
         t = request.problem.times
         rod = scene.all(Rod)[0]
-        mass = float(scene.bodies.mass[0])
-        gravity = single.gravity(scene)
-        speed = scene.bodies.velocity[0]
-        # The kernel's unit of time [s]: accelerations are as its square, velocities as it.
-        unit = single.time_unit([swing_time(rod.length, gravity), turn_time(rod.length, speed)])
-        place = scene.bodies.position[0].copy()
-        given = (gravity * unit**2, single.anchor(rod), place, speed * unit)
-        clock = np.ascontiguousarray(t / unit)
-        position = np.empty((len(t), 1, 3))
-        velocity = np.empty((len(t), 1, 3))
-        force = np.empty((len(t), 1))
-        columns = [pointer("rod_taylor", column) for column in given]
-        samples = pointer("rod_taylor", clock)
-        out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
-        body = (mass, rod.length, *columns)
-        arguments = (*body, float(clock[0]), len(t), samples, *out)
-        started = perf_counter()
-        seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
-        cost = Cost(seconds=seconds, setup=started - begun)
+        bodies = scene.bodies
+        unit = _time_unit(scene)
+        # Accelerations are as the square of the unit, velocities as the unit.
+        gravity = single.gravity(scene) * unit**2
+        velocity = bodies.velocity[0] * unit
+        hung = (float(bodies.mass[0]), rod.length, gravity, single.anchor(rod))
+        return KernelCall(
+            function="refdem_rod_taylor",
+            inputs=(*hung, bodies.position[0], velocity),
+            clock=samples_from_start(t / unit),
+            outputs=(np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))),
+        )
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity and rod force [N] at the samples."""
+        position, velocity, force = call.outputs
         if not np.isfinite(force).all():
             raise EngineError(
                 "rod-taylor: the series do not reach the last sample; expected a motion of finite"
                 " speed"
             )
+        unit = _time_unit(request.problem.scene)
         channels = {"rod_force": force / unit**2}
-        return Trajectory.of_points(t, position, velocity / unit, channels=channels), cost
+        t = request.problem.times
+        return Trajectory.of_points(t, position, velocity / unit, channels=channels)
+
+
+def _time_unit(scene: Scene) -> float:
+    """The kernel's unit of time [s]."""
+    length = scene.all(Rod)[0].length
+    swing = swing_time(length, single.gravity(scene))
+    turn = turn_time(length, scene.bodies.velocity[0])
+    return single.time_unit([swing, turn])
 
 
 def swing_time(length: float, gravity: Array) -> float:

@@ -1,28 +1,25 @@
 """A rigid body about a ball joint of the world, in uniform gravity (kernels/spinning_top.c)."""
 
-from time import perf_counter
-from typing import Any
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples, turning_states
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 from refdem.solvers._single_point import Array
-from refdem.solvers.solver import Solver
 
 FITS = 1e-9
 """Part of a length, or of a speed, by which the start may miss the joint: rounding."""
 
 
-class SpinningTop(Solver):
+class SpinningTop(KernelSolver):
     """Attitude and omega by Taylor series; place and velocity from them."""
 
     claims = Method(
@@ -49,71 +46,57 @@ class SpinningTop(Solver):
     )
     kernels = ("spinning_top",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one body with inertia on one ball joint of the world that it fits."""
+    pattern = ScenePattern(elements={BallJoint: ONE, UniformGravity: ANY}, bodies=ONE)
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a body with inertia that fits a joint of the world on one of its axes."""
         scene = problem.scene
-        others = [
-            element.kind
-            for element in scene.elements
-            if not isinstance(element, BallJoint | UniformGravity)
-        ]
-        if (
-            others
-            or len(scene.all(BallJoint)) != 1
-            or len(scene.bodies) != 1
-            or scene.bodies.fixed.any()
-        ):
-            if others:
-                return f"{others[0]} beside a ball joint"
-            return "not one free body on one ball joint"
-        joint = scene.all(BallJoint)[0]
-        if np.count_nonzero(joint.anchor_a) > 1:
+        if np.count_nonzero(scene.all(BallJoint)[0].anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"
         if not _about_joint(scene).all():
             return "no inertia about one of the axes through the joint"
         return _astray(scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity, attitude and omega at the samples."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """Moments about the joint, arm and weight, and rows for attitude and omega in body axes."""
         scene = request.problem.scene
-        t = np.ascontiguousarray(request.problem.times)
+        t = request.problem.times
         bodies = scene.bodies
-        joint = scene.all(BallJoint)[0]
-        arm = -np.array(joint.anchor_a)
-        weight = bodies.mass[0] * single.gravity(scene)
-        # A row: attitude, omega in body axes [rad/s].
         omega_body = rotated(conjugate(bodies.attitude[0]), bodies.omega[0])
         states = np.empty((len(t), 7))
         states[0] = np.concatenate([bodies.attitude[0], omega_body])
-        columns = (_about_joint(scene), arm, weight)
-        given = [pointer("spinning_top", np.ascontiguousarray(column)) for column in columns]
-        out = pointer("spinning_top", states, output=True)
-        started = perf_counter()
-        failed = load("spinning_top").lib.refdem_spinning_top(
-            *given, len(t), pointer("spinning_top", t), out
+        weight = bodies.mass[0] * single.gravity(scene)
+        return KernelCall(
+            function="refdem_spinning_top",
+            inputs=(_about_joint(scene), _arm(scene), weight),
+            clock=samples(t),
+            outputs=(states,),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if failed:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity, attitude and omega at the samples."""
+        if status:
             raise EngineError(
-                f"spinning-top: the series do not reach sample {failed - 1}; expected a motion"
+                f"spinning-top: the series do not reach sample {status - 1}; expected a motion"
                 " without singularities"
             )
+        scene = request.problem.scene
+        (states,) = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         omega = rotated(attitude, states[:, 4:])
-        reach = rotated(attitude, arm)
-        found: dict[str, Any] = {
-            "position": reach + single.anchor(joint),
+        reach = rotated(attitude, _arm(scene))
+        columns = {
+            "position": reach + single.anchor(scene.all(BallJoint)[0]),
             "velocity": np.cross(omega, reach),
             "attitude": attitude,
             "omega": omega,
         }
-        rows: dict[str, Any] = {}
-        for name, values in found.items():
-            # The first row is the start as it came, not as it is rounded here.
-            values[0] = getattr(bodies, name)[0]
-            rows[name] = np.ascontiguousarray(values[:, None])
-        return Trajectory(t=t, **rows), cost
+        return Trajectory(t=request.problem.times, **turning_states(scene.bodies, columns))
+
+
+def _arm(scene: Scene) -> Array:
+    """From the joint to the centre of mass (3,) [m], in body axes."""
+    return -np.array(scene.all(BallJoint)[0].anchor_a)
 
 
 def _about_joint(scene: Scene) -> Array:

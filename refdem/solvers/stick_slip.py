@@ -3,26 +3,23 @@ driven or not (kernels/stick_slip.c).
 """
 
 from math import sqrt
-from time import perf_counter
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
+from refdem.core.trajectory import Event, Trajectory
 from refdem.scene import Scene
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples_from_start
+from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, ScenePattern
 
 Array = NDArray[np.float64]
-ELEMENTS = (Spring, Slider, Force, UniformGravity)
 FAMILY = "stick_slip"
 MOST_EVENTS = 100_000
 KINDS = {1: "stick", 2: "slip"}
@@ -32,7 +29,7 @@ direction.
 """
 
 
-class StickSlip(Solver):
+class StickSlip(KernelSolver):
     """Taylor series of order 20 from event to event; sticks with exactly the velocity of the
     belt.
     """
@@ -49,60 +46,60 @@ class StickSlip(Solver):
     )
     kernels = (FAMILY,)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one point on a linear spring of natural length 0 and a slider, with at most one
-        force, all along one line.
+    pattern = ScenePattern(
+        elements={Spring: ONE, Slider: ONE, Force: OPTIONAL, UniformGravity: ANY},
+        bodies=ONE,
+        only_points=True,
+        irreversible="a body that sticks may have come from anywhere",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a linear spring of natural length 0 and a slider that holds, all along one
+        line.
         """
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
-        if others:
-            return f"{others[0]} is more than an oscillator with dry friction has"
-        springs = scene.all(Spring)
-        sliders = scene.all(Slider)
-        counts = (len(scene.bodies), len(springs), len(sliders))
-        if counts != (1, 1, 1) or len(scene.all(Force)) > 1:
-            return "expected one body, one spring, one slider and at most one force"
-        if scene.bodies.fixed.any():
-            return "spring and slider do not tie a body to the world"
-        if springs[0].length or not single.is_linear(springs[0]) or not springs[0].stiffness > 0:
+        spring = scene.all(Spring)[0]
+        slider = scene.all(Slider)[0]
+        if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"
-        if not sliders[0].coefficient(0.0) * sliders[0].normal_force > 0:
+        if not slider.coefficient(0.0) * slider.normal_force > 0:
             return "the slider does not hold"
-        if problem.interval < 0:
-            return "time runs backwards, and a body that sticks may have come from anywhere"
-        return single.turning(scene) or _off_line(scene)
+        return _off_line(scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Place, velocity, the work done against friction and drive, and the events."""
-        begun = perf_counter()
+    def prepare(self, request: Request) -> KernelCall:
+        """The law and the start along the line in the kernel's unit of time, and room for events
+        and for place, velocity and work.
+        """
         scene = request.problem.scene
-        t = np.ascontiguousarray(request.problem.times)
-        axis = np.array(scene.all(Slider)[0].axis)
-        anchor = single.anchor(scene.all(Spring)[0])
-        out = np.empty((len(t), 3))
-        told = np.empty((MOST_EVENTS, 2))
-        # The kernel is told the motion in its own unit of time [s].
+        bodies = scene.bodies
+        t = request.problem.times
         unit = law_time_unit(scene)
-        law = belt_law(scene, unit)
-        place = float(axis @ (scene.bodies.position[0] - anchor))
-        speed = float(axis @ scene.bodies.velocity[0]) * unit
-        clock = np.ascontiguousarray(t / unit)
-        buffers = [pointer(FAMILY, array, output=True) for array in (told, out)]
-        lib = load(FAMILY).lib
-        started = perf_counter()
-        count = lib.refdem_stick_slip(
-            law, place, speed, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers
+        axis = np.array(scene.all(Slider)[0].axis)
+        place = float(axis @ (bodies.position[0] - single.anchor(scene.all(Spring)[0])))
+        speed = float(axis @ bodies.velocity[0]) * unit
+        return KernelCall(
+            function="refdem_stick_slip",
+            inputs=(belt_law(scene, unit), place, speed),
+            clock=(*samples_from_start(t / unit), MOST_EVENTS),
+            outputs=(np.empty((MOST_EVENTS, 2)), np.empty((len(t), 3))),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Place, velocity, the work done against friction and drive, and the events."""
+        scene = request.problem.scene
+        t = request.problem.times
+        unit = law_time_unit(scene)
+        axis = np.array(scene.all(Slider)[0].axis)
+        # The kernel returns how many events it has told.
+        told, rows = call.outputs
         events = []
-        for time, kind in told[:count]:
-            if time <= clock[-1]:
+        for time, kind in told[:status]:
+            if time <= t[-1] / unit:
                 events.append(Event(time=float(time * unit), kind=KINDS[int(kind)], body=0))
-        position = anchor + out[:, :1, None] * axis
-        velocity = out[:, 1:2, None] / unit * axis
-        channels = {"dissipated_work": out[:, 2].copy()}
-        found = Trajectory.of_points(t, position, velocity, channels=channels, events=tuple(events))
-        return found, cost
+        position = single.anchor(scene.all(Spring)[0]) + rows[:, :1, None] * axis
+        velocity = rows[:, 1:2, None] / unit * axis
+        channels = {"dissipated_work": rows[:, 2].copy()}
+        return Trajectory.of_points(t, position, velocity, channels=channels, events=tuple(events))
 
 
 def law_time_unit(scene: Scene) -> float:
@@ -113,7 +110,7 @@ def law_time_unit(scene: Scene) -> float:
     return single.time_unit([sqrt(mass / stiffness), *(1.0 / turn for turn in turns)])
 
 
-def belt_law(scene: Scene, unit: float = 1.0) -> Any:
+def belt_law(scene: Scene, unit: float = 1.0) -> Struct:
     """The scene in the kernel's words; places count from the spring's anchor.
 
     In another unit of time forces and work stay what they are if masses are divided by its square.
@@ -134,7 +131,7 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
         "phase": force.phase,
         "linear": slider.law == "stribeck_linear",
     }
-    return load(FAMILY).ffi.new("refdem_belt *", numbers)
+    return Struct(FAMILY, "refdem_belt", numbers)
 
 
 def _friction(slider: Slider, unit: float) -> dict[str, float]:

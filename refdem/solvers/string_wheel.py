@@ -2,27 +2,25 @@
 (kernels/string_wheel.c).
 """
 
-from time import perf_counter
-
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import UnsupportedError
-from refdem.kernels import load, pointer
 from refdem.scene import Scene
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
+from refdem.solvers._scene_pattern import ANY, ONE, TWO, ScenePattern
 from refdem.solvers._single_point import Array
-from refdem.solvers.solver import Solver
 
 FITS = 1e-9
 """Part of a length, or of a speed, by which the start may miss what the string allows: rounding."""
 
 
-class StringWheel(Solver):
+class StringWheel(KernelSolver):
     """Length and angle of the pendulum by Taylor series; the mass moves by as much as the string
     does.
     """
@@ -42,51 +40,48 @@ class StringWheel(Solver):
     )
     kernels = ("string_wheel",)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for two points on one string over one wheel that fit it."""
-        scene = problem.scene
-        others = [
-            element.kind
-            for element in scene.elements
-            if not isinstance(element, StringOverWheel | UniformGravity)
-        ]
-        if others:
-            return f"{others[0]} beside a string and gravity"
-        if (
-            len(scene.all(StringOverWheel)) != 1
-            or len(scene.bodies) != 2
-            or scene.bodies.fixed.any()
-        ):
-            return "not two free points on one string over a wheel"
-        if "dimension:3" in scene.features or not single.gravity(scene).any():
-            return "the motion is not in the plane x-y with gravity"
-        return single.turning(scene) or _astray(scene)
+    pattern = ScenePattern(
+        elements={StringOverWheel: ONE, UniformGravity: ANY},
+        bodies=TWO,
+        only_points=True,
+        in_plane=True,
+    )
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn
-        onto the wheel: no law of the scene says what becomes of it there."""
-        begun = perf_counter()
+    def unfit(self, problem: Motion) -> str | None:
+        """None for two points in gravity that fit the string."""
+        if not single.gravity(problem.scene).any():
+            return "nothing pulls the string taut: there is no gravity"
+        return _astray(problem.scene)
+
+    def prepare(self, request: Request) -> KernelCall:
+        """Masses, wheel and gravity, and rows for length, angle and their rates."""
         scene = request.problem.scene
-        t = np.ascontiguousarray(request.problem.times)
+        t = request.problem.times
         string, down, out = _frame(scene)
         states = np.empty((len(t), 4))
         states[0] = _start(scene, string, down, out)
         pendulum, counter = scene.bodies.mass[[string.a, string.b]]
-        g = float(np.linalg.norm(single.gravity(scene)))
-        given = pointer("string_wheel", t)
-        row = pointer("string_wheel", states, output=True)
-        started = perf_counter()
-        failed = load("string_wheel").lib.refdem_string_wheel(
-            pendulum, counter, string.drag, string.radius, g, len(t), given, row
+        gravity = float(np.linalg.norm(single.gravity(scene)))
+        return KernelCall(
+            function="refdem_string_wheel",
+            inputs=(pendulum, counter, string.drag, string.radius, gravity),
+            clock=samples(t),
+            outputs=(states,),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if failed:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn
+        onto the wheel: no law of the scene says what becomes of it there."""
+        scene = request.problem.scene
+        t = request.problem.times
+        if status:
             raise UnsupportedError(
                 "contact with the wheel: the pendulum is drawn onto it before t ="
-                f" {t[failed - 1]:.6g} s"
+                f" {t[status - 1]:.6g} s"
             )
-        position, velocity = _places(scene, string, down, out, states)
-        return Trajectory.of_points(t, position, velocity), cost
+        (states,) = call.outputs
+        position, velocity = _places(scene, *_frame(scene), states)
+        return Trajectory.of_points(t, position, velocity)
 
 
 def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:

@@ -2,22 +2,21 @@
 (kernels/taylor_oscillator.c).
 """
 
-from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Trajectory
 from refdem.errors import UnsupportedError
-from refdem.kernels import load, pointer
 from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
 from refdem.solvers import _single_point as single
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples_from_start
 
 
-class TaylorOscillator(Solver):
+class TaylorOscillator(KernelSolver):
     """Springs with a square and a cube, a dashpot of van der Pol's, any number of periodic
     forces.
     """
@@ -34,11 +33,10 @@ class TaylorOscillator(Solver):
     )
     kernels = ("taylor_oscillator",)
 
-    def unsupported(self, problem: Motion) -> str | None:
+    pattern = _line.PATTERN
+
+    def unfit(self, problem: Motion) -> str | None:
         """None for forces that are polynomials of place and velocity, and not merely harmonic."""
-        reason = _line.unsupported(problem)
-        if reason:
-            return reason
         scene = problem.scene
         spring = scene.all(Spring)[0]
         if spring.exponent not in (1, 3):
@@ -47,49 +45,51 @@ class TaylorOscillator(Solver):
             return "the square of a stretch that is never negative is no polynomial of the place"
         if single.is_linear(spring) and not {"dashpot", "force"} & scene.features:
             return "the motion is harmonic"
-        return None
+        return _line.askew(scene)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position, velocity and the work done against damping and drives at the samples."""
-        begun = perf_counter()
-        line = _line.line_of(request)
-        t = request.problem.times
-        kernel = load("taylor_oscillator")
-        out = np.empty((len(t), 3))
-        spring = line.spring
-        powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
-        if spring.exponent == 1:
-            own_power = "linear"
-        else:
-            own_power = "cubic"
-        powers[own_power] += spring.stiffness
-        drives = pointer("taylor_oscillator", line.drives)
-        given = {
+    def prepare(self, request: Request) -> KernelCall:
+        """The law and the start along the line, and rows for place, velocity and work."""
+        line = _line.line_of(request.problem.scene)
+        law = _powers(line.spring) | {
             "mass": line.mass,
-            **powers,
             "damping": line.damping,
             "van_der_pol": line.van_der_pol,
             "offset": line.offset,
             "weight": line.weight,
             "drives": len(line.drives),
-            "drive": drives,
+            "drive": line.drives,
         }
-        struct = kernel.ffi.new("refdem_oscillator *", given)
-        samples = pointer("taylor_oscillator", t)
-        rows = pointer("taylor_oscillator", out, output=True)
-        started = perf_counter()
-        failed = kernel.lib.refdem_taylor_oscillator(
-            struct, line.place, line.speed, t[0], len(t), samples, rows
+        t = request.problem.times
+        return KernelCall(
+            function="refdem_taylor_oscillator",
+            inputs=(Struct("taylor_oscillator", "refdem_oscillator", law), line.place, line.speed),
+            clock=samples_from_start(t),
+            outputs=(np.empty((len(t), 3)),),
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if failed:
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
+        """Position, velocity and the work done against damping and drives at the samples."""
+        if status:
             raise UnsupportedError(
-                f"taylor-oscillator: the motion goes to infinity before sample {failed - 1}"
+                f"taylor-oscillator: the motion goes to infinity before sample {status - 1}"
             )
+        scene = request.problem.scene
+        place, speed, work = call.outputs[0].T
         channels = {}
-        if not request.problem.scene.is_conservative():
-            channels["dissipated_work"] = out[:, 2].copy()
-        return line.trajectory(t, out[:, 0], out[:, 1], channels=channels), cost
+        if not scene.is_conservative():
+            channels["dissipated_work"] = work.copy()
+        line = _line.line_of(scene)
+        return line.trajectory(request.problem.times, place, speed, channels=channels)
+
+
+def _powers(spring: Spring) -> dict[str, Any]:
+    """Factors of the first, the second and the third power of the stretch."""
+    powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
+    if spring.exponent == 1:
+        powers["linear"] += spring.stiffness
+    else:
+        powers["cubic"] += spring.stiffness
+    return powers
 
 
 METHOD = TaylorOscillator()

@@ -2,24 +2,28 @@
 (kernels/tumbling_body.c).
 """
 
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.core.problem import Motion, Problem, Request
+from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
-from refdem.solvers._single_point import Array
-from refdem.solvers.solver import Solver
+from refdem.solvers._kernel_solver import (
+    KernelCall,
+    KernelSolver,
+    Struct,
+    samples,
+    turning_states,
+)
+from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 FAMILY = "tumbling_body"
 MOST_CORNERS = 32
@@ -29,7 +33,7 @@ KINDS = {0: "contact", 1: "release"}
 """Of an event, by the corner's mode before it: off, or pressing."""
 
 
-class TumblingBody(Solver):
+class TumblingBody(KernelSolver):
     """Contact and release of every corner are found to the last bit; nothing is fitted, nothing is
     smoothed.
     """
@@ -52,65 +56,75 @@ class TumblingBody(Solver):
     )
     kernels = (FAMILY,)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """None for one polyhedron under the linear law, whose corners slide as long as they press,
-        over one plane.
-        """
-        scene = problem.scene
-        others = [
-            e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)
-        ]
-        if others:
-            return f"{others[0]} beside contact, a plane and gravity"
-        laws = scene.all(Contact)
-        bodies = scene.bodies
-        if len(laws) != 1 or len(scene.all(Plane)) != 1 or len(bodies) != 1 or bodies.fixed.any():
-            return "not one free body over one plane under one contact law"
-        if (
-            not isinstance(bodies.shape[0], Polyhedron)
-            or not 0 < len(bodies.shape[0].vertices) <= MOST_CORNERS
-        ):
-            return f"not a polyhedron of at most {MOST_CORNERS} corners"
-        if not bodies.inertia[0].min() > 0:
-            return "no inertia about one of the axes"
-        return _law_unsupported(laws[0]) or _never_held(problem)
+    pattern = ScenePattern(
+        elements={Contact: ONE, Plane: ONE, UniformGravity: ANY},
+        bodies=ONE,
+        shape=Polyhedron,
+        law="linear",
+        has_inertia=True,
+    )
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a body whose corners slide as long as they press."""
+        scene = problem.scene
+        shape: Any = scene.bodies.shape[0]
+        if not 0 < len(shape.vertices) <= MOST_CORNERS:
+            return f"{len(shape.vertices)} corners; expected 1 to {MOST_CORNERS}"
+        return _law_unsupported(scene.all(Contact)[0]) or self._never_held(problem)
+
+    def _never_held(self, problem: Motion) -> str | None:
+        """None if no corner that presses comes to a stop, where friction without a tangential
+        spring would have to hold it.
+        """
+        if not problem.scene.all(Contact)[0].friction > 0:
+            return None
+        if problem.interval < 0:
+            return "friction runs forward only"
+        if _call(problem).made(FAMILY) < 0:
+            return (
+                "a corner that presses comes to a stop: friction without a tangential spring does"
+                " not say what holds it"
+            )
+        return None
+
+    def prepare(self, request: Request) -> KernelCall:
+        """Body, plane and law, and room for events, for channels and for states."""
+        return _call(request.problem)
+
+    def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """States, contact channels and events; raises EngineError where a corner that presses comes
         to a stop.
         """
-        scene = request.problem.scene
-        times = np.ascontiguousarray(request.problem.times)
-        states, channels, events, cost = _followed(scene, times)
-        if events is None:
+        if status < 0:
             raise EngineError(
                 "tumbling-body: a corner that presses comes to a stop; expected a tangential"
                 " spring, or less friction"
             )
+        # A row: attitude, omega and velocity in body axes, position, work.
+        told, contacts, states = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
-        columns: dict[str, Any] = {
+        columns = {
             "position": states[:, 10:13],
             "velocity": rotated(attitude, states[:, 7:10]),
             "attitude": attitude,
             "omega": rotated(attitude, states[:, 4:7]),
         }
-        rows: dict[str, Any] = {}
-        for name, values in columns.items():
-            # The first row is the start as it came, not as it is rounded here.
-            values[0] = getattr(scene.bodies, name)[0]
-            rows[name] = np.ascontiguousarray(values[:, None])
-        shown = dict(zip(CHANNELS, channels.T.copy(), strict=True))
-        shown["dissipated_work"] = states[:, 13].copy()
-        told = []
-        for t, mode, _ in events:
+        channels = dict(zip(CHANNELS, contacts.T.copy(), strict=True))
+        channels["dissipated_work"] = states[:, 13].copy()
+        # The kernel returns how many events it has told.
+        events = []
+        for when, mode, _ in told[:status]:
             if mode in KINDS:
-                told.append(Event(time=float(t), kind=KINDS[int(mode)], body=0))
-        return Trajectory(t=times, channels=shown, events=tuple(told), **rows), cost
+                events.append(Event(time=float(when), kind=KINDS[int(mode)], body=0))
+        return Trajectory(
+            t=request.problem.times,
+            channels=channels,
+            events=tuple(events),
+            **turning_states(request.problem.scene.bodies, columns),
+        )
 
 
 def _law_unsupported(law: Contact) -> str | None:
-    if law.law != "linear":
-        return f"contact law {law.law}"
     if law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R"):
         return "friction on corners with a tangential spring, or away from the corner"
     if law.cutoff == "zero_force" or law.damping == 0:
@@ -118,71 +132,45 @@ def _law_unsupported(law: Contact) -> str | None:
     return "corners that pull"
 
 
-def _never_held(problem: Motion) -> str | None:
-    """None if no corner that presses comes to a stop, where friction without a tangential spring
-    would have to hold it.
-    """
-    if not problem.scene.all(Contact)[0].friction > 0:
-        return None
-    if problem.interval < 0:
-        return "friction runs forward only"
-    _, _, events, _ = _followed(problem.scene, np.ascontiguousarray(problem.times))
-    if events is None:
-        return (
-            "a corner that presses comes to a stop: friction without a tangential spring does not"
-            " say what holds it"
-        )
-    return None
-
-
-def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, Cost]:
-    """States (T, 14), channels (T, 3) and events (E, 3) of the kernel; no events where it does not
+def _call(problem: Problem) -> KernelCall:
+    """The kernel's call for a motion: it returns the number of events, below 0 where it does not
     reach the last sample.
     """
-    begun = perf_counter()
+    scene = problem.scene
+    t = problem.times
+    bodies = scene.bodies
+    back = conjugate(bodies.attitude[0])
+    omega_body = rotated(back, bodies.omega[0])
+    velocity_body = rotated(back, bodies.velocity[0])
+    start = (bodies.attitude[0], omega_body, velocity_body, bodies.position[0])
+    states = np.zeros((len(t), 14))
+    states[0, :13] = np.concatenate(start)
+    return KernelCall(
+        function="refdem_tumbling_body_run",
+        inputs=(_struct(scene),),
+        clock=(*samples(t), MOST_EVENTS),
+        outputs=(np.zeros((MOST_EVENTS, 3)), np.zeros((len(t), 3)), states),
+    )
+
+
+def _struct(scene: Scene) -> Struct:
+    """Body, plane and contact law in the kernel's words."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     plane = scene.all(Plane)[0]
-    kernel = load(FAMILY)
     shape: Any = bodies.shape[0]
-    back = conjugate(bodies.attitude[0])
-    states = np.zeros((len(times), 14))
-    channels = np.zeros((len(times), 3))
-    events = np.zeros((MOST_EVENTS, 3))
-    turning = rotated(back, bodies.omega[0])
-    moving = rotated(back, bodies.velocity[0])
-    states[0, :13] = np.concatenate([bodies.attitude[0], turning, moving, bodies.position[0]])
-    given: dict[str, Any] = {
+    fields = {
         "inertia": bodies.inertia[0],
         "gravity": single.gravity(scene),
         "plane": np.array([*plane.point, *plane.normal]),
         "corner": np.array(shape.vertices, float),
-    }
-    # The arrays must live as long as the struct, which does not keep them.
-    kept = {
-        name: pointer(FAMILY, np.ascontiguousarray(column, float)) for name, column in given.items()
-    }
-    numbers = {
         "stiffness": law.stiffness,
         "damping": law.damping,
         "friction": law.friction,
         "mass": bodies.mass[0],
         "corners": len(shape.vertices),
     }
-    struct = kernel.ffi.new("refdem_tumbling_body *", {**kept, **numbers})
-    event, channel, out = (
-        pointer(FAMILY, array, output=True) for array in (events, channels, states)
-    )
-    started = perf_counter()
-    count = kernel.lib.refdem_tumbling_body_run(
-        struct, len(times), pointer(FAMILY, times), MOST_EVENTS, event, channel, out
-    )
-    cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-    if count >= 0:
-        reached = events[:count]
-    else:
-        reached = None
-    return states, channels, reached, cost
+    return Struct(FAMILY, "refdem_tumbling_body", fields)
 
 
 METHOD = TumblingBody()

@@ -4,12 +4,12 @@ where a contact begins or ends.
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.scene import Scene
 from refdem.solvers import _particles
-from refdem.solvers.solver import Solver
+from refdem.solvers._particles import Array
 
 
-class VelocityVerlet(Solver):
+class VelocityVerlet(_particles.ParticleSolver):
     """Second order, symplectic and reversible while no contact changes; second order and reversible
     through contacts.
 
@@ -33,15 +33,18 @@ class VelocityVerlet(Solver):
         locates_events=True,
         cost_rank=30,
     )
-    kernels = (_particles.FAMILY,)
 
-    def unsupported(self, problem: Motion) -> str | None:
-        """Points and spheres under springs, gravity, a central field and linear contact."""
-        return _particles.unsupported(problem)
+    def unfit(self, problem: Motion) -> str | None:
+        """None for all springs, bodies and contacts that the kernel has."""
+        return _particles.unfit(problem)
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Fixed steps in the direction of time."""
-        return _particles.run(request, request.signed_step, request.stride)
+    def origin(self, scene: Scene) -> Array:
+        """Places count from where they are given."""
+        return _particles.ORIGIN
+
+    def stride(self, request: Request) -> int:
+        """As many steps as the request asks for."""
+        return request.stride
 
 
 METHOD = VelocityVerlet()

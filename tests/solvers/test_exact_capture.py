@@ -68,7 +68,7 @@ def test_what_is_on_the_circle_goes_on(solved):
                 [Body(mass=1.0)], [Catch(a=0, radius=1.0), UniformGravity(g=(0.0, -1.0, 0.0))]
             ),
             T,
-            "freely",
+            "uniform_gravity; expected only catch",
         ),
         (Scene.of([Body(mass=1.0)] * 2, [Catch(a=0, b=1, radius=1.0)]), T, "bodies"),
     ],

@@ -102,7 +102,7 @@ SCENE = cluster()
         (Scene(SCENE.bodies, (*SCENE.elements, Rod(a=0, length=1.0))), "to the world"),
         (SCENE.with_state(position=SCENE.bodies.position * 1.1), "long"),
         (SCENE.with_state(velocity=SCENE.bodies.position), "speed along"),
-        (Scene(SCENE.bodies, ()), "nothing"),
+        (Scene(SCENE.bodies, ()), "no elements of kind rod"),
     ],
 )
 def test_what_is_no_rigid_body_is_refused(scene, reason):

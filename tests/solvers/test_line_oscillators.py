@@ -239,7 +239,7 @@ REFUSED = [
         "exact-power",
         [Spring(a=0, stiffness=1.0, exponent=2.0), UniformGravity(g=(1.0, 0.0, 0.0))],
         {},
-        "more than a spring",
+        "uniform_gravity; expected only spring",
     ),
     ("taylor-oscillator", [Spring(a=0, stiffness=1.0, exponent=1.5)], {}, "no polynomial"),
     (
@@ -248,7 +248,12 @@ REFUSED = [
         {},
         "no polynomial of the place",
     ),
-    ("taylor-oscillator", [Spring(a=0, stiffness=1.0, cubic=1.0)] * 2, {}, "2 springs"),
+    (
+        "taylor-oscillator",
+        [Spring(a=0, stiffness=1.0, cubic=1.0)] * 2,
+        {},
+        "2 elements of kind spring",
+    ),
     ("velocity-verlet", [Spring(a=0, stiffness=1.0), Force(a=0, amplitude=1.0)], {}, "force"),
     ("rk4", [Spring(a=0, stiffness=1.0), Dashpot(a=0, damping=1.0)], {}, "dashpot"),
     ("equilibrium", [Spring(a=0, stiffness=1.0), Force(a=0, amplitude=1.0)], {}, "force"),

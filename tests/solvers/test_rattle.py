@@ -206,13 +206,13 @@ HUNG = Body(mass=1.0, position=(1.0, 0.0, 0.0))
 @pytest.mark.parametrize(
     ("scene", "reason"),
     [
-        (Scene.of([Body(mass=1.0)], [GRAVITY]), "no rod"),
+        (Scene.of([Body(mass=1.0)], [GRAVITY]), "no elements of kind rod"),
         (
             Scene.of(
                 [Body(mass=1.0, position=(1.0, 0.0, 0.0))],
                 [Rod(a=0, length=1.0), Slider(a=0, friction=0.5, normal_force=1.0)],
             ),
-            "slider is not",
+            "of kind slider; expected only rod",
         ),
         (
             Scene.of(

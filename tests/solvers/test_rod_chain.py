@@ -209,7 +209,7 @@ def changed(scene, *, elements=None, **columns):
             changed(shaken(), position=np.add(shaken().bodies.position, (0.1, 0.0, 0.0))),
             "law of time",
         ),
-        (Scene.of([Body(mass=1.0)], [DOWN]), "0 rods"),
+        (Scene.of([Body(mass=1.0)], [DOWN]), "no elements of kind rod"),
     ],
 )
 def test_what_is_no_planar_chain_is_refused(scene, reason):

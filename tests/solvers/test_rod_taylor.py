@@ -120,7 +120,7 @@ def test_length_anchor_and_direction_of_gravity_are_free(solved):
     [
         (hanging((0.6, -0.8, 0.0), (0.6, -0.8, 0.0)), "speed along the rod"),
         (hanging((0.6, -0.9, 0.0), (0.0, 0.0, 0.0)), "long"),
-        (Scene.of([Body(mass=1.0)], [UniformGravity(g=(0.0, -G, 0.0))]), "0 elements of kind rod"),
+        (Scene.of([Body(mass=1.0)], [UniformGravity(g=(0.0, -G, 0.0))]), "no elements of kind rod"),
     ],
 )
 def test_what_no_rigid_rod_does_is_refused(scene, reason):

@@ -98,7 +98,7 @@ TOP = hung(omega=(0.0, 0.0, 3.0))
         (TOP.with_state(position=TOP.bodies.position + 0.1), "open at the start"),
         (TOP.with_state(velocity=TOP.bodies.velocity + 0.1), "moves at the start"),
         (Scene(TOP.bodies, (BallJoint(a=0, anchor_a=(0.1, 0.0, -0.5)),)), "principal axis"),
-        (Scene(TOP.bodies, TOP.elements[1:]), "not one free body"),
+        (Scene(TOP.bodies, TOP.elements[1:]), "no elements of kind ball_joint"),
         (Scene(TOP.bodies, (*TOP.elements, Rod(a=0, length=0.5))), "rod"),
         (hung(inertia=(0.0, 0.0, 0.0)), "no inertia"),
     ],

@@ -138,7 +138,10 @@ def test_a_section_of_another_scene_is_refused():
         (belted(length=1.0, position=(1.0, 0.0, 0.0)), "natural length 0"),
         (belted(UniformGravity(g=(0.0, -1.0, 0.0))), "along the slider"),
         (belted(position=(1.0, 0.5, 0.0)), "along the slider"),
-        (belted(Force(a=0, amplitude=1.0), Force(a=0, amplitude=1.0)), "at most one force"),
+        (
+            belted(Force(a=0, amplitude=1.0), Force(a=0, amplitude=1.0)),
+            "2 elements of kind force; expected at most one",
+        ),
         (
             Scene.of([Body(mass=1.0)], [Spring(a=0, stiffness=1.0), Slider(a=0, normal_force=1.0)]),
             "does not hold",

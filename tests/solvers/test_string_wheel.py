@@ -154,8 +154,8 @@ STILL = hanging()
     [
         (STILL, None),
         (hanging(speed=1.0), None),
-        (Scene(STILL.bodies, STILL.elements[:1]), "with gravity"),
-        (Scene(STILL.bodies, STILL.elements[1:]), "one string"),
+        (Scene(STILL.bodies, STILL.elements[:1]), "no gravity"),
+        (Scene(STILL.bodies, STILL.elements[1:]), "no elements of kind string_over_wheel"),
         (
             changed(STILL, position=np.add(STILL.bodies.position, [(0, 0, 0), (0.1, 0, 0)])),
             "straight down",

@@ -120,8 +120,8 @@ def test_other_scenes_are_refused():
     (body,) = scene.bodies.single()
     many = msgspec.structs.replace(body.shape, vertices=body.shape.vertices * 5)
     points = [msgspec.structs.replace(body, shape=many)]
-    assert "at most 32 corners" in refused(Scene.of(points, scene.elements))
-    assert "not one free body" in refused(Scene.of(scene.bodies.single() * 2, scene.elements))
+    assert "expected 1 to 32" in refused(Scene.of(points, scene.elements))
+    assert "2 bodies; expected one" in refused(Scene.of(scene.bodies.single() * 2, scene.elements))
 
 
 def refused(scene):
