@@ -84,16 +84,28 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
     for (int n = 0; n < ORDER; n++) {
         double w = y->w[n];
         double part = PART[n + 1];
-        double v = side * w + (n ? 0.0 : p->belt);
-        double bend = p->linear ? w : coefficient(&bent, w, w, n);
-        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n];
-        double even = n ? 0.0 : p->normal_force * p->mu1;
-        q[n] = n ? fma(w, fall * first, fall * share.sum[n]) : first;
+        /* What is constant in time has a coefficient of order 0 only. */
+        double belt = 0.0;
+        double weight = 0.0;
+        double even = 0.0;
+        if (n == 0) {
+            belt = p->belt;
+            weight = p->weight;
+            even = p->normal_force * p->mu1;
+        }
+        double v = side * w + belt;
+        double bend = w;
+        if (!p->linear)
+            bend = coefficient(&bent, w, w, n);
+        double pull = force[n] + weight - p->stiffness * y->x[n];
+        q[n] = first;
+        if (n > 0)
+            q[n] = fma(w, fall * first, fall * share.sum[n]);
         y->x[n + 1] = v * part;
-        y->w[n + 1] = n == 0 && m->fresh == 2
-                          ? 0.0
-                          : fma(-drop * ease * part, q[n],
-                                ease * part * (side * pull - even - curve * bend));
+        y->w[n + 1] = fma(-drop * ease * part, q[n],
+                          ease * part * (side * pull - even - curve * bend));
+        if (n == 0 && m->fresh == 2) /* after sticking u' begins at 0, exactly */
+            y->w[1] = 0.0;
         grow(&share, w, q[n], n);
         if (!p->linear)
             grow(&bent, w, w, n);
@@ -103,10 +115,16 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
             grow(&power, lost, v, n);
         }
     }
-    for (int n = 0; m->follows && n < ORDER; n++)
-        y->rate[n] = p->normal_force
-                     * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n])
-                        - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
+    if (!m->follows)
+        return;
+    /* N mu'(s) = N (lambda1 2 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
+    for (int n = 0; n < ORDER; n++) {
+        double slope = 2.0 * y->w[n];
+        if (p->linear)
+            slope = n == 0;
+        double falling = (p->mu0 - p->mu1) * p->lambda0 * square(q, n);
+        y->rate[n] = p->normal_force * (p->lambda1 * slope - falling);
+    }
 }
 
 /* The longest step for which the last terms stay at a quarter of an ulp of the motion's own sizes:
@@ -127,9 +145,16 @@ static inline double step_of(const belt *p, const piece *y)
 static inline double stop_of(const motion *m, const piece *y, double *restrict h)
 {
     double a[ORDER + 1];
-    for (int n = 0; n <= ORDER; n++)
-        a[n] = n + m->fresh <= ORDER ? y->w[n + m->fresh] : 0.0;
+    without_zeros(y->w, m->fresh, a);
     return first_zero_soon(a, h);
+}
+
+/* 1 or -1: the sign of a pull, and so the side to which it lets go. */
+static inline int side_of(double pull)
+{
+    if (pull > 0.0)
+        return 1;
+    return -1;
 }
 
 static inline double pull_at(const belt *p, const motion *m, double since, double *restrict slope)
@@ -143,11 +168,14 @@ static inline double pull_at(const belt *p, const motion *m, double since, doubl
 static inline double passing(const belt *p, const motion *m, double limit, double low, double high)
 {
     double slope;
-    double side = pull_at(p, m, high, &slope) > 0.0 ? 1.0 : -1.0;
+    double side = side_of(pull_at(p, m, high, &slope));
     bracket b = bracketed(low, high);
     for (int i = 0; i < 1200 && open_still(&b); i++) {
         double f = limit - side * pull_at(p, m, b.at, &slope);
-        narrowed(&b, f, i % 8 == 7 ? 0.0 : -side * slope);
+        double rate = -side * slope;
+        if (i % 8 == 7) /* a half now and then, where Newton's steps creep */
+            rate = 0.0;
+        narrowed(&b, f, rate);
     }
     return b.high;
 }
@@ -163,12 +191,14 @@ static inline double release_of(const belt *p, const motion *m)
     double low = 0.0;
     if (fabs(first) >= limit && first * slope > 0.0)
         return 0.0;
-    double longest = lead != 0.0 ? 2.0 * (limit + fabs(p->amplitude)) / fabs(lead)
-                                       + 1.0 / fmax(p->frequency, 1.0)
-                                 : INFINITY;
-    if (swing <= fabs(lead))
-        return lead != 0.0 ? passing(p, m, limit, 0.0, longest) : INFINITY;
-    /* P' = 0 where sin(phase) = -k belt/(F w) */
+    if (swing <= fabs(lead)) { /* the pull is monotone */
+        if (lead == 0.0)       /* and does not change at all */
+            return INFINITY;
+        double ramp = 2.0 * (limit + fabs(p->amplitude)) / fabs(lead);
+        double longest = ramp + 1.0 / fmax(p->frequency, 1.0);
+        return passing(p, m, limit, 0.0, longest);
+    }
+    /* P' = 0 where sin(phase) = -k belt/(F w). */
     double c, s;
     double angle = asin(-lead / (p->amplitude * p->frequency));
     double turn = 2.0 * DD_PI.hi;
@@ -178,8 +208,11 @@ static inline double release_of(const belt *p, const motion *m)
     for (int i = 0; i < 2; i++)
         next[i] -= turn * floor(next[i] / turn);
     for (int64_t k = 0; k < MOST_PIECES; k++) {
-        double phase
-            = (k % 2 ? fmax(next[0], next[1]) : fmin(next[0], next[1])) + turn * (double)(k / 2);
+        /* Two turning points a turn of the drive. */
+        double within = fmin(next[0], next[1]);
+        if (k % 2 == 1)
+            within = fmax(next[0], next[1]);
+        double phase = within + turn * (double)(k / 2);
         double high = phase / p->frequency;
         if (fabs(pull_at(p, m, high, &slope)) > limit)
             return passing(p, m, limit, low, high);
@@ -194,8 +227,10 @@ static inline double release_of(const belt *p, const motion *m)
 static inline void next_piece(const belt *p, const motion *m, int with_work, piece *restrict y)
 {
     if (m->side == 0) {
-        for (int n = 0; n <= ORDER; n++)
-            y->x[n] = y->w[n] = y->work[n] = y->rate[n] = 0.0;
+        memset(y->x, 0, sizeof y->x);
+        memset(y->w, 0, sizeof y->w);
+        memset(y->work, 0, sizeof y->work);
+        memset(y->rate, 0, sizeof y->rate);
         y->x[0] = m->x.hi;
         y->x[1] = p->belt;
         y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi);
@@ -207,8 +242,12 @@ static inline void next_piece(const belt *p, const motion *m, int with_work, pie
     expand(p, m, with_work, y);
     double h = step_of(p, y);
     double stop = stop_of(m, y, &h);
-    y->event = stop > 0.0 ? STOPS : 0;
-    y->end = stop > 0.0 ? stop : h;
+    y->event = 0;
+    y->end = h;
+    if (stop > 0.0) {
+        y->event = STOPS;
+        y->end = stop;
+    }
 }
 
 /* The tangent carried along a slip: dx' = du, m du' = -k dx - N mu'(|u|) du. */
@@ -233,7 +272,9 @@ static inline int pass(const belt *p, motion *m, const piece *y)
         carried(p, m, y);
     m->x = grown(m->x, gained(y->x, y->end));
     m->work = grown(m->work, gained(y->work, y->end));
-    m->w = y->event ? 0.0 : value(y->w, y->end);
+    m->w = 0.0; /* exactly, at an event */
+    if (!y->event)
+        m->w = value(y->w, y->end);
     m->now = dd_add(m->now, dd_of(y->end));
     m->fresh = 0;
     if (!y->event)
@@ -243,7 +284,7 @@ static inline int pass(const belt *p, motion *m, const piece *y)
     double pull = pull_at(p, m, 0.0, &slope);
     int before = m->side;
     if (y->event == LEAVES) {
-        m->side = pull > 0.0 ? 1 : -1;
+        m->side = side_of(pull);
         m->fresh = 2;
         return LEAVES;
     }
@@ -252,7 +293,7 @@ static inline int pass(const belt *p, motion *m, const piece *y)
         m->tangent[1] = 0.0;
         return STOPS;
     }
-    m->side = pull > 0.0 ? 1 : -1;
+    m->side = side_of(pull);
     m->fresh = 1;
     m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);
     return 0;
@@ -268,11 +309,15 @@ static inline motion begun(const belt *p, double x0, double v0, double t0)
     m.swing[0] = p->amplitude;
     for (int n = 1; n < ORDER; n++)
         m.swing[n] = m.swing[n - 1] * p->frequency * PART[n];
-    m.side = v0 > p->belt ? 1 : v0 < p->belt ? -1 : 0;
+    m.side = 0;
+    if (v0 > p->belt)
+        m.side = 1;
+    else if (v0 < p->belt)
+        m.side = -1;
     double slope;
     double pull = pull_at(p, &m, 0.0, &slope);
     if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0) {
-        m.side = pull > 0.0 ? 1 : -1;
+        m.side = side_of(pull);
         m.fresh = 1;
     }
     return m;

@@ -18,9 +18,8 @@
 #include "gas_contact.h"
 #include "gas_list.h"
 
-#define GRID                                                                                       \
-    8.0 /* times the fastest body at the start: faster ones are still right, but no longer on the  \
-           grid */
+/* Times the fastest body at the start: faster ones are still right, but no longer on the grid. */
+#define GRID 8.0
 
 int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
 {
@@ -33,8 +32,10 @@ static void touch(gas *g, share *t, int rank, double time)
 {
     int64_t base = rank * g->p->most_contacts;
     const contact *before = g->contact[t->side];
-    contact *now = g->contact[t->side ^= 1] + base;
-    t->contacts = t->crossing = 0;
+    t->side ^= 1;
+    contact *now = g->contact[t->side] + base;
+    t->contacts = 0;
+    t->crossing = 0;
     for (int64_t m = 0; m < t->pairs; m++) {
         double n[3];
         double deep = overlap(g, t->a[m], t->b[m], t->image[m], n);
@@ -58,13 +59,21 @@ static void touch(gas *g, share *t, int rank, double time)
             t->event[2 * t->events + 1] = (double)g->now.label[c->a];
         }
         t->events += !was;
-        if (g->p->friction > 0.0)
-            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0,
-                    time != 0.0);
+        if (g->p->friction > 0.0) {
+            /* Below 0: a pair that has changed its order since. */
+            const contact *same = NULL;
+            double sense = 1.0;
+            if (was != 0)
+                same = before + abs(was) - 1;
+            if (was < 0)
+                sense = -1.0;
+            stretch(g, c, same, sense, time != 0.0);
+        }
         press(g, c);
         if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
             t->out[t->crossing++] = (int32_t)t->contacts;
-        t->was[m] = (int32_t)(base + ++t->contacts);
+        t->contacts++;
+        t->was[m] = (int32_t)(base + t->contacts);
     }
 }
 
@@ -82,7 +91,9 @@ static inline void given(gas *g, share *t, int64_t i, double sign, const contact
     }
     for (int k = 0; k < 3; k++)
         kick[k] += sign * c->push[k];
-    for (int k = 0; k < 3 && rubs; k++)
+    if (!rubs)
+        return;
+    for (int k = 0; k < 3; k++)
         turn[k] += c->twist[k];
 }
 
@@ -121,7 +132,9 @@ static void gathered(gas *g, share *t, int rank)
 static void turned(const double *w, double time, const double *q, double *out)
 {
     double angle = 0.5 * time * sqrt(dot(w, w));
-    double part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time;
+    double part = 0.5 * time; /* sin(angle)/angle tends to 1 */
+    if (angle != 0.0)
+        part = 0.5 * time * sin(angle) / angle;
     double c = cos(angle);
     double v[3] = {part * w[0], part * w[1], part * w[2]};
     double across[3], found[4];
@@ -129,8 +142,9 @@ static void turned(const double *w, double time, const double *q, double *out)
     found[0] = c * q[0] - dot(v, q + 1);
     for (int k = 0; k < 3; k++)
         found[1 + k] = c * q[1 + k] + q[0] * v[k] + across[k];
-    double unit
-        = angle != 0.0 ? 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1)) : 1.0;
+    double unit = 1.0; /* what does not turn keeps its bits */
+    if (angle != 0.0)
+        unit = 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1));
     for (int k = 0; k < 4; k++)
         out[k] = found[k] * unit;
 }
@@ -192,10 +206,12 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
     for (int64_t k = 0; k < g->threads; k++) {
         const contact *c = g->contact[t->side] + k * g->p->most_contacts;
         const contact *end = c + g->share[k].contacts;
-        for (channel[0] += (double)g->share[k].contacts; c < end; c++)
+        channel[0] += (double)g->share[k].contacts;
+        for (; c < end; c++)
             work -= 0.5 * g->h * c->power + stored(g, c);
     }
-    g->first_work = s ? g->first_work : work;
+    if (s == 0)
+        g->first_work = work;
     channel[1] = work - g->first_work;
 }
 
@@ -258,7 +274,9 @@ static void begun(gas *g, double step)
 {
     const refdem_gas *p = g->p;
     int64_t n = g->n;
-    double room = p->size > 0.0 ? 0.5 * p->size - p->diameter : SKIN * p->diameter;
+    double room = SKIN * p->diameter;
+    if (p->size > 0.0) /* a body meets one image of another at a time */
+        room = 0.5 * p->size - p->diameter;
     double most = 0.0;
     size_t three = (size_t)(3 * n) * sizeof(double);
     memcpy(g->now.x, g->out_x, three);
@@ -281,8 +299,10 @@ static void begun(gas *g, double step)
     g->skin = fmin(SKIN * p->diameter, 0.9 * room);
     g->reach = p->diameter + g->skin;
     g->h = step;
-    g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1)
-                          : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
+    /* 1.5 2^52 times a grid of 2^-53 of the next power of two. */
+    g->round = 0.0;
+    if (most > 0.0)
+        g->round = ldexp(0.75, ilogb(GRID * most) + 1);
     images_placed(g);
 }
 

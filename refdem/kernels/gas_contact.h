@@ -55,6 +55,14 @@ static inline double overlap(const gas *g, int64_t a, int64_t b, int image, doub
     return d - r;
 }
 
+/* A velocity or a spin as it is, or later, as the last forces predict it. */
+static inline double expected(const double *now, const double *change, int64_t at, int later)
+{
+    if (later)
+        return now[at] + change[at];
+    return now[at] + 0.0;
+}
+
 /* Velocity of a against b at the ends of their levers, without what is along the normal; `later`:
  * as the last forces predict it for the end of the step. Returns the rate of the overlap. */
 static inline double slips(const gas *g, const contact *c, const double *n, double deep, int later,
@@ -65,15 +73,17 @@ static inline double slips(const gas *g, const contact *c, const double *n, doub
     double arm = 0.5 * g->p->diameter - g->p->branch * deep;
     double spin[3], turned[3];
     for (int k = 0; k < 3; k++) {
-        slip[k] = g->now.v[a + k] + (later ? g->now.kick[a + k] : 0.0);
-        slip[k] -= c->b < 0 ? 0.0 : g->now.v[b + k] + (later ? g->now.kick[b + k] : 0.0);
+        slip[k] = expected(g->now.v, g->now.kick, a + k, later);
+        if (c->b >= 0) /* a plane rests */
+            slip[k] -= expected(g->now.v, g->now.kick, b + k, later);
     }
     double rate = dot(slip, n);
     if (!(g->p->friction > 0.0))
         return rate;
     for (int k = 0; k < 3; k++) {
-        spin[k] = g->now.w[a + k] + (later ? g->now.turn[a + k] : 0.0);
-        spin[k] += c->b < 0 ? 0.0 : g->now.w[b + k] + (later ? g->now.turn[b + k] : 0.0);
+        spin[k] = expected(g->now.w, g->now.turn, a + k, later);
+        if (c->b >= 0)
+            spin[k] += expected(g->now.w, g->now.turn, b + k, later);
         spin[k] *= arm;
     }
     cross(spin, n, turned);
@@ -91,10 +101,14 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
     double half = 0.5 * g->h;
     if (before == NULL) {
         double rate = slips(g, c, c->n, c->deep, 0, slip);
-        double since = rate * g->h > 0.0 ? c->deep / rate : g->h;
+        double since = g->h;
         memset(c->bend, 0, sizeof c->bend);
-        if (has_moved)
-            add(c->bend, fabs(since) < fabs(g->h) ? since : g->h, slip);
+        if (!has_moved)
+            return;
+        /* The overlap has grown at its rate since it began, but not for longer than a step. */
+        if (rate * g->h > 0.0 && fabs(c->deep / rate) < fabs(g->h))
+            since = c->deep / rate;
+        add(c->bend, since, slip);
         return;
     }
     double old[3], both[3];
@@ -131,7 +145,9 @@ static inline void press(const gas *g, contact *c)
     if (p->friction > 0.0) {
         double limit = p->friction * fmax(normal, 0.0);
         double held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
-        double kept = held > limit ? limit / held : 1.0;
+        double kept = 1.0;
+        if (held > limit) /* it slides: the spring is cut to its limit */
+            kept = limit / held;
         double rub[3];
         double arm = 0.5 * p->diameter - p->branch * c->deep;
         for (int k = 0; k < 3; k++) {
@@ -151,7 +167,9 @@ static inline void press(const gas *g, contact *c)
 /* Energy that a contact's tangential spring holds. */
 static inline double stored(const gas *g, const contact *c)
 {
-    return g->p->friction > 0.0 ? 0.5 * g->p->tangential_stiffness * dot(c->bend, c->bend) : 0.0;
+    if (!(g->p->friction > 0.0))
+        return 0.0;
+    return 0.5 * g->p->tangential_stiffness * dot(c->bend, c->bend);
 }
 
 #endif

@@ -11,15 +11,19 @@
 
 #include "gas_state.h"
 
-#define SKIN                                                                                       \
-    0.5 /* diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 % */
+/* Diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 %. */
+#define SKIN 0.5
 #define LONGEST 1024 /* cells along an edge, at most */
 
 /* d of the nearest image of a body, for bodies less than one box and a half apart. */
 static inline double nearest(double d, double size)
 {
     double half = 0.5 * size;
-    return d > half ? d - size : d < -half ? d + size : d;
+    if (d > half)
+        return d - size;
+    if (d < -half)
+        return d + size;
+    return d;
 }
 
 /* Image of the box that is x, y, z = -1, 0 or 1 boxes away. */
@@ -30,9 +34,12 @@ static inline int image_of(int x, int y, int z)
 
 static void images_placed(gas *g)
 {
-    for (int k = 0; k < IMAGES; k++)
-        for (int c = 0, rest = k; c < 3; c++, rest /= 3)
-            g->shift[k][c] = g->p->size * (rest % 3 == 2 ? -1 : rest % 3);
+    static const int boxes[3] = {0, 1, -1};
+    for (int k = 0; k < IMAGES; k++) {
+        g->shift[k][0] = g->p->size * boxes[k % 3];
+        g->shift[k][1] = g->p->size * boxes[k / 3 % 3];
+        g->shift[k][2] = g->p->size * boxes[k / 9];
+    }
 }
 
 /* Moves whole boxes from the share's positions to their count, and finds its extent. */
@@ -40,17 +47,20 @@ static void wrapped(gas *g, share *t)
 {
     double size = g->p->size;
     double *x = g->now.x;
-    for (int64_t i = 3 * t->from; size > 0.0 && i < 3 * t->to; i++) {
-        if (x[i] >= 0.0 && x[i] < size)
-            continue;
-        double boxes = floor(x[i] / size);
-        x[i] -= boxes * size;
-        g->now.boxes[i] += (int32_t)boxes;
+    if (size > 0.0) { /* the box is the extent */
+        for (int64_t i = 3 * t->from; i < 3 * t->to; i++) {
+            if (x[i] >= 0.0 && x[i] < size)
+                continue;
+            double boxes = floor(x[i] / size);
+            x[i] -= boxes * size;
+            g->now.boxes[i] += (int32_t)boxes;
+        }
+        return;
     }
     for (int c = 0; c < 3; c++) {
         t->low[c] = INFINITY;
         t->high[c] = -INFINITY;
-        for (int64_t i = t->from; !(size > 0.0) && i < t->to; i++) {
+        for (int64_t i = t->from; i < t->to; i++) {
             t->low[c] = fmin(t->low[c], x[3 * i + c]);
             t->high[c] = fmax(t->high[c], x[3 * i + c]);
         }
@@ -65,29 +75,52 @@ static void measured(gas *g)
     while ((most + 1) * (most + 1) * (most + 1) <= most_cells(g->p) && most < LONGEST)
         most++;
     for (int c = 0; c < 3; c++) {
-        double low = g->share[0].low[c];
-        double high = g->share[0].high[c];
-        for (int64_t k = 1; k < g->threads; k++) {
-            low = fmin(low, g->share[k].low[c]);
-            high = fmax(high, g->share[k].high[c]);
+        double low = 0.0;
+        double wide = g->p->size;
+        if (!(g->p->size > 0.0)) { /* no box: the extent of all shares */
+            low = g->share[0].low[c];
+            double high = g->share[0].high[c];
+            for (int64_t k = 1; k < g->threads; k++) {
+                low = fmin(low, g->share[k].low[c]);
+                high = fmax(high, g->share[k].high[c]);
+            }
+            wide = high - low;
         }
-        g->low[c] = g->p->size > 0.0 ? 0.0 : low;
-        double wide = g->p->size > 0.0 ? g->p->size : high - low;
         double fit = floor(wide / g->reach);
-        g->cells[c] = fit > (double)most ? most : fit < 1.0 ? 1 : (int64_t)fit;
+        g->low[c] = low;
+        g->cells[c] = (int64_t)fmax(1.0, fmin(fit, (double)most));
         g->side[c] = (double)g->cells[c] / fmax(wide, g->reach);
     }
-    for (int c = 0; c < 3 && g->p->size > 0.0; c++)
-        if (g->cells[c] < 3)
-            g->cells[0] = g->cells[1] = g->cells[2] = 1;
+    if (!(g->p->size > 0.0))
+        return;
+    int64_t fewest = g->cells[0];
+    for (int c = 1; c < 3; c++) {
+        if (g->cells[c] < fewest)
+            fewest = g->cells[c];
+    }
+    if (fewest < 3) {
+        for (int c = 0; c < 3; c++)
+            g->cells[c] = 1;
+    }
+}
+
+/* A cell's number along an edge, kept inside it. */
+static inline int64_t within(int64_t at, int64_t cells)
+{
+    if (at < 0)
+        return 0;
+    if (at >= cells)
+        return cells - 1;
+    return at;
 }
 
 static inline int64_t cell_of(const gas *g, const double *x)
 {
     int64_t at[3];
     for (int c = 0; c < 3; c++) {
-        at[c] = g->cells[c] == 1 ? 0 : (int64_t)((x[c] - g->low[c]) * g->side[c]);
-        at[c] = at[c] < 0 ? 0 : at[c] >= g->cells[c] ? g->cells[c] - 1 : at[c];
+        at[c] = 0;
+        if (g->cells[c] > 1)
+            at[c] = within((int64_t)((x[c] - g->low[c]) * g->side[c]), g->cells[c]);
     }
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
@@ -160,8 +193,10 @@ static void sorted(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
     memset(t->count, 0, (size_t)all * sizeof(int32_t));
-    for (int64_t i = t->from; i < t->to; i++)
-        t->count[g->cell[i] = (int32_t)cell_of(g, g->now.x + 3 * i)]++;
+    for (int64_t i = t->from; i < t->to; i++) {
+        g->cell[i] = (int32_t)cell_of(g, g->now.x + 3 * i);
+        t->count[g->cell[i]]++;
+    }
     together(&g->team);
     counted(g, t, rank);
     for (int64_t i = t->from; i < t->to; i++)
@@ -177,7 +212,8 @@ static void sorted(gas *g, share *t, int rank)
     contact *own = g->contact[t->side] + rank * g->p->most_contacts;
     for (int64_t k = 0; k < t->contacts; k++) {
         own[k].a = g->gone[own[k].a];
-        own[k].b = own[k].b < 0 ? own[k].b : g->gone[own[k].b];
+        if (own[k].b >= 0) /* planes keep their numbers */
+            own[k].b = g->gone[own[k].b];
     }
     together(&g->team);
 }
@@ -214,7 +250,10 @@ static void all_listed(gas *g, share *t, int64_t i)
         int away[3] = {0, 0, 0};
         for (int c = 0; c < 3 && size > 0.0; c++) {
             double d = g->now.x[3 * j + c] - g->now.x[3 * i + c];
-            away[c] = nearest(d, size) < d ? -1 : nearest(d, size) > d ? 1 : 0;
+            if (nearest(d, size) < d)
+                away[c] = -1;
+            else if (nearest(d, size) > d)
+                away[c] = 1;
         }
         listed(g, t, i, j, j + 1, image_of(away[0], away[1], away[2]));
     }
@@ -224,10 +263,11 @@ static void all_listed(gas *g, share *t, int64_t i)
 static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int own, int y, int z)
 {
     int64_t n = g->cells[0];
-    int64_t low = own ? x : x > 0 ? x - 1 : 0;
-    int64_t high = x + 1 < n ? x + 1 : n - 1;
-    listed(g, t, i, own ? i + 1 : g->start[base + low], g->start[base + high + 1],
-           image_of(0, y, z));
+    int64_t high = within(x + 1, n);
+    int64_t begin = g->start[base + within(x - 1, n)];
+    if (own) /* bodies lie in the order of their cells */
+        begin = i + 1;
+    listed(g, t, i, begin, g->start[base + high + 1], image_of(0, y, z));
     if (!(g->p->size > 0.0))
         return;
     if (x == 0 && !own)
@@ -249,7 +289,10 @@ static void neighbours_listed(gas *g, share *t, int64_t i)
         int64_t to[2] = {y + rows[k][0], z + rows[k][1]};
         int over[2] = {0, 0};
         for (int c = 0; c < 2; c++) {
-            over[c] = to[c] < 0 ? -1 : to[c] >= n[c + 1] ? 1 : 0;
+            if (to[c] < 0)
+                over[c] = -1;
+            else if (to[c] >= n[c + 1])
+                over[c] = 1;
             to[c] -= over[c] * n[c + 1];
         }
         if (g->p->size > 0.0 || (!over[0] && !over[1]))
@@ -296,7 +339,9 @@ static void found_again(gas *g, share *t)
              k < s * g->p->most_contacts + g->share[s].contacts; k++) {
             const contact *c = g->contact[t->side] + k;
             int64_t same = place_of(t, c->a, c->b);
-            int64_t turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
+            int64_t turned = -1;
+            if (same < 0 && c->b >= 0)
+                turned = place_of(t, c->b, c->a);
             if (same >= 0)
                 t->was[same] = (int32_t)(k + 1);
             if (turned >= 0)

@@ -12,8 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-#define IMAGES                                                                                     \
-    27 /* a body's own place and its neighbours in a periodic box; the first is the own */
+/* A body's own place and its neighbours in a periodic box; the first is the own. */
+#define IMAGES 27
 
 /* Bodies a and b, or plane -1 - b; normal from a to b, overlap, tangential spring (of a against b),
  * and half a step's change of the velocity of a (-b), and of the spin of both. */
@@ -77,8 +77,11 @@ static void columns_placed(const refdem_gas *p, columns *c, uint8_t **at)
     c->x = placed(at, three);
     c->v = placed(at, three);
     c->kick = placed(at, three);
-    c->w = placed(at, p->turning ? three : 0);
-    c->turn = placed(at, p->turning ? three : 0);
+    int64_t turning = 0; /* bytes of a column that is there only if spheres turn */
+    if (p->turning)
+        turning = three;
+    c->w = placed(at, turning);
+    c->turn = placed(at, turning);
     c->boxes = placed(at, 12 * n);
     c->label = placed(at, 4 * n);
     c->mark = placed(at, n);
@@ -114,7 +117,10 @@ static int64_t laid_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *r
     g->since = placed(&at, 4 * n);
     g->start = placed(&at, 4 * (most_cells(p) + 1));
     g->lost = placed(&at, 8 * n);
-    g->attitude = placed(&at, p->turning ? 32 * n : 0);
+    int64_t attitudes = 0;
+    if (p->turning)
+        attitudes = 32 * n;
+    g->attitude = placed(&at, attitudes);
     for (int k = 0; k < 2; k++)
         g->contact[k] = placed(&at, threads * p->most_contacts * (int64_t)sizeof(contact));
     for (int64_t k = 0; k < threads; k++) {

@@ -36,8 +36,12 @@ static void together(team *t)
         atomic_store_explicit(&t->round, round + 1, memory_order_release);
         return;
     }
-    for (int looks = 0; atomic_load_explicit(&t->round, memory_order_acquire) == round; looks++)
-        looks < PATIENCE ? pause_a_moment() : (void)sched_yield();
+    for (int looks = 0; atomic_load_explicit(&t->round, memory_order_acquire) == round; looks++) {
+        if (looks < PATIENCE)
+            pause_a_moment();
+        else
+            sched_yield();
+    }
 }
 
 typedef struct {
@@ -74,7 +78,10 @@ static int at_work(team *t, int members, void (*work)(void *shared, int rank), v
         if (pthread_create(&thread[had], NULL, on_duty, &given[had]))
             break;
     }
-    atomic_store_explicit(&t->go, had == members ? 1 : -1, memory_order_release);
+    int go = -1; /* all go home if one is missing */
+    if (had == members)
+        go = 1;
+    atomic_store_explicit(&t->go, go, memory_order_release);
     if (had == members)
         work(shared, 0);
     for (int k = 1; k < had; k++)

@@ -56,9 +56,11 @@ static inline void pressed(const pair *p, const motion *m, stretch *restrict z,
     z->force[n] = p->stiffness * d + p->damping * z->y[G][n];
     z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n]
                  - p->branch * coefficient(&by->spun, d, spins, n);
-    z->across[n] = m->mode == HOLDS   ? -p->tangential_stiffness * z->spring[n]
-                   : m->mode == SLIPS ? -m->side * p->friction * z->force[n]
-                                      : 0.0;
+    z->across[n] = 0.0;
+    if (m->mode == HOLDS)
+        z->across[n] = -p->tangential_stiffness * z->spring[n];
+    else if (m->mode == SLIPS)
+        z->across[n] = -m->side * p->friction * z->force[n];
     grow(&by->spun, d, spins, n);
 }
 
@@ -67,13 +69,15 @@ static inline void pressed(const pair *p, const motion *m, stretch *restrict z,
 static inline void spent(const pair *p, const motion *m, stretch *restrict z)
 {
     double g[ROOM], slip[ROOM], sum[2 * ROOM];
-    double friction = m->mode == FREE ? 0.0 : -1.0;
-    for (int n = 0; n < ROOM; n++) {
-        int is_known = n <= ORDER;
-        g[n] = is_known ? z->y[G][n] : 0.0;
-        slip[n] = is_known ? z->slip[n] : 0.0;
-        sum[n] = sum[ROOM + n] = 0.0;
-    }
+    double friction = -1.0;
+    if (m->mode == FREE)
+        friction = 0.0;
+    /* Known coefficients, and zeros up to a whole vector. */
+    memset(sum, 0, sizeof sum);
+    memset(g, 0, sizeof g);
+    memset(slip, 0, sizeof slip);
+    memcpy(g, z->y[G], sizeof z->y[G]);
+    memcpy(slip, z->slip, sizeof z->slip);
     for (int n = 0; n <= ORDER; n++) {
         double a = p->damping * g[n];
         double b = friction * z->across[n];
@@ -110,7 +114,9 @@ static void expand(const pair *p, const motion *m, stretch *restrict z)
         double g = z->y[G][n];
         double q = z->y[Q][n];
         double f = z->across[n];
-        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first;
+        double o = first;
+        if (n > 0)
+            o = (q + fma(d, first, by.turned.sum[n])) * reach;
         double lever = p->branch * coefficient(&by.levered, d, f, n);
         z->y[D][n + 1] = g * part;
         z->y[G][n + 1] = -(coefficient(&by.swept, q, o, n) + p->ease * z->force[n]) * part;
@@ -153,10 +159,11 @@ static double step_of(const pair *p, const stretch *z)
 static void watched(const double *a, int skip, int next, stretch *restrict z)
 {
     series b;
-    for (int n = 0; n <= ORDER; n++)
-        b[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
+    without_zeros(a, skip, b);
     double end = z->end;
-    double at = b[0] < 0.0 ? 0.0 : first_zero_soon(b, &end);
+    double at = 0.0; /* what begins below zero has passed it */
+    if (!(b[0] < 0.0))
+        at = first_zero_soon(b, &end);
     if (at >= 0.0 && (at < z->end || z->next < 0)) {
         z->end = at;
         z->next = next;
@@ -164,6 +171,13 @@ static void watched(const double *a, int skip, int next, stretch *restrict z)
         z->end = end;
         z->next = -1;
     }
+}
+
+/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot that
+ * would pull. */
+static int ends_with_force(const pair *p)
+{
+    return p->no_pull && p->damping > 0.0;
 }
 
 /* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the
@@ -178,10 +192,17 @@ static void rubbing(const pair *p, const motion *m, stretch *restrict z)
         a[ORDER] = 0.0;
         watched(a, 0, HOLDS, z);
     }
-    for (int side = -1; m->mode == HOLDS && side <= 1; side += 2) {
+    if (m->mode != HOLDS)
+        return;
+    for (int side = -1; side <= 1; side += 2) {
+        int skip = 0;
+        if (m->fresh == 1) /* pressed just now: both limits begin at zero */
+            skip = 1;
+        else if (side == m->side) /* held just now: the limit that it came from */
+            skip = m->fresh;
         for (int n = 0; n <= ORDER; n++)
             a[n] = share * z->force[n] - side * z->spring[n];
-        watched(a, m->fresh == 1 ? 1 : side == m->side ? m->fresh : 0, SLIPS, z);
+        watched(a, skip, SLIPS, z);
     }
 }
 
@@ -190,9 +211,13 @@ static void next_stretch(const pair *p, const motion *m, stretch *restrict z)
     expand(p, m, z);
     z->end = step_of(p, z);
     z->next = -1;
-    int ends = p->no_pull && p->damping > 0.0;
-    watched(ends ? z->force : z->y[D], ends ? 0 : m->touch, APART, z);
-    if (p->friction > 0.0 && !ends && p->damping > 0.0 && m->mode != FREE)
+    if (ends_with_force(p))
+        watched(z->force, 0, APART, z);
+    else
+        watched(z->y[D], m->touch, APART, z);
+    /* A force that pulls does not rub. */
+    int may_pull = !ends_with_force(p) && p->damping > 0.0;
+    if (p->friction > 0.0 && may_pull && m->mode != FREE)
         watched(z->force, 0, FREE, z);
     if (m->mode != FREE)
         rubbing(p, m, z);
@@ -225,6 +250,13 @@ static void at(const pair *p, const motion *m, const stretch *z, double since, d
     y[WORK] = m->y[WORK] + lost(z, since);
 }
 
+static int side_of(double value)
+{
+    if (value > 0.0)
+        return 1;
+    return -1;
+}
+
 /* What springs hold and do not give back: the tangential one, and the normal one once the force has
  * ended. */
 static double held(const pair *p, const motion *m, const double *restrict y, double spring)
@@ -233,16 +265,21 @@ static double held(const pair *p, const motion *m, const double *restrict y, dou
     double left = fmax(y[D], 0.0);
     if (m->mode == APART)
         return 0.5 * p->stiffness * left * left;
-    double bent = m->mode == HOLDS   ? spring
-                  : m->mode == SLIPS ? p->friction * force / p->tangential_stiffness
-                                     : 0.0;
+    double bent = 0.0;
+    if (m->mode == HOLDS)
+        bent = spring;
+    else if (m->mode == SLIPS)
+        bent = p->friction * force / p->tangential_stiffness;
     return 0.5 * p->tangential_stiffness * bent * bent;
 }
 
+/* Moves to the end of a stretch and through its event. */
 static void pass(const pair *p, motion *m, const stretch *z)
 {
     double y[STATES];
-    double share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
+    double share = 0.0;
+    if (p->tangential_stiffness > 0.0)
+        share = p->friction / p->tangential_stiffness;
     at(p, m, z, z->end, y);
     double spring = z->spring[0] + gained(z->spring, z->end);
     memcpy(m->y, y, sizeof y);
@@ -253,12 +290,12 @@ static void pass(const pair *p, motion *m, const stretch *z)
     if (z->next < 0)
         return;
     if (z->next == SLIPS)
-        m->side = spring > 0.0 ? 1 : -1;
+        m->side = side_of(spring);
     if (z->next == HOLDS) {
         m->spring = m->side * share * (p->stiffness * y[D] + p->damping * y[G]);
         m->fresh = 2;
     }
-    if (z->next == APART && !(p->no_pull && p->damping > 0.0))
+    if (z->next == APART && !ends_with_force(p))
         m->y[D] = 0.0;
     m->mode = z->next;
 }
@@ -270,13 +307,17 @@ static motion begun(const pair *p, const double *start)
     memcpy(m.y, start, 6 * sizeof *start);
     m.y[D] = fmax(m.y[D], 0.0);
     double force = p->stiffness * m.y[D] + p->damping * m.y[G];
-    double limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
+    double limit = INFINITY; /* a spring that is pressed holds what it has */
+    if (m.fresh)             /* a touch: the limit grows with the force */
+        limit = p->stiffness * m.y[G];
     double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I]
                   + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
-    m.side = slip > 0.0 ? 1 : -1;
-    m.mode = p->friction == 0.0 || force < 0.0                            ? FREE
-             : fabs(slip) * p->tangential_stiffness > p->friction * limit ? SLIPS
-                                                                          : HOLDS;
+    m.side = side_of(slip);
+    m.mode = HOLDS;
+    if (fabs(slip) * p->tangential_stiffness > p->friction * limit)
+        m.mode = SLIPS;
+    if (p->friction == 0.0 || force < 0.0) /* what pulls does not rub */
+        m.mode = FREE;
     return m;
 }
 
@@ -294,12 +335,16 @@ int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_
             next_stretch(p, &m, &z);
         for (; row < samples && t[row] - m.now <= z.end; row++, out += 12) {
             double since = t[row] - m.now;
+            double spring = 0.0;
             at(p, &m, &z, since, out);
-            int presses = m.mode != APART;
-            out[9] = presses;
-            out[10] = presses ? p->stiffness * out[D] + p->damping * out[G] : 0.0;
-            out[11] = out[WORK]
-                      - held(p, &m, out, presses ? z.spring[0] + gained(z.spring, since) : 0.0);
+            out[9] = 0.0;
+            out[10] = 0.0;
+            if (m.mode != APART) { /* they press */
+                out[9] = 1.0;
+                out[10] = p->stiffness * out[D] + p->damping * out[G];
+                spring = z.spring[0] + gained(z.spring, since);
+            }
+            out[11] = out[WORK] - held(p, &m, out, spring);
         }
         if (row == samples)
             break;

@@ -42,7 +42,9 @@ static inline void lean(const meeting *m, double stiffness, double h, double *re
     if (fast == 0.0)
         return;
     double along = dot(s, m->slip) / fast;
-    double decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
+    double decay = 0.0; /* a force without a limit to its friction turns the spring at once */
+    if (m->limit > 0.0)
+        decay = exp(-fast * stiffness * h / m->limit);
     double tangent = decay * sqrt(fmax(0.0, 1.0 - along) / fmax(1e-300, 1.0 + along));
     double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent);
     double sine = 2.0 * tangent / (1.0 + tangent * tangent);
@@ -50,8 +52,9 @@ static inline void lean(const meeting *m, double stiffness, double h, double *re
     for (int c = 0; c < 3; c++)
         across[c] = s[c] - along * m->slip[c] / fast;
     double rest = size(across);
-    if (rest < STRAIGHT) /* motion in a plane: rounding must not turn the spring, least of all from
-                            where it points against the slip */
+    /* Motion in a plane: rounding must not turn the spring, least of all from where it points
+     * against the slip. */
+    if (rest < STRAIGHT)
         return;
     for (int c = 0; c < 3; c++)
         s[c] = cosine * m->slip[c] / fast + sine * across[c] / rest;
@@ -88,7 +91,9 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
 {
     for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
         double angle = 0.5 * h * size(w);
-        double part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h;
+        double part = 0.5 * h; /* sin(angle)/angle tends to 1 */
+        if (angle != 0.0)
+            part = 0.5 * h * sin(angle) / angle;
         double c = cos(angle);
         double v[3] = {part * w[0], part * w[1], part * w[2]};
         double old[4] = {q[0], q[1], q[2], q[3]};
@@ -97,8 +102,10 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
         q[0] = c * old[0] - dot(v, old + 1);
         for (int k = 0; k < 3; k++)
             q[1 + k] = c * old[1 + k] + old[0] * v[k] + across[k];
+        if (angle == 0.0) /* what does not turn keeps its bits */
+            continue;
         double unit = 1.5 - 0.5 * (q[0] * q[0] + dot(q + 1, q + 1));
-        for (int k = 0; k < 4 && angle != 0.0; k++)
+        for (int k = 0; k < 4; k++)
             q[k] *= unit;
     }
 }
@@ -108,7 +115,10 @@ static inline void kick(const runner *r, const double *from, const double *restr
                         double *to)
 {
     int64_t n = r->p->bodies;
-    for (int64_t c = 3 * n; c < (r->p->turning ? 9 * n : 6 * n); c++)
+    int64_t end = 6 * n;
+    if (r->p->turning)
+        end = 9 * n;
+    for (int64_t c = 3 * n; c < end; c++)
         gain(r, from, c, h * dy[c], to);
 }
 
@@ -139,7 +149,11 @@ static inline int verlet(const runner *r, const double *restrict y, const double
         kick(r, half, rate, 0.5 * h, out);
     }
     rates(p, r->mode, out, rate);
-    kick(r, lags ? half : out, rate, 0.5 * h, out);
+    /* The second half of the kick: anew from the half step where the first one was a guess. */
+    if (lags)
+        kick(r, half, rate, 0.5 * h, out);
+    else
+        kick(r, out, rate, 0.5 * h, out);
     out[work_at(p)] += 0.5 * h * (dy[work_at(p)] + rate[work_at(p)]);
     return 1;
 }
@@ -148,21 +162,27 @@ static inline int verlet(const runner *r, const double *restrict y, const double
 static inline void settle(const runner *r, double *restrict y)
 {
     const refdem_particles *p = r->p;
-    for (int64_t i = 0; p->turning && i < p->bodies; i++) {
-        double *q = y + 9 * p->bodies + 4 * i;
-        double norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
-        for (int c = 0; c < 4; c++)
-            q[c] /= norm;
+    if (p->turning) {
+        for (int64_t i = 0; i < p->bodies; i++) {
+            double *q = y + 9 * p->bodies + 4 * i;
+            double norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
+            for (int c = 0; c < 4; c++)
+                q[c] /= norm;
+        }
     }
-    for (int64_t k = 0; p->friction > 0.0 && k < p->pairs; k++) {
+    if (!(p->friction > 0.0))
+        return;
+    for (int64_t k = 0; k < p->pairs; k++) {
         double *s = y + history_at(p) + 3 * k;
         if (r->mode[k] < STICK)
             continue;
         meeting m = meet(p, k, y);
         add(s, -dot(s, m.n), m.n);
         double length = size(s);
-        for (int c = 0; r->mode[k] == SLIP && length > 0.0 && c < 3; c++)
-            s[c] /= length;
+        if (r->mode[k] == SLIP && length > 0.0) {
+            for (int c = 0; c < 3; c++)
+                s[c] /= length;
+        }
     }
 }
 
@@ -208,8 +228,11 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
             at[i] = y[i] + change[i];
         rates(r->p, r->mode, at, rate);
         for (int64_t i = 0; i < r->size; i++) {
-            double next = k < n ? before[i] + 2.0 * step * rate[i]
-                                : 0.5 * (before[i] + change[i] + step * rate[i]);
+            double next;
+            if (k < n)
+                next = before[i] + 2.0 * step * rate[i];
+            else /* the smoothing step at the end */
+                next = 0.5 * (before[i] + change[i] + step * rate[i]);
             before[i] = change[i];
             change[i] = next;
         }
@@ -220,7 +243,22 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
  * settled. */
 static inline double larger(double a, double b)
 {
-    return a > b || a != a ? a : b;
+    if (a > b || a != a)
+        return a;
+    return b;
+}
+
+/* What a difference in number i of a state is compared with. */
+static inline double scale_of(const runner *r, int64_t i)
+{
+    int64_t n = r->p->bodies;
+    if (i < 3 * n)
+        return r->length;
+    if (i < 6 * n)
+        return r->speed;
+    if (i < 9 * n)
+        return r->turning;
+    return 1.0; /* attitudes */
 }
 
 /* Largest difference of two rows in units of each block's scale; the direction of a slipping spring
@@ -229,23 +267,26 @@ static inline double gap(const runner *r, const double *restrict end, const doub
                          const double *restrict b)
 {
     const refdem_particles *p = r->p;
-    int64_t n = p->bodies;
     double worst = 0.0;
     for (int64_t i = 0; i < history_at(p); i++) {
-        double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
-        worst = a[i] == b[i]
-                    ? worst
-                    : larger(fabs(a[i] - b[i]) / scale, worst); /* at rest there is no scale */
+        if (a[i] != b[i]) /* at rest there is no scale */
+            worst = larger(fabs(a[i] - b[i]) / scale_of(r, i), worst);
     }
-    for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
+    if (!(p->friction > 0.0 && p->tangential_stiffness > 0.0))
+        return worst;
+    for (int64_t k = 0; k < p->pairs; k++) {
         if (r->mode[k] < STICK)
             continue;
-        meeting m = meet(p, k, end);
-        double strain = m.normal / (p->stiffness * p->radius[m.i]);
-        double unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
-        for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
-            worst = larger(fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0),
-                           worst);
+        double unit = fabs(r->way);
+        if (r->mode[k] != STICK) { /* a direction: it counts as its force does */
+            meeting m = meet(p, k, end);
+            double strain = m.normal / (p->stiffness * p->radius[m.i]);
+            unit = fmax(fabs(1e-3 / strain), 1.0);
+        }
+        const double *spring_a = a + history_at(p) + 3 * k;
+        const double *spring_b = b + history_at(p) + 3 * k;
+        for (int c = 0; c < 3; c++)
+            worst = larger(fabs(spring_a[c] - spring_b[c]) / unit, worst);
     }
     return worst;
 }
@@ -258,24 +299,31 @@ static inline void measure(runner *r, const double *restrict y, const double *re
     int64_t n = p->bodies;
     double radius = 0.0;
     double least = INFINITY;
-    for (int64_t i = 0; i < n; i++)
-        if (p->radius[i] > 0.0) {
-            radius = fmax(radius, p->radius[i]);
-            least = fmin(least, p->radius[i]);
-        }
+    for (int64_t i = 0; i < n; i++) {
+        if (!(p->radius[i] > 0.0)) /* a point */
+            continue;
+        radius = fmax(radius, p->radius[i]);
+        least = fmin(least, p->radius[i]);
+    }
     for (int64_t i = 0; i < 3 * n; i++) {
         r->length = fmax(r->length, fmax(fabs(y[i]), radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
     }
-    for (int64_t k = 0; k < p->pairs;
-         k++) { /* forces that hold each other leave the rounding of each */
+    /* Forces that hold each other leave the rounding of each. */
+    for (int64_t k = 0; k < p->pairs; k++) {
+        if (r->mode[k] < FREE)
+            continue;
         meeting m = meet(p, k, y);
-        double ease = m.j < 0 ? p->ease[m.i] : fmax(p->ease[m.i], p->ease[m.j]);
-        r->speed = fmax(r->speed, r->mode[k] < FREE ? 0.0 : fabs(h * m.normal) * ease);
+        double ease = p->ease[m.i];
+        if (m.j >= 0)
+            ease = fmax(ease, p->ease[m.j]);
+        r->speed = fmax(r->speed, fabs(h * m.normal) * ease);
     }
     r->turning = fmax(r->turning, r->speed / least);
-    for (int64_t i = spin_at(p); p->turning && i < spin_at(p) + 3 * n; i++)
-        r->turning = fmax(r->turning, fabs(y[i]));
+    if (p->turning) {
+        for (int64_t i = spin_at(p); i < spin_at(p) + 3 * n; i++)
+            r->turning = fmax(r->turning, fabs(y[i]));
+    }
     r->way = r->speed * fabs(h);
     r->length = fmax(r->length, r->way);
 }
@@ -325,9 +373,11 @@ static inline int extrapolation(const runner *r, const double *restrict y,
 static inline int step(const runner *r, const double *restrict y, const double *restrict dy,
                        double h, double *restrict out, double *restrict rate)
 {
-    return r->method == VERLET        ? verlet(r, y, dy, h, out, rate)
-           : r->method == RUNGE_KUTTA ? runge_kutta(r, y, dy, h, out, rate)
-                                      : extrapolation(r, y, dy, h, out, rate);
+    if (r->method == VERLET)
+        return verlet(r, y, dy, h, out, rate);
+    if (r->method == RUNGE_KUTTA)
+        return runge_kutta(r, y, dy, h, out, rate);
+    return extrapolation(r, y, dy, h, out, rate);
 }
 
 #endif

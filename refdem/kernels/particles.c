@@ -8,6 +8,7 @@
 #include "contact_modes.h"
 
 enum { MOST_EVENTS = 64, HALVES = 16 };
+enum { BEGINS = 1, ENDS = 2 }; /* what is told of a contact */
 
 typedef struct {
     double *y, *dy, *next, *rate; /* state and rates at the start and at the end of the step */
@@ -15,11 +16,10 @@ typedef struct {
     int64_t most, events;
 } course;
 
-static const double SLACK = 1e-15;
-static const double SHORTEST = 1e-6;
-static const double EDGE = 1.0 / 16.0;
-static const double NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise,
-                                      how narrow a dip is seen */
+static const double SLACK = 1e-15;     /* a guard that is off by no more is at zero */
+static const double SHORTEST = 1e-6;   /* part of a step: shorter pieces are not tried */
+static const double EDGE = 1.0 / 16.0; /* part of a step: where guards are seen to fall and rise */
+static const double NARROW = 1e-4;     /* part of a step: a dip as narrow as this is seen */
 
 /* A guard at a part of the step, by a step that ends there. */
 static double guard_at(const runner *r, course *c, int64_t k, int kind, double h, double part)
@@ -58,11 +58,16 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
     double at_high = last;
     double found = high;
     int side = 0;
+    /* What parts within rounding parts now: else it would stick and slip without end at the last
+     * bit. */
     if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
-        return 0.0; /* what parts within rounding parts now: else it would stick and slip without
-                       end at the last bit */
-    if (at_low <= SLACK && (low = risen(r, c, k, kind, h, high, &at_low)) == 0.0)
         return 0.0;
+    /* What begins at zero must first have risen. */
+    if (at_low <= SLACK) {
+        low = risen(r, c, k, kind, h, high, &at_low);
+        if (low == 0.0)
+            return 0.0;
+    }
     if (at_low <= 0.0)
         return 0.0;
     for (int tries = 0; tries < 80 && high - low > 2e-16 * high; tries++) {
@@ -76,12 +81,14 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
         if (value > 0.0) {
             low = found;
             at_low = value;
-            at_high *= side == 1 ? 0.5 : 1.0;
+            if (side == 1) /* twice on this side: the other end counts half */
+                at_high *= 0.5;
             side = 1;
         } else {
             high = found;
             at_high = value;
-            at_low *= side == -1 ? 0.5 : 1.0;
+            if (side == -1)
+                at_low *= 0.5;
             side = -1;
         }
     }
@@ -108,10 +115,13 @@ static int dipping(const runner *r, const course *c, int64_t k, const double *ea
                    const double *late, const double *last)
 {
     int found = 0;
-    for (int g = 0; g < GUARDS; g++)
-        if (guard(r, k, g, early, early + r->size) < guard(r, k, g, c->y, c->dy)
-            && guard(r, k, g, late, late + r->size) < last[g])
+    for (int g = 0; g < GUARDS; g++) {
+        double begins = guard(r, k, g, c->y, c->dy);
+        if (!(guard(r, k, g, early, early + r->size) < begins)) /* it does not fall */
+            continue;
+        if (guard(r, k, g, late, late + r->size) < last[g])
             found |= 1 << g;
+    }
     return found;
 }
 
@@ -126,7 +136,9 @@ static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
     double a = 1.0 - golden;
     double b = golden;
     double at_a = guard_at(r, c, k, kind, h, a);
-    double at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
+    double at_b = INFINITY; /* not asked where the earlier place fails already */
+    if (!(at_a < -SLACK))
+        at_b = guard_at(r, c, k, kind, h, b);
     while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
         if (at_a < at_b) {
             high = b;
@@ -143,7 +155,9 @@ static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
         }
     }
     *value = fmin(at_a, at_b);
-    return at_a < at_b ? a : b;
+    if (at_a < at_b)
+        return a;
+    return b;
 }
 
 /* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does.
@@ -162,14 +176,15 @@ static int leaving(const runner *r, course *c, double h, double *fraction, int64
         between(r, c, h, 1.0 - EDGE, late, late + r->size);
     }
     for (int64_t k = 0; k < r->p->pairs; k++) {
-        if (elsewhere) /* searches overwrite the end of the step */
-        {
+        if (elsewhere) { /* searches overwrite the end of the step */
             step(r, c->y, c->dy, h, c->next, c->rate);
             elsewhere = 0;
         }
         for (int g = 0; g < GUARDS; g++)
             value[g] = guard(r, k, g, c->next, c->rate);
-        int dips = looks_inside ? dipping(r, c, k, early, late, value) : 0;
+        int dips = 0;
+        if (looks_inside)
+            dips = dipping(r, c, k, early, late, value);
         for (int g = 0; g < GUARDS; g++) {
             double end = 1.0;
             double last = value[g];
@@ -185,7 +200,8 @@ static int leaving(const runner *r, course *c, double h, double *fraction, int64
                 *pair = k;
                 *kind = g;
             }
-            found = elsewhere = 1;
+            found = 1;
+            elsewhere = 1;
         }
     }
     if (elsewhere && !found)
@@ -193,14 +209,17 @@ static int leaving(const runner *r, course *c, double h, double *fraction, int64
     return found;
 }
 
+/* Notes what happened to a body at time t, as long as there is room. */
 static void note(course *c, double t, double what, double body)
 {
     double row[3] = {t, what, body};
-    if (c->events < c->most)
-        memcpy(c->event + 3 * c->events, row, sizeof row);
-    c->events += c->events < c->most;
+    if (c->events == c->most)
+        return;
+    memcpy(c->event + 3 * c->events, row, sizeof row);
+    c->events++;
 }
 
+/* The end of a step becomes the state. */
 static void accept(const runner *r, course *c)
 {
     const refdem_particles *p = r->p;
@@ -210,12 +229,17 @@ static void accept(const runner *r, course *c)
     swap = c->dy;
     c->dy = c->rate;
     c->rate = swap;
-    for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness == 0.0 && k < p->pairs; k++) {
+    if (!(p->friction > 0.0) || p->tangential_stiffness != 0.0)
+        return;
+    /* Without a spring the history is the direction of the slip. */
+    for (int64_t k = 0; k < p->pairs; k++) {
         if (r->mode[k] < SLIP)
             continue;
         meeting m = meet(p, k, c->y);
         double fast = size(m.slip);
-        for (int i = 0; fast > least_slip(p, &m) && i < 3; i++)
+        if (!(fast > least_slip(p, &m))) /* rounding has no direction */
+            continue;
+        for (int i = 0; i < 3; i++)
             c->y[history_at(p) + 3 * k + i] = m.slip[i] / fast;
     }
 }
@@ -242,12 +266,19 @@ static void change(runner *r, course *c, int64_t k, int kind, double t)
     if (before >= SLIP && now == STICK && r->p->tangential_stiffness == 0.0)
         stop(r->p, k, c->y);
     meeting m = meet(r->p, k, c->y);
-    if (before == PARTED
-        || now == PARTED) /* what the spring still holds when the force ends is lost */
-        c->y[work_at(r->p)]
-            += (now == PARTED ? 0.5 : -0.5) * r->p->stiffness * m.overlap * m.overlap;
-    if ((before >= FREE) != (now >= FREE))
-        note(c, t, now >= FREE ? 1.0 : 2.0, (double)r->p->pair[2 * k]);
+    /* What the spring still holds when the force ends is lost, until it presses again. */
+    double *work = c->y + work_at(r->p);
+    if (now == PARTED)
+        *work += 0.5 * r->p->stiffness * m.overlap * m.overlap;
+    else if (before == PARTED)
+        *work += -0.5 * r->p->stiffness * m.overlap * m.overlap;
+    int has_pressed = before >= FREE;
+    int presses = now >= FREE;
+    double body = (double)r->p->pair[2 * k];
+    if (presses && !has_pressed)
+        note(c, t, BEGINS, body);
+    if (has_pressed && !presses)
+        note(c, t, ENDS, body);
     rates(r->p, r->mode, c->y, c->dy);
 }
 
@@ -257,6 +288,22 @@ static int finite(const runner *r, const double *restrict y)
     for (int64_t i = 0; i < r->size; i++)
         none += 0.0 * y[i];
     return none == 0.0;
+}
+
+/* Steps to the end of a piece, which is halved until the step settles, or until halving no longer
+ * helps: `rough` from then on. Returns the piece. */
+static double measured(const runner *r, course *c, double piece, double h, int *rough)
+{
+    for (;;) {
+        int settled = step(r, c->y, c->dy, piece, c->next, c->rate);
+        if (settled || *rough)
+            return piece;
+        int is_shortest = fabs(piece) <= SHORTEST * fabs(h);
+        if (is_shortest || !finite(r, c->y))
+            *rough = 1; /* once more as it is: that step is kept */
+        else
+            piece *= 0.5;
+    }
 }
 
 /* One step of size h from time t, cut at events, and halved where extrapolation needs that. What
@@ -271,12 +318,9 @@ static void advance(runner *r, course *c, double t, double h)
     int kind = 0;
     int rough = 0;
     for (int events = 0; left != 0.0; piece = left) {
-        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && !rough) {
-            rough = fabs(piece) <= SHORTEST * fabs(h) || !finite(r, c->y);
-            piece *= rough ? 1.0 : 0.5;
-        }
-        if (r->p->pairs == 0 || events == MOST_EVENTS
-            || !leaving(r, c, piece, &fraction, &pair, &kind)) {
+        piece = measured(r, c, piece, h, &rough);
+        int looks = r->p->pairs > 0 && events < MOST_EVENTS;
+        if (!looks || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
             if (r->mode[pair] == FADE) {
@@ -315,12 +359,15 @@ static void observe(const runner *r, const double *restrict y, double *restrict 
         if (r->mode[k] < FREE)
             continue;
         channel[0] += 1.0;
-        channel[2] = fabs(m.normal) > fabs(channel[2]) ? m.normal : channel[2];
-        if (p->tangential_stiffness == 0.0 || p->hertz
-            || r->mode[k] < STICK) /* Hertz's spring keeps no account: see Contact */
+        if (fabs(m.normal) > fabs(channel[2]))
+            channel[2] = m.normal;
+        if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK)
             continue;
-        const double *s = y + history_at(p) + 3 * k;
-        double bent = r->mode[k] == STICK ? size(s) : m.limit / p->tangential_stiffness;
+        if (p->hertz) /* its spring keeps no account: see Contact */
+            continue;
+        double bent = m.limit / p->tangential_stiffness;
+        if (r->mode[k] == STICK)
+            bent = size(y + history_at(p) + 3 * k);
         channel[3] -= 0.5 * p->tangential_stiffness * bent * bent;
     }
 }

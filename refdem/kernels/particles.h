@@ -25,8 +25,8 @@ enum { APART, PARTED, FREE, STICK, SLIP, FADE };
 typedef struct {
     int64_t i, j;
     double n[3], turn[3], w[3], slip[3]; /* normal and its rate, velocity of i against j, slip */
-    double overlap, rate, normal,
-        limit; /* d, d', F, mu F (also below zero: a step may look beyond a release) */
+    double overlap, rate, normal; /* d, d', F */
+    double limit; /* mu F; below zero too: a step may look beyond a release */
     double arm_i, arm_j;
 } meeting;
 
@@ -39,12 +39,16 @@ static inline int64_t spin_at(const refdem_particles *p)
 
 static inline int64_t history_at(const refdem_particles *p)
 {
-    return p->turning ? 13 * p->bodies : 6 * p->bodies;
+    if (p->turning)
+        return 13 * p->bodies;
+    return 6 * p->bodies;
 }
 
 static inline int64_t work_at(const refdem_particles *p)
 {
-    return history_at(p) + (p->friction > 0.0 ? 3 * p->pairs : 0);
+    if (p->friction > 0.0)
+        return history_at(p) + 3 * p->pairs;
+    return history_at(p);
 }
 
 /* Geometry of pair k: normal, overlap and its rate. */
@@ -53,11 +57,13 @@ static inline void approach(const refdem_particles *p, int64_t k, const double *
 {
     const double *x = y;
     const double *v = y + 3 * p->bodies;
-    int64_t i = m->i = p->pair[2 * k];
-    int64_t j = m->j = p->pair[2 * k + 1];
+    int64_t i = p->pair[2 * k];
+    int64_t j = p->pair[2 * k + 1];
+    m->i = i;
+    m->j = j;
     double away[3];
     double distance = INFINITY;
-    if (j < 0) {
+    if (j < 0) { /* a plane: its point and its normal */
         const double *plane = p->plane + 6 * (-1 - j);
         for (int c = 0; c < 3; c++) {
             m->n[c] = -plane[3 + c];
@@ -80,21 +86,35 @@ static inline void approach(const refdem_particles *p, int64_t k, const double *
         m->turn[c] = (m->rate * m->n[c] - m->w[c]) / distance;
 }
 
+/* The root of the overlap under Hertz's law, whose stiffnesses grow as it; 1 under the linear law. */
+static inline double widening(const refdem_particles *p, double overlap)
+{
+    if (p->hertz)
+        return sqrt(fmax(overlap, 0.0));
+    return 1.0;
+}
+
 /* Everything about pair k that its force needs. */
 static inline meeting meet(const refdem_particles *p, int64_t k, const double *restrict y)
 {
     meeting m;
     approach(p, k, y, &m);
-    m.normal = p->stiffness * m.overlap * (p->hertz ? sqrt(fmax(m.overlap, 0.0)) : 1.0)
-               + p->damping * m.rate;
+    /* F = k d (times the root of d under Hertz's law) + c d'. */
+    m.normal = p->stiffness * m.overlap * widening(p, m.overlap) + p->damping * m.rate;
     m.limit = p->friction * m.normal;
     if (p->friction > 0.0) {
         const double *w = y + spin_at(p);
         double spin[3], turned[3];
         m.arm_i = p->radius[m.i] - p->branch * m.overlap;
-        m.arm_j = m.j < 0 ? 0.0 : p->radius[m.j] - p->branch * m.overlap;
-        for (int c = 0; c < 3; c++)
-            spin[c] = m.arm_i * w[3 * m.i + c] + (m.j < 0 ? 0.0 : m.arm_j * w[3 * m.j + c]);
+        m.arm_j = 0.0;
+        if (m.j >= 0)
+            m.arm_j = p->radius[m.j] - p->branch * m.overlap;
+        for (int c = 0; c < 3; c++) {
+            double other = 0.0; /* a plane does not turn */
+            if (m.j >= 0)
+                other = m.arm_j * w[3 * m.j + c];
+            spin[c] = m.arm_i * w[3 * m.i + c] + other;
+        }
         cross(spin, m.n, turned);
         for (int c = 0; c < 3; c++)
             m.slip[c] = m.w[c] - m.rate * m.n[c] + turned[c];
@@ -106,21 +126,24 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
  * the overlap. */
 static inline double grip(const refdem_particles *p, const meeting *m)
 {
-    return p->tangential_stiffness * (p->hertz ? sqrt(fmax(m->overlap, 0.0)) : 1.0);
+    return p->tangential_stiffness * widening(p, m->overlap);
 }
 
 /* The stretch at which the spring begins to slip. */
 static inline double longest(const refdem_particles *p, const meeting *m)
 {
-    return p->hertz ? p->friction * p->stiffness / p->tangential_stiffness * m->overlap
-                    : m->limit / p->tangential_stiffness;
+    if (p->hertz) /* both stiffnesses grow alike: mu k/k_t d */
+        return p->friction * p->stiffness / p->tangential_stiffness * m->overlap;
+    return m->limit / p->tangential_stiffness;
 }
 
 /* A speed [m/s] below which slip has no direction of its own: 1e-11 of the radius times the pair's
  * own frequency. */
 static inline double least_slip(const refdem_particles *p, const meeting *m)
 {
-    double ease = p->ease[m->i] + (m->j < 0 ? 0.0 : p->ease[m->j]);
+    double ease = p->ease[m->i];
+    if (m->j >= 0)
+        ease += p->ease[m->j];
     return 1e-11 * p->radius[m->i] * sqrt(p->stiffness * ease);
 }
 
@@ -128,7 +151,9 @@ static inline double least_slip(const refdem_particles *p, const meeting *m)
 static inline double yields(const refdem_particles *p, const meeting *m)
 {
     double ease = p->ease[m->i] + m->arm_i * m->arm_i * p->turn_ease[m->i];
-    return m->j < 0 ? ease : ease + p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
+    if (m->j < 0) /* a plane does not yield */
+        return ease;
+    return ease + p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
 }
 
 /* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m +
@@ -174,23 +199,25 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i];
     double limit = fmax(m->limit, 0.0);
-    double lean
-        = k * limit
-          / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
+    /* k/limit, but finite where the force vanishes. */
+    double lean = k * limit / (limit * limit + least * least);
     double across[3], inside[3];
     double towards[3] = {s[0], s[1], s[2]};
     double fast = size(m->slip);
     double flat = 1.0;
     double out = dot(s, m->n);
     int bends = p->tangential_stiffness > 0.0;
-    if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the
-                                   * plane of contact, for a slip that ends is all rounding, and
-                                   * friction may be many times the normal force */
-        for (int c = 0; mode == SLIP && along > least_slip(p, m) && c < 3; c++)
-            towards[c] = m->slip[c] / fast;
+    if (!bends && mode >= SLIP) {
+        /* Along the slip; where that has no direction, as it was. */
+        if (mode == SLIP && along > least_slip(p, m)) {
+            for (int c = 0; c < 3; c++)
+                towards[c] = m->slip[c] / fast;
+        }
+        /* In the plane of contact: a slip that ends is all rounding, and friction may be many times
+         * the normal force. */
         add(towards, -dot(towards, m->n), m->n);
-        flat = fmax(size(towards),
-                    1e-300); /* no direction yet, as after sticking without any pull: no friction */
+        /* No direction yet, as after sticking without any pull: no friction. */
+        flat = fmax(size(towards), 1e-300);
     }
     for (int c = 0; c < 3; c++) {
         inside[c] = s[c] - out * m->n[c];
@@ -198,11 +225,16 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     }
     for (int c = 0; c < 3; c++)
         across[c] = m->slip[c] - along * inside[c] / fmax(dot(inside, inside), 1e-300);
-    if (mode == SLIP && size(across) < STRAIGHT * fast) /* motion in a plane: rounding must not turn
-                                                           the spring, nor a trial step that has */
-        lean = 0.0;                                     /* tilted it out of the plane of contact */
+    /* Motion in a plane: rounding must not turn the spring, nor a trial step that has tilted it out
+     * of the plane of contact. */
+    if (mode == SLIP && size(across) < STRAIGHT * fast)
+        lean = 0.0;
     for (int c = 0; c < 3; c++) {
-        force[c] = mode == STICK ? -k * s[c] : mode >= SLIP ? -m->limit * towards[c] : 0.0;
+        force[c] = 0.0;
+        if (mode == STICK)
+            force[c] = -k * s[c];
+        else if (mode >= SLIP)
+            force[c] = -m->limit * towards[c];
         rate[c] = 0.0;
         if (bends && mode == STICK)
             rate[c] = m->slip[c] - carried * m->n[c];
@@ -232,6 +264,24 @@ static inline void twist(const refdem_particles *p, const meeting *m, const doub
         add(b + 3 * m->j, m->arm_j * p->turn_ease[m->j], torque);
 }
 
+/* A spring's row: stiffness, length, exponent, anchor (3), factors of the square and the cube. */
+enum { STIFFNESS, LENGTH, EXPONENT, ANCHOR, QUADRATIC = 6, CUBIC };
+
+/* Pull [N] over distance of a spring: k s^e + (k2 + k3 s) s^2 with the stretch s. */
+static inline double pull_per_length(const double *restrict spring, double distance)
+{
+    double stretch = distance - spring[LENGTH];
+    double size = fabs(stretch);
+    if (spring[EXPONENT] != 1.0)
+        size = pow(size, spring[EXPONENT]);
+    double pull = spring[STIFFNESS] * copysign(size, stretch);
+    double more = (spring[QUADRATIC] + spring[CUBIC] * stretch) * stretch * stretch;
+    if (distance > 0.0)
+        return (pull + more) / distance;
+    return 0.0; /* a spring of no length has no direction */
+}
+
+/* Adds the forces of the springs. */
 static inline void pull_springs(const refdem_particles *p, const double *restrict x,
                                 double *restrict force)
 {
@@ -240,20 +290,17 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
         int64_t i = p->spring_end[2 * k];
         int64_t j = p->spring_end[2 * k + 1];
         double to[3];
-        double factor = spring[0];
+        double factor = spring[STIFFNESS];
+        const double *end = spring + ANCHOR; /* fixed in space, or another body */
+        if (j >= 0)
+            end = x + 3 * j;
         for (int c = 0; c < 3; c++)
-            to[c] = (j < 0 ? spring[3 + c] : x[3 * j + c]) - x[3 * i + c];
-        if (spring[1] != 0.0 || spring[2] != 1.0 || spring[6] != 0.0 || spring[7] != 0.0) {
-            double distance = size(to);
-            double stretch = distance - spring[1];
-            double pull
-                = factor
-                  * copysign(spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]),
-                             stretch);
-            factor = distance > 0.0
-                         ? (pull + (spring[6] + spring[7] * stretch) * stretch * stretch) / distance
-                         : 0.0;
-        }
+            to[c] = end[c] - x[3 * i + c];
+        int has_length = spring[LENGTH] != 0.0;
+        int is_linear
+            = spring[EXPONENT] == 1.0 && spring[QUADRATIC] == 0.0 && spring[CUBIC] == 0.0;
+        if (has_length || !is_linear)
+            factor = pull_per_length(spring, size(to));
         add(force + 3 * i, factor, to);
         if (j >= 0)
             add(force + 3 * j, -factor, to);
@@ -326,9 +373,9 @@ static inline void rates(const refdem_particles *p, const int64_t *restrict mode
             cube = p->gm / (square * sqrt(square));
         }
         for (int c = 0; c < 3; c++)
-            a[3 * i + c] = p->ease[i] > 0.0
-                               ? (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c]
-                               : 0.0;
+            a[3 * i + c] = (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c];
+        if (!(p->ease[i] > 0.0)) /* a fixed body stays */
+            memset(a + 3 * i, 0, 3 * sizeof *a);
     }
     if (p->turning)
         turn(p, y + spin_at(p), y + 9 * n, dy + 9 * n);

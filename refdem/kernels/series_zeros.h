@@ -40,7 +40,9 @@ static inline void cleared(growing *g)
 /* Takes in coefficients n of both factors, in turn from 0. */
 static inline void grow(growing *restrict g, double a, double b, int n)
 {
-    int most = n - 1 < ORDER - n ? n - 1 : ORDER - n;
+    int most = n - 1; /* of the coefficients known, those whose products are asked for */
+    if (ORDER - n < most)
+        most = ORDER - n;
     for (int k = 1; k <= most; k += LANES)
         for (int i = 0; i < LANES; i++)
             g->sum[n + k + i] = fma(a, g->b[k + i], fma(b, g->a[k + i], g->sum[n + k + i]));
@@ -53,7 +55,9 @@ static inline void grow(growing *restrict g, double a, double b, int n)
 /* Coefficient n of the product, whose factors have these, not yet taken in. */
 static inline double coefficient(const growing *g, double a, double b, int n)
 {
-    return n ? fma(a, g->b[0], fma(b, g->a[0], g->sum[n])) : a * b;
+    if (n == 0)
+        return a * b;
+    return fma(a, g->b[0], fma(b, g->a[0], g->sum[n]));
 }
 
 /* 1/n: a product is ready sooner than a quotient. */
@@ -80,7 +84,9 @@ static inline double square(const double *a, int n)
     double sum = 0.0;
     for (int i = 0; 2 * i < n; i++)
         sum += a[i] * a[n - i];
-    return n % 2 ? 2.0 * sum : 2.0 * sum + a[n / 2] * a[n / 2];
+    if (n % 2 == 1)
+        return 2.0 * sum;
+    return 2.0 * sum + a[n / 2] * a[n / 2];
 }
 
 /* a[0] + a[1] s + .. + a[count - 1] s^(count - 1), by four sums in s^4 that do not wait for each
@@ -106,6 +112,15 @@ static inline double value(const double *restrict a, double s)
 static inline double gained(const double *restrict a, double s)
 {
     return polynomial(a + 1, ORDER, s) * s;
+}
+
+/* The series over the power of s with which it begins: its first `skip` coefficients are zeros. */
+static inline void without_zeros(const double *restrict a, int skip, double *restrict b)
+{
+    for (int n = 0; n <= ORDER - skip; n++)
+        b[n] = a[n + skip];
+    for (int n = ORDER - skip + 1; n <= ORDER; n++)
+        b[n] = 0.0;
 }
 
 /* b(s) = a(s + at) */
@@ -145,8 +160,10 @@ static inline void narrowed(bracket *b, double f, double slope)
         b->low = b->at;
     else
         b->high = b->at;
-    if (fabs(step) < b->beyond) {
-        step = f > 0.0 ? b->beyond : -b->beyond;
+    if (fabs(step) < b->beyond) { /* a few ulps beyond the zero, so that the other end moves too */
+        step = -b->beyond;
+        if (f > 0.0)
+            step = b->beyond;
         b->beyond *= 4.0;
     }
     b->at += step;
@@ -159,9 +176,12 @@ static inline double zero_between(const double *restrict a, double low, double h
     double rate[ORDER];
     for (int n = 0; n < ORDER; n++)
         rate[n] = (n + 1) * a[n + 1];
-    for (int i = 0; i < 200 && open_still(&b);
-         i++) /* a half now and then, where Newton's steps creep */
-        narrowed(&b, value(a, b.at), i % 8 == 7 ? 0.0 : polynomial(rate, ORDER, b.at));
+    for (int i = 0; i < 200 && open_still(&b); i++) {
+        double slope = 0.0; /* a half now and then, where Newton's steps creep */
+        if (i % 8 != 7)
+            slope = polynomial(rate, ORDER, b.at);
+        narrowed(&b, value(a, b.at), slope);
+    }
     return b.high;
 }
 
@@ -175,10 +195,13 @@ static inline double least_of(const double *restrict b, double w)
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = b[n + i] * power[i];
-            sum[i] += part < 0.0 ? part : 0.0;
+            sum[i] += part < 0.0 ? part : 0.0; /* a blend: a branch would not be a vector */
             power[i] *= fourth;
         }
-    return (b[0] > 0.0 ? b[0] : 0.0) + ((sum[0] + sum[1]) + (sum[2] + sum[3]));
+    double begins = 0.0; /* what begins at its zero, or below it by rounding */
+    if (b[0] > 0.0)
+        begins = b[0];
+    return begins + ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 /* Above its slope there. */
@@ -191,7 +214,7 @@ static inline double steepest_of(const double *restrict b, double w)
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = (n + i) * b[n + i] * power[i];
-            sum[i] += part > 0.0 || n + i == 1 ? part : 0.0;
+            sum[i] += part > 0.0 || n + i == 1 ? part : 0.0; /* a blend, as above */
             power[i] *= fourth;
         }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
@@ -238,7 +261,9 @@ static inline double first_zero_soon(const double *restrict a, double *restrict 
         }
         if (steepest_of(a, w) <= 0.0) {
             *h = w;
-            return value(a, w) <= 0.0 ? zero_between(a, 0.0, w) : -1.0;
+            if (value(a, w) <= 0.0)
+                return zero_between(a, 0.0, w);
+            return -1.0;
         }
     }
     return first_zero(a, *h);

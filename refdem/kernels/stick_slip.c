@@ -16,7 +16,9 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
             if (since > y.end)
                 break;
             out[0] = dd_round(grown(m.x, gained(y.x, since)));
-            out[1] = since == 0.0 && row == 0 ? v0 : m.side * value(y.w, since) + p->belt;
+            out[1] = m.side * value(y.w, since) + p->belt;
+            if (since == 0.0 && row == 0) /* the start as it was given */
+                out[1] = v0;
             out[2] = dd_round(grown(m.work, gained(y.work, since)));
         }
         if (row == samples)
@@ -39,21 +41,24 @@ static int64_t crossings(const belt *p, const motion *m, const piece *y, double 
     double from = 0.0;
     double sum = 0.0;
     double power = 1.0;
-    for (int n = 0; n <= ORDER; n++, power *= y->end) {
-        v[n] = m->side * y->w[n] + (n ? 0.0 : p->belt);
+    for (int n = 0; n <= ORDER; n++)
+        v[n] = m->side * y->w[n];
+    v[0] += p->belt;
+    for (int n = 0; n <= ORDER; n++, power *= y->end)
         sum += fabs(v[n]) * power;
-    }
-    if (2.0 * fabs(v[0]) > sum)
+    if (2.0 * fabs(v[0]) > sum) /* its other terms cannot make it zero */
         return count;
     for (int skip = v[0] == 0.0; from < y->end; skip = 1) {
+        double here[ORDER + 1];
         if (from > 0.0)
-            moved(v, from, a);
+            moved(v, from, here);
         else
-            memcpy(a, v, sizeof a);
-        for (int n = 0; n <= ORDER; n++)
-            a[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
-        for (int n = ORDER; n >= 0; n--)
-            a[n] *= a[0] < 0.0 ? -1.0 : 1.0;
+            memcpy(here, v, sizeof here);
+        without_zeros(here, skip, a);
+        if (a[0] < 0.0) { /* its zeros are those of its negative, which falls through them */
+            for (int n = 0; n <= ORDER; n++)
+                a[n] = -a[n];
+        }
         double at = first_zero(a, y->end - from);
         if (!(at > 0.0))
             break;

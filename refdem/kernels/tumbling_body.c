@@ -13,10 +13,10 @@
 enum { STATES = 14, MOST_CORNERS = 32, OFF = 0, PRESSES = 1, IDLES = 2 };
 typedef double line[ORDER + 1];
 
-static const double STEP_PART
-    = 0.1353352832366127; /* exp(-2): what is cut off is exp(-40), Jorba and Zou 2005 */
-static const double SHORTEST
-    = 1e-10; /* of the interval of the samples: a slip has come to an end */
+/* exp(-2) of the radius of convergence: what is cut off is exp(-40), Jorba and Zou 2005. */
+static const double STEP_PART = 0.1353352832366127;
+/* Part of the interval of the samples: where steps are shorter a slip has come to an end. */
+static const double SHORTEST = 1e-10;
 
 typedef struct {
     line gap, push, closing, square, inverse, rub, slip[3], speed[3], force[3];
@@ -45,7 +45,13 @@ static void turn(motion *m, int k)
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         int l = (i + 2) % 3;
-        double across = 2.0 * (j < l ? w[j + 1][l + 1] : w[l + 1][j + 1]);
+        int low = j + 1; /* w has its upper half only */
+        int high = l + 1;
+        if (j > l) {
+            low = l + 1;
+            high = j + 1;
+        }
+        double across = 2.0 * w[low][high];
         double side = 2.0 * w[0][i + 1];
         m->turned[i][i][k] = w[0][0] + w[i + 1][i + 1] - w[j + 1][j + 1] - w[l + 1][l + 1];
         m->turned[j][l][k] = across - side;
@@ -72,7 +78,9 @@ static double height(const motion *m, const double *c, int k)
 {
     const double *point = m->given->plane;
     const double *n = point + 3;
-    double sum = k ? 0.0 : -(n[0] * point[0] + n[1] * point[1] + n[2] * point[2]);
+    double sum = 0.0;
+    if (k == 0) /* the plane stays where it is */
+        sum = -(n[0] * point[0] + n[1] * point[1] + n[2] * point[2]);
     for (int i = 0; i < 3; i++)
         sum += n[i] * m->y[10 + i][k] + m->normal[i][k] * c[i];
     return sum;
@@ -138,7 +146,9 @@ static void expand(motion *m)
             corner *at = &m->at[number];
             const double *c = p->corner + 3 * number;
             lost += touch(m, number, k);
-            for (int i = 0; i < 3 && at->mode == PRESSES; i++) {
+            if (at->mode != PRESSES)
+                continue;
+            for (int i = 0; i < 3; i++) {
                 int j = (i + 1) % 3;
                 int l = (i + 2) % 3;
                 force[i] += at->force[i][k];
@@ -169,21 +179,26 @@ static void expand(motion *m)
         touch(m, number, ORDER);
 }
 
+/* The step for the radius of convergence that the last terms of attitude, omega and velocity show.
+ */
 static double step(const motion *m)
 {
+    static const int begins[4] = {0, 4, 7, 10};
     double radius = INFINITY;
     for (int k = ORDER - 1; k <= ORDER; k++) {
         double worst = 0.0;
-        for (int first = 0; first < 10; first += first ? 3 : 4) {
+        for (int block = 0; block < 3; block++) {
             double size = 0.0;
             double term = 0.0;
-            for (int i = first; i < (first ? first + 3 : 4); i++) {
+            for (int i = begins[block]; i < begins[block + 1]; i++) {
                 size = fmax(size, fabs(m->y[i][0]));
                 term = fmax(term, fabs(m->y[i][k]));
             }
-            worst = fmax(worst, size > 0.0 ? term / size : 0.0);
+            if (size > 0.0) /* what is at rest has no scale */
+                worst = fmax(worst, term / size);
         }
-        radius = fmin(radius, worst > 0.0 ? pow(worst, -1.0 / k) : INFINITY);
+        if (worst > 0.0)
+            radius = fmin(radius, pow(worst, -1.0 / k));
     }
     return radius * STEP_PART;
 }
@@ -213,8 +228,13 @@ static double first_event(motion *m, double h, int *which, int *guard)
         for (int kind = GAP; kind <= PUSH; kind++) {
             if ((kind == GAP && at->mode == PRESSES) || (kind == PUSH && at->mode == OFF))
                 continue;
-            double when = falls(kind == GAP ? at->gap : at->push, at->mode == IDLES ? -1.0 : 1.0,
-                                at->fresh == kind, h);
+            const double *series = at->push;
+            if (kind == GAP)
+                series = at->gap;
+            double sign = 1.0;
+            if (at->mode == IDLES) /* both are below zero: it leaves, or presses, as they rise */
+                sign = -1.0;
+            double when = falls(series, sign, at->fresh == kind, h);
             if (when >= 0.0 && (when < h || *guard == NONE)) {
                 h = when;
                 *which = number;
@@ -230,12 +250,20 @@ static void switched(motion *m, corner *at, int guard)
 {
     int damped = m->given->damping > 0.0;
     int before = at->mode;
-    at->mode = before == OFF || (before == IDLES && guard == PUSH) ? PRESSES
-               : before == PRESSES && damped                       ? IDLES
-                                                                   : OFF;
-    at->fresh = at->mode == OFF                                  ? GAP
-                : at->mode == PRESSES && before == OFF && damped ? NONE
-                                                                 : PUSH;
+    if (before == OFF || (before == IDLES && guard == PUSH)) {
+        at->mode = PRESSES;
+        at->fresh = PUSH;
+        if (before == OFF && damped) /* a dashpot pushes from the first touch */
+            at->fresh = NONE;
+        return;
+    }
+    if (before == PRESSES && damped) { /* it overlaps still */
+        at->mode = IDLES;
+        at->fresh = PUSH;
+        return;
+    }
+    at->mode = OFF;
+    at->fresh = GAP;
 }
 
 static void advance(motion *m, double h)
@@ -245,7 +273,9 @@ static void advance(motion *m, double h)
         m->y[i][0] = sum.hi;
         m->low[i] = sum.lo;
     }
-    for (int number = 0; number < m->given->corners && h > 0.0; number++)
+    if (!(h > 0.0)) /* two events at one time: what began at zero is there still */
+        return;
+    for (int number = 0; number < m->given->corners; number++)
         m->at[number].fresh = NONE;
 }
 
@@ -280,7 +310,10 @@ static void begin(motion *m, const double *start)
         at->mode = IDLES;
         at->fresh = NONE;
         touch(m, number, 0);
-        at->mode = at->gap[0] > 0.0 ? OFF : at->push[0] > 0.0 ? PRESSES : IDLES;
+        if (at->gap[0] > 0.0)
+            at->mode = OFF;
+        else if (at->push[0] > 0.0)
+            at->mode = PRESSES;
     }
 }
 
@@ -318,5 +351,7 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
         }
         expand(&m);
     }
-    return events < most ? events : most;
+    if (events > most) /* those that were told */
+        return most;
+    return events;
 }
