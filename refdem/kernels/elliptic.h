@@ -92,13 +92,18 @@ static inline dd angle_of(dd s, dd c)
         return dd_of(0.0);
     s = dd_div(s, size);
     c = dd_div(c, size);
-    dd acute
-        = fabs(s.hi) < fabs(c.hi)
-              ? dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one))
-              : dd_sub(dd_scale(DD_PI, 0.5), dd_mul(dd_abs(c), carlson_rf(dd_square(s), one, one)));
+    dd acute;
+    if (fabs(s.hi) < fabs(c.hi)) {
+        acute = dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one));
+    } else { /* from the right angle, which is nearer */
+        dd rest = dd_mul(dd_abs(c), carlson_rf(dd_square(s), one, one));
+        acute = dd_sub(dd_scale(DD_PI, 0.5), rest);
+    }
     if (c.hi < 0.0)
         acute = dd_sub(DD_PI, acute);
-    return s.hi < 0.0 ? dd_neg(acute) : acute;
+    if (s.hi < 0.0)
+        return dd_neg(acute);
+    return acute;
 }
 
 /* What the Jacobi functions of one parameter need. Circular series for m <= 1/2, hyperbolic for m >
@@ -131,7 +136,9 @@ static inline void theta_polynomials(jacobi *j)
     static const double doubles[4][4] = {{0.5}, {1, -2}, {1, -8, 8}, {1, -18, 48, -32}};
     for (int n = 0; n < TERMS; n++)
         for (int k = 0; k <= n; k++) {
-            double sign = n % 2 ? -1.0 : 1.0;
+            double sign = 1.0;
+            if (n % 2 == 1)
+                sign = -1.0;
             j->theta[0][k] += j->sn * sign * j->oblong[n] * sines[n][k];
             j->theta[1][k] += j->cn * j->oblong[n] * cosines[n][k];
             j->theta[2][k] += j->dn * 2.0 * j->square[n] * doubles[n][k];
@@ -145,9 +152,17 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
     if (m1.hi <= 0.0)
         return j;
     j.quarter = quarter_period(m1);
-    j.other = m.hi > 0.0 ? quarter_period(m) : dd_of(INFINITY);
-    j.kind = m.hi <= 0.5 ? CIRCULAR : HYPERBOLIC;
-    double ratio = j.kind == CIRCULAR ? j.other.hi / j.quarter.hi : j.quarter.hi / j.other.hi;
+    j.other = dd_of(INFINITY);
+    if (m.hi > 0.0)
+        j.other = quarter_period(m);
+    double ratio;
+    if (m.hi <= 0.5) {
+        j.kind = CIRCULAR;
+        ratio = j.other.hi / j.quarter.hi;
+    } else {
+        j.kind = HYPERBOLIC;
+        ratio = j.quarter.hi / j.other.hi;
+    }
     j.log_nome = -DD_PI.hi * ratio;
     double nome = exp(j.log_nome);
     double power = 1.0;
@@ -155,21 +170,30 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
     double plus = 1.0;
     double minus = 1.0;
     double twos = 1.0;
-    j.square[0] = j.oblong[0] = 1.0;
+    j.square[0] = 1.0;
+    j.oblong[0] = 1.0;
     for (int n = 1; n < TERMS; n++) {
         power *= nome;
         j.square[n] = j.square[n - 1] * odd;
         odd *= nome * nome;
         j.oblong[n] = j.square[n] * power;
         plus += 2.0 * j.square[n];
-        minus += (n % 2 ? -2.0 : 2.0) * j.square[n];
+        if (n % 2 == 1)
+            minus -= 2.0 * j.square[n];
+        else
+            minus += 2.0 * j.square[n];
         twos += j.oblong[n];
     }
-    j.sn = j.kind == CIRCULAR ? plus / twos : plus / minus;
-    j.cn = j.kind == CIRCULAR ? minus / twos : twos / minus;
-    j.dn = j.kind == CIRCULAR ? minus / plus : twos / plus;
-    if (j.kind == CIRCULAR)
+    if (j.kind == CIRCULAR) {
+        j.sn = plus / twos;
+        j.cn = minus / twos;
+        j.dn = minus / plus;
         theta_polynomials(&j);
+    } else {
+        j.sn = plus / minus;
+        j.cn = twos / minus;
+        j.dn = twos / plus;
+    }
     return j;
 }
 
@@ -240,7 +264,8 @@ static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, i
         for (int k = 0; k < count; k++) {
             p->f[k] = dd_add(phase.start, dd_mul(phase.rate, two_sum(t[k], -t0))).hi;
             p->sn[k] = tanh(p->f[k]);
-            p->cn[k] = p->dn[k] = 1.0 / cosh(p->f[k]);
+            p->cn[k] = 1.0 / cosh(p->f[k]);
+            p->dn[k] = p->cn[k];
         }
         return;
     }
@@ -255,7 +280,9 @@ static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, i
 /* Of a phase in u. */
 static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
 {
-    dd period = j->kind == SEPARATRIX ? dd_of(1.0) : dd_scale(j->quarter, 2.0);
+    dd period = dd_scale(j->quarter, 2.0);
+    if (j->kind == SEPARATRIX) /* it never comes round */
+        period = dd_of(1.0);
     return (turns){dd_div(rate, period), dd_div(start, period)};
 }
 
@@ -278,7 +305,9 @@ static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
     }
     if (cn.hi < 0.0)
         u = dd_sub(dd_scale(j->quarter, 2.0), u);
-    return sn.hi < 0.0 ? dd_neg(u) : u;
+    if (sn.hi < 0.0)
+        return dd_neg(u);
+    return u;
 }
 
 #endif

@@ -63,10 +63,12 @@ static void touch(gas *g, share *t, int rank, double time)
             /* Below 0: a pair that has changed its order since. */
             const contact *same = NULL;
             double sense = 1.0;
-            if (was != 0)
-                same = before + abs(was) - 1;
-            if (was < 0)
+            if (was > 0)
+                same = before + was - 1;
+            if (was < 0) {
+                same = before - was - 1;
                 sense = -1.0;
+            }
             stretch(g, c, same, sense, time != 0.0);
         }
         press(g, c);

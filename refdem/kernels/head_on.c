@@ -13,18 +13,27 @@ typedef struct {
     int kind;                /* sign of w^2 */
 } damped;
 
+/* When the overlap is largest; the force of spring and dashpot vanishes after twice that time. */
+static double turning_time(const damped *s)
+{
+    if (s->kind == 0)
+        return 1.0 / s->decay;
+    if (s->kind > 0)
+        return atan2(s->rate, s->decay) / s->rate;
+    return atanh(s->rate / s->decay) / s->rate;
+}
+
 static damped prepared(dd mass, double stiffness, double damping, int no_pull)
 {
     dd b = dd_div(dd_of(0.5 * damping), mass);
     dd square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
     damped s = {.decay = dd_round(b), .rate = sqrt(fabs(dd_round(square)))};
     s.kind = (square.hi > 0.0) - (square.hi < 0.0);
-    double lag = s.kind == 0  ? 1.0 / s.decay
-                 : s.kind > 0 ? atan2(s.rate, s.decay) / s.rate
-                              : atanh(s.rate / s.decay) / s.rate;
-    s.end = no_pull && damping > 0.0 ? 2.0 * lag
-            : s.kind > 0             ? dd_round(dd_div(DD_PI, dd_sqrt(square)))
-                                     : INFINITY;
+    s.end = INFINITY; /* what is damped too much to swing stays pressed for ever */
+    if (no_pull && damping > 0.0)
+        s.end = 2.0 * turning_time(&s);
+    else if (s.kind > 0) /* half a swing */
+        s.end = dd_round(dd_div(DD_PI, dd_sqrt(square)));
     return s;
 }
 
@@ -54,10 +63,14 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
     dd mass = dd_div(two_product(mass1, mass2), total);
     damped s = prepared(mass, stiffness, damping, no_pull);
     double m = dd_round(mass);
-    double begin = closing > 0.0 ? fmax(0.0, -overlap / closing) : INFINITY;
-    double left, speed;
-    pressed(&s, fmin(s.end, 1e300), &left, &speed);
-    left = no_pull && damping > 0.0 ? left * closing : 0.0;
+    double begin = INFINITY; /* what does not close never meets */
+    if (closing > 0.0)
+        begin = fmax(0.0, -overlap / closing);
+    double at_end, speed;
+    double left = 0.0; /* overlap at the end: the force ends before it where there is no pull */
+    pressed(&s, fmin(s.end, 1e300), &at_end, &speed);
+    if (no_pull && damping > 0.0)
+        left = at_end * closing;
     speed = -closing * exp(-s.decay * s.end);
     for (int64_t row = 0; row < samples; row++, out += 5) {
         double since = t[row] - begin;
@@ -74,8 +87,12 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
             *d = left + speed * (since - s.end);
             *rate = speed;
         }
-        out[2] = presses ? 1.0 : 0.0;
-        out[3] = presses ? stiffness * *d + damping * *rate : 0.0;
+        out[2] = 0.0;
+        out[3] = 0.0;
+        if (presses) {
+            out[2] = 1.0;
+            out[3] = stiffness * *d + damping * *rate;
+        }
         out[4] = 0.5 * m * (closing - *rate) * (closing + *rate)
                  - 0.5 * stiffness * fmax(*d, 0.0) * fmax(*d, 0.0);
     }

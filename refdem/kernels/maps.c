@@ -42,7 +42,9 @@ typedef struct {
 static inline void ahead(unfolded *c)
 {
     dd reach = dd_sub(dd_scale(dd_of(c->size), (double)c->count + 0.5), dd_of(c->sense * c->start));
-    c->next = c->rate == 0.0 ? dd_of(INFINITY) : dd_div(reach, dd_of(fabs(c->rate)));
+    c->next = dd_of(INFINITY); /* it moves along these walls */
+    if (c->rate != 0.0)
+        c->next = dd_div(reach, dd_of(fabs(c->rate)));
 }
 
 /* Its place in the table at time t: the unfolded one, less the tables passed, mirrored in every
@@ -51,7 +53,9 @@ static inline double folded(const unfolded *c, dd t)
 {
     dd place = dd_add(dd_of(c->start), dd_mul(dd_of(c->rate), t));
     place = dd_sub(place, dd_scale(dd_of(c->size), c->sense * (double)c->count));
-    double x = c->count % 2 ? -dd_round(place) : dd_round(place);
+    double x = dd_round(place);
+    if (c->count % 2 == 1)
+        x = -x;
     return fmax(-0.5 * c->size, fmin(0.5 * c->size, x));
 }
 
@@ -61,10 +65,11 @@ int refdem_rectangle(double width, double height, const double *restrict start, 
     unfolded c[2];
     dd t = {0.0, 0.0};
     int64_t at = 0;
+    double size[2] = {width, height};
     for (int i = 0; i < 2; i++) {
-        c[i] = (unfolded){
-            start[i], start[2 + i], i ? height : width, start[2 + i] > 0.0 ? 1.0 : -1.0,
-            0,        {0.0, 0.0}};
+        c[i] = (unfolded){.start = start[i], .rate = start[2 + i], .size = size[i], .sense = -1.0};
+        if (start[2 + i] > 0.0)
+            c[i].sense = 1.0;
         ahead(&c[i]);
     }
     if (start[2] == 0.0 && start[3] == 0.0)
@@ -79,10 +84,15 @@ int refdem_rectangle(double width, double height, const double *restrict start, 
             ahead(&c[last]);
         }
         for (int i = 0; i < 2; i++) {
-            double mirrored = c[i].count % 2 ? -1.0 : 1.0;
-            out[4 * k + i] = i == last ? -mirrored * c[i].sense * 0.5 * c[i].size
-                             : at      ? folded(&c[i], t)
-                                       : start[i];
+            double mirrored = 1.0;
+            if (c[i].count % 2 == 1)
+                mirrored = -1.0;
+            if (i == last) /* on the wall that it has just met, exactly */
+                out[4 * k + i] = -mirrored * c[i].sense * 0.5 * c[i].size;
+            else if (at > 0)
+                out[4 * k + i] = folded(&c[i], t);
+            else /* no bounce yet */
+                out[4 * k + i] = start[i];
             out[4 * k + 2 + i] = mirrored * start[2 + i];
         }
     }
@@ -98,18 +108,27 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
     double y = s[1];
     double u = s[2];
     double v = s[3];
-    double up = v > 0.0 ? 1.0 : -1.0;
-    double meets = v == 0.0 ? (u > 0.0 ? INFINITY : -INFINITY) : x + (up * r - y) * u / v;
+    double up = -1.0;
+    if (v > 0.0)
+        up = 1.0;
+    /* Where it meets the line of the straight wall; along the walls it goes to a half circle. */
+    double meets = copysign(INFINITY, u);
+    if (v != 0.0)
+        meets = x + (up * r - y) * u / v;
     if (a > 0.0 && fabs(meets) <= a) {
         s[0] = meets;
         s[1] = up * r;
         s[3] = -v;
         return 0;
     }
-    int side = meets > 0.0 ? 1 : -1;
+    int side = -1;
+    if (meets > 0.0)
+        side = 1;
     double q = x - side * a;
     double b = q * u + y * v;
-    double t = arc == side ? -2.0 * b : -b + sqrt(fmax(0.0, b * b - (q * q + y * y - r * r)));
+    double t = -2.0 * b; /* from a place on the same half circle */
+    if (arc != side)
+        t = -b + sqrt(fmax(0.0, b * b - (q * q + y * y - r * r)));
     double n0 = q + t * u;
     double n1 = y + t * v;
     double size = hypot(n0, n1);

@@ -96,7 +96,9 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
     b->c = c.hi;
     b->sense = 1.0;
     if (w0.hi == 0.0 || (omega.hi == 0.0 && (sine.hi == 0.0 || cosine.hi == 0.0))) {
-        b->kind = omega.hi == 0.0 ? RESTING : TURNING;
+        b->kind = TURNING;
+        if (omega.hi == 0.0)
+            b->kind = RESTING;
         b->rate = omega;
         b->start = angle_of(s, c);
         return;
@@ -105,7 +107,9 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
     dd square = dd_add(dd_square(sine), dd_square(p));
     dd rest = dd_sub(dd_square(cosine), dd_square(p));
     dd k = dd_sqrt(square);
-    b->kind = rest.hi >= 0.0 ? SWINGING : ROTATING;
+    b->kind = ROTATING;
+    if (rest.hi >= 0.0)
+        b->kind = SWINGING;
     b->k = k.hi;
     if (omega.hi < 0.0 && (b->kind == ROTATING || rest.hi == 0.0)) {
         b->sense = -1.0;
@@ -142,10 +146,15 @@ static inline void at(const pendulum *restrict b, double t0, int count, const do
     }
     jacobi_points p;
     jacobi_at(&b->j, b->phase, t0, count, t, &p);
-    int is_swinging = b->kind == SWINGING;
-    const double *half = is_swinging ? p.dn : p.cn;
-    const double *speed = is_swinging ? p.cn : p.dn;
-    double size = is_swinging ? b->k : 1.0;
+    /* sin(theta/2) = k sn and cos(theta/2) = dn where it swings, sn and cn where it rotates. */
+    const double *half = p.cn;
+    const double *speed = p.dn;
+    double size = 1.0;
+    if (b->kind == SWINGING) {
+        half = p.dn;
+        speed = p.cn;
+        size = b->k;
+    }
     double twice = 2.0 * b->sense;
     double rate = twice * b->w0 * b->k;
     for (int k = 0; k < count; k++) {
@@ -239,12 +248,15 @@ static inline void started(const hung *m, int64_t first, int count)
     int meets = is_resting;
     for (int k = 0; k < count; k++)
         meets |= m->t[first + k] == m->t0;
-    for (int64_t k = first; meets && k < first + count; k++)
-        if (is_resting || m->t[k] == m->t0) {
-            memcpy(m->out_position + 3 * k, m->position, sizeof m->position);
-            memcpy(m->out_velocity + 3 * k, m->velocity, sizeof m->velocity);
-            m->out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
-        }
+    if (!meets)
+        return;
+    for (int64_t k = first; k < first + count; k++) {
+        if (!is_resting && m->t[k] != m->t0)
+            continue;
+        memcpy(m->out_position + 3 * k, m->position, sizeof m->position);
+        memcpy(m->out_velocity + 3 * k, m->velocity, sizeof m->velocity);
+        m->out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
+    }
 }
 
 REFDEM_EVERY_CPU
@@ -252,7 +264,9 @@ int refdem_pendulum_run(const double *motion)
 {
     const hung *m = (const hung *)motion;
     for (int64_t first = 0; first < m->samples; first += BLOCK) {
-        int count = m->samples - first < BLOCK ? (int)(m->samples - first) : BLOCK;
+        int count = BLOCK;
+        if (m->samples - first < BLOCK) /* the last ones */
+            count = (int)(m->samples - first);
         angles a;
         at(&m->b, m->t0, count, m->t + first, &a);
         placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first,

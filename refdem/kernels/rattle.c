@@ -26,8 +26,11 @@ typedef struct {
 static void separation(const int64_t *restrict ends, const double *restrict anchor,
                        const double *restrict x, double *restrict d)
 {
+    const double *other = anchor;
+    if (ends[1] >= 0)
+        other = x + 3 * ends[1];
     for (int i = 0; i < 3; i++)
-        d[i] = x[3 * ends[0] + i] - (ends[1] < 0 ? anchor[i] : x[3 * ends[1] + i]);
+        d[i] = x[3 * ends[0] + i] - other[i];
 }
 
 static double dot(const double *a, const double *b)
@@ -48,43 +51,78 @@ static void directions(const system_of_rods *s, const double *restrict x, double
     }
 }
 
+/* Pull [N] over length of a spring of this size; `law`: stiffness, length, exponent. */
+static double pull_per_length(const double *restrict law, double size)
+{
+    double stretch = size - law[1];
+    if (law[1] == 0.0 && law[2] == 1.0) /* no direction is needed */
+        return law[0];
+    if (!(size > 0.0))
+        return 0.0;
+    if (law[2] == 1.0)
+        return law[0] * stretch / size;
+    return law[0] * copysign(pow(fabs(stretch), law[2]), stretch) / size;
+}
+
 /* Gravity and springs, per mass. */
 static void accelerate(const system_of_rods *s, const double *restrict x)
 {
     double *a = s->acceleration;
     for (int64_t b = 0; b < s->n; b++)
-        for (int i = 0; i < 3; i++)
-            a[3 * b + i] = isinf(s->mass[b]) ? 0.0 : s->gravity[i];
+        for (int i = 0; i < 3; i++) {
+            a[3 * b + i] = s->gravity[i];
+            if (isinf(s->mass[b])) /* a fixed point does not fall */
+                a[3 * b + i] = 0.0;
+        }
     for (int64_t k = 0; k < s->springs; k++) {
         const int64_t *ends = s->spring_ends + 2 * k;
         const double *law = s->spring_law + 3 * k;
-        double d[3], size, stretch, pull;
+        double d[3];
         separation(ends, s->spring_anchor + 3 * k, x, d);
-        size = sqrt(dot(d, d));
-        stretch = size - law[1];
-        pull = law[2] == 1.0 ? law[0] * stretch
-                             : law[0] * copysign(pow(fabs(stretch), law[2]), stretch);
-        pull = law[1] == 0.0 && law[2] == 1.0 ? law[0] : size > 0.0 ? pull / size : 0.0;
-        for (int end = 0; end < 2; end++)
-            if (ends[end] >= 0)
-                for (int i = 0; i < 3; i++)
-                    a[3 * ends[end] + i] -= (end ? -pull : pull) * d[i] / s->mass[ends[end]];
+        double pull = pull_per_length(law, sqrt(dot(d, d)));
+        double sense[2] = {pull, -pull};
+        for (int end = 0; end < 2; end++) {
+            if (ends[end] < 0) /* the world */
+                continue;
+            for (int i = 0; i < 3; i++)
+                a[3 * ends[end] + i] -= sense[end] * d[i] / s->mass[ends[end]];
+        }
     }
+}
+
+/* The sum of 1/m of the points that two rods share, below 0 where first meets second end. */
+static double shared_ease(const system_of_rods *s, const int64_t *restrict one,
+                          const int64_t *restrict other)
+{
+    double shared = 0.0;
+    for (int p = 0; p < 2; p++) {
+        if (one[p] < 0) /* the world does not yield */
+            continue;
+        for (int q = 0; q < 2; q++) {
+            if (one[p] != other[q])
+                continue;
+            double ease = 1.0 / s->mass[one[p]];
+            if (p == q)
+                shared += ease;
+            else
+                shared -= ease;
+        }
+    }
+    return shared;
 }
 
 /* Rows G(d1) M^-1 G(d0)^T. */
 static void couple(const system_of_rods *s, const double *restrict d1, const double *restrict d0)
 {
-    for (int64_t i = 0; i < s->rods; i++)
+    for (int64_t i = 0; i < s->rods; i++) {
         for (int64_t j = 0; j < s->rods; j++) {
-            double shared = 0.0;
-            for (int p = 0; p < 2; p++)
-                for (int q = 0; q < 2; q++)
-                    if (s->rod_ends[2 * i + p] == s->rod_ends[2 * j + q]
-                        && s->rod_ends[2 * i + p] >= 0)
-                        shared += (p == q ? 1.0 : -1.0) / s->mass[s->rod_ends[2 * i + p]];
-            s->matrix[i * s->rods + j] = shared == 0.0 ? 0.0 : shared * dot(d1 + 3 * i, d0 + 3 * j);
+            double shared = shared_ease(s, s->rod_ends + 2 * i, s->rod_ends + 2 * j);
+            double entry = 0.0;
+            if (shared != 0.0)
+                entry = shared * dot(d1 + 3 * i, d0 + 3 * j);
+            s->matrix[i * s->rods + j] = entry;
         }
+    }
 }
 
 static void swap(double *a, double *b)
@@ -115,7 +153,8 @@ static void solve(const system_of_rods *s)
                     row = i;
                     col = j;
                 }
-        largest = rank ? largest : fabs(a[row * n + col]);
+        if (rank == 0)
+            largest = fabs(a[row * n + col]);
         if (!(fabs(a[row * n + col]) > 1e-11 * largest))
             break;
         for (int64_t j = 0; j < n; j++)
@@ -150,14 +189,18 @@ static inline void grow(double *restrict value, double *restrict low, double by)
 static void push(const system_of_rods *s, const double *restrict d, double scale,
                  double *restrict values, double *restrict low)
 {
-    for (int64_t r = 0; r < s->rods; r++)
+    double sense[2] = {-scale, scale};
+    for (int64_t r = 0; r < s->rods; r++) {
         for (int end = 0; end < 2; end++) {
             int64_t b = s->rod_ends[2 * r + end];
-            if (b >= 0)
-                for (int i = 0; i < 3; i++)
-                    grow(&values[3 * b + i], &low[3 * b + i],
-                         (end ? scale : -scale) * s->solution[r] * d[3 * r + i] / s->mass[b]);
+            if (b < 0) /* the world */
+                continue;
+            for (int i = 0; i < 3; i++) {
+                double change = sense[end] * s->solution[r] * d[3 * r + i] / s->mass[b];
+                grow(&values[3 * b + i], &low[3 * b + i], change);
+            }
         }
+    }
 }
 
 /* Newton on the multipliers until the rods' lengths are right to round-off; 0, or 1 if they never
