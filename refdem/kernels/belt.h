@@ -102,8 +102,8 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
         if (n > 0)
             q[n] = fma(w, fall * first, fall * share.sum[n]);
         y->x[n + 1] = v * part;
-        y->w[n + 1] = fma(-drop * ease * part, q[n],
-                          ease * part * (side * pull - even - curve * bend));
+        y->w[n + 1]
+            = fma(-drop * ease * part, q[n], ease * part * (side * pull - even - curve * bend));
         if (n == 0 && m->fresh == 2) /* after sticking u' begins at 0, exactly */
             y->w[1] = 0.0;
         grow(&share, w, q[n], n);

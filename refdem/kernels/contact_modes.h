@@ -9,8 +9,8 @@ enum { GAP, PULL, HOLD, GUARDS };
 /* A slip is at an end where it is below this part of the least one. */
 static const double HARDLY = 1e11;
 
-/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot that
- * would pull. */
+/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot
+ * that would pull. */
 static inline int ends_with_force(const refdem_particles *p)
 {
     return p->no_pull && p->damping > 0.0;

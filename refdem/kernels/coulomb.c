@@ -30,7 +30,7 @@ static int64_t half_cycles(dd first, dd shift)
 static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
 {
     rubbing b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
-    b.heading = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+    b.heading = (v > 0.0) - (v < 0.0);
     if (b.heading == 0.0) {
         b.first = dd_abs(x);
         b.opening = dd_of(0.0);
@@ -79,15 +79,21 @@ static void at(const rubbing *b, dd since, dd x, double *restrict place, double 
         n += 1.0;
     if (n > 0.0 && dd_sub(late, dd_scale(half, n)).hi < 0.0)
         n -= 1.0;
-    double opening = b->heading != 0.0 ? fabs(b->side * first - dd_round(x)) : 0.0;
+    double opening = 0.0; /* the way to the first turning point */
+    if (b->heading != 0.0)
+        opening = fabs(b->side * first - dd_round(x));
     if (n >= (double)b->halves) {
         n = (double)b->halves;
-        *place = b->side * turning_point(b, b->halves) * (b->halves % 2 ? -1.0 : 1.0);
+        *place = b->side * turning_point(b, b->halves);
+        if (b->halves % 2 == 1)
+            *place = -*place;
         *speed = 0.0;
         *way = opening + 2.0 * n * (first - shift * n);
         return;
     }
-    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0);
+    double side = b->side;
+    if (fmod(n, 2.0) != 0.0) /* every other half cycle goes the other way */
+        side = -side;
     double size = turning_point(b, (int64_t)n);
     double reach = size - shift;
     turned(dd_mul(b->rate, dd_sub(late, dd_scale(half, n))), &c, &s);
@@ -143,8 +149,11 @@ int refdem_coulomb_run(const double *motion)
         double place;
         double *to = r->out + 3 * row;
         at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
-        to[0] = t[row] == r->t0 ? r->x0 : dd_round(dd_add(r->middle, dd_of(place)));
-        to[1] = t[row] == r->t0 ? r->v0 : to[1];
+        to[0] = dd_round(dd_add(r->middle, dd_of(place)));
+        if (t[row] == r->t0) { /* the start as it was given */
+            to[0] = r->x0;
+            to[1] = r->v0;
+        }
         to[2] *= dd_round(r->friction);
     }
     return 0;

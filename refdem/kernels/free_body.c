@@ -28,10 +28,14 @@ static inline void tumbling_at(const free_body *restrict b, int count, const dou
     jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
     theta_direction(b, count, &p, x, y);
     double e = b->along[b->axis[2]];
-    double hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e;
+    double hand = -e;
+    if ((b->axis[1] + 3 - b->axis[0]) % 3 == 1) /* the axes are in cyclic order */
+        hand = e;
     double order = b->order;
-    double slope
-        = -order * b->slope * (b->j.kind == SEPARATRIX ? 1.0 : 2.0 * b->j.quarter.hi) / DD_PI.hi;
+    double period = 2.0 * b->j.quarter.hi;
+    if (b->j.kind == SEPARATRIX) /* it never comes round: phases count in 1 */
+        period = 1.0;
+    double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
         double sign, c, s;
         double part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
@@ -148,7 +152,9 @@ int refdem_free_body_run(const double *motion)
 {
     const free_body *b = (const free_body *)motion;
     for (int64_t first = 0; first < b->samples && b->kind == TUMBLING; first += BLOCK) {
-        int count = b->samples - first < BLOCK ? (int)(b->samples - first) : BLOCK;
+        int count = BLOCK;
+        if (b->samples - first < BLOCK) /* the last ones */
+            count = (int)(b->samples - first);
         states found;
         tumbling_at(b, count, b->t + first, &found);
         turned_out(b, count, &found, b->out_attitude + 4 * first, b->out_omega + 3 * first);

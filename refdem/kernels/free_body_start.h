@@ -43,8 +43,11 @@ static void prepare_steady(free_body *b)
     dd size = dd_sqrt(dd_dot(b->w, b->w));
     b->kind = STEADY;
     b->turn = dd_scale(size, 0.5);
-    for (int i = 0; i < 3; i++)
-        b->along[i] = size.hi > 0.0 ? dd_round(dd_div(b->w[i], size)) : 0.0;
+    for (int i = 0; i < 3; i++) {
+        b->along[i] = 0.0; /* at rest there is no axis */
+        if (size.hi > 0.0)
+            b->along[i] = dd_round(dd_div(b->w[i], size));
+    }
 }
 
 /* J1 = J2: q(t) = q0 exp(l t / (2 J1)) exp(e3 (1 - J3/J1) w3 t / 2), l the angular momentum in body
@@ -72,17 +75,27 @@ static void prepare_theta(free_body *b, double a, double c)
         b->phase_shift = sqrt((1.0 - c) / (1.0 + c));
         return;
     }
-    b->phase_shift = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
-    b->slope = j->kind == CIRCULAR ? 0.0 : -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
+    b->phase_shift = DD_PI.hi * a / (2.0 * j->quarter.hi);
+    b->slope = 0.0;
+    if (j->kind == HYPERBOLIC) { /* after Jacobi's imaginary transformation */
+        b->phase_shift = DD_PI.hi * a / (4.0 * j->other.hi);
+        b->slope = -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
+    }
     for (int n = 0; n < THETA_TERMS; n++) {
         double log_nome = j->log_nome;
-        double sign = n % 2 ? -1.0 : 1.0;
+        double sign = 1.0;
+        if (n % 2 == 1)
+            sign = -1.0;
         double angle = (2 * n + 1) * b->phase_shift;
         if (j->kind == CIRCULAR) {
             double grown = exp(2.0 * n * (log_nome * n + b->phase_shift));
             double shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
-            b->rise[0][n] = n ? sign * (grown + shrunk) : 1.0;
-            b->rise[1][n] = n ? sign * (shrunk - grown) : 0.0;
+            b->rise[0][n] = sign * (grown + shrunk);
+            b->rise[1][n] = sign * (shrunk - grown);
+            if (n == 0) { /* the middle term counts once */
+                b->rise[0][0] = 1.0;
+                b->rise[1][0] = 0.0;
+            }
         } else {
             double up = exp(0.5 * log_nome * n * n);
             double down = exp(0.5 * log_nome * n * (n + 1));
@@ -181,9 +194,12 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
 /* Signs of the amplitudes, and u at the start. */
 static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, const dd *restrict n)
 {
-    double parity = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? 1.0 : -1.0;
-    double sign[3]
-        = {b->j.kind == SEPARATRIX ? copysign(1.0, w[0].hi) : 1.0, 1.0, copysign(1.0, w[2].hi)};
+    double parity = -1.0;
+    if ((b->axis[1] + 3 - b->axis[0]) % 3 == 1) /* the axes are in cyclic order */
+        parity = 1.0;
+    double sign[3] = {1.0, 1.0, copysign(1.0, w[2].hi)};
+    if (b->j.kind == SEPARATRIX) /* sech does not change its sign */
+        sign[0] = copysign(1.0, w[0].hi);
     sign[1] = sign[0] * sign[2] * parity * b->order;
     for (int i = 0; i < 3; i++) {
         b->size[i] = sign[i] * dd_round(a[i]);

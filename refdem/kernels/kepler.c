@@ -39,7 +39,9 @@ static double excess(double x, double s)
 static void eccentric(const orbit *o, dd mean, double *restrict c, double *restrict s)
 {
     double m = mean.hi;
-    double x = fabs(m) < 0.1 * o->less ? m / o->less : m + copysign(0.85 * o->e, m);
+    double x = m + copysign(0.85 * o->e, m);
+    if (fabs(m) < 0.1 * o->less) /* near the pericentre M = (1 - e) E */
+        x = m / o->less;
     double change = 1.0;
     for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(x); i++) {
         double s0 = sin(x);
@@ -147,7 +149,9 @@ int refdem_kepler_run(const double *motion)
         dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
         eccentric(o, dd_reduced(mean, turn, &odd), &c, &s);
         double small = s * s / (1.0 + fabs(c));
-        double above = c > 0.0 ? small : 1.0 - c; /* 1 - cos E */
+        double above = 1.0 - c; /* 1 - cos E, without cancellation */
+        if (c > 0.0)
+            above = small;
         double x = o->a * (o->less - above);
         double y = o->a * o->flat * s;
         double per = o->speed / (o->less + o->e * above);

@@ -25,11 +25,12 @@ static linear prepared(double mass, double stiffness, double damping)
     dd square = dd_div(dd_of(stiffness), m);
     dd b = dd_div(dd_scale(dd_of(damping), 0.5), m);
     dd gap = dd_sub(square, dd_square(b));
-    linear p = {dd_sqrt(square), b, dd_sqrt(dd_abs(gap)),
-                gap.hi > 0.0   ? UNDER
-                : gap.hi < 0.0 ? OVER
-                               : CRITICAL};
-    return p;
+    int kind = CRITICAL;
+    if (gap.hi > 0.0)
+        kind = UNDER;
+    else if (gap.hi < 0.0)
+        kind = OVER;
+    return (linear){dd_sqrt(square), b, dd_sqrt(dd_abs(gap)), kind};
 }
 
 /* exp(-b s) times cos W s and (sin W s)/W, or what takes their places. */

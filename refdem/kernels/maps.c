@@ -108,9 +108,7 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
     double y = s[1];
     double u = s[2];
     double v = s[3];
-    double up = -1.0;
-    if (v > 0.0)
-        up = 1.0;
+    double up = copysign(1.0, v);
     /* Where it meets the line of the straight wall; along the walls it goes to a half circle. */
     double meets = copysign(INFINITY, u);
     if (v != 0.0)
@@ -121,9 +119,7 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
         s[3] = -v;
         return 0;
     }
-    int side = -1;
-    if (meets > 0.0)
-        side = 1;
+    int side = 2 * (meets > 0.0) - 1; /* 1 to the right, -1 to the left */
     double q = x - side * a;
     double b = q * u + y * v;
     double t = -2.0 * b; /* from a place on the same half circle */

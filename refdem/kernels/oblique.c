@@ -173,8 +173,8 @@ static void watched(const double *a, int skip, int next, stretch *restrict z)
     }
 }
 
-/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot that
- * would pull. */
+/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot
+ * that would pull. */
 static int ends_with_force(const pair *p)
 {
     return p->no_pull && p->damping > 0.0;

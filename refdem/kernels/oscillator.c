@@ -21,11 +21,14 @@ int refdem_harmonic(double mass, double stiffness, const double *gravity, const 
         double c, s;
         turned(dd_mul(w, two_sum(t[n], -t0)), &c, &s);
         for (int i = 0; i < 3; i++) {
-            int is_start = t[n] == t0;
-            out_position[3 * n + i]
-                = is_start ? position[i] : rest[i] + fma(from[i], c, speed[i] * s);
-            out_velocity[3 * n + i]
-                = is_start ? velocity[i] : w.hi * fma(speed[i], c, -from[i] * s);
+            out_position[3 * n + i] = rest[i] + fma(from[i], c, speed[i] * s);
+            out_velocity[3 * n + i] = w.hi * fma(speed[i], c, -from[i] * s);
+        }
+        if (t[n] != t0)
+            continue;
+        for (int i = 0; i < 3; i++) { /* the start as it was given */
+            out_position[3 * n + i] = position[i];
+            out_velocity[3 * n + i] = velocity[i];
         }
     }
     return 0;

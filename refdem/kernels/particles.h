@@ -25,7 +25,7 @@ enum { APART, PARTED, FREE, STICK, SLIP, FADE };
 typedef struct {
     int64_t i, j;
     double n[3], turn[3], w[3], slip[3]; /* normal and its rate, velocity of i against j, slip */
-    double overlap, rate, normal; /* d, d', F */
+    double overlap, rate, normal;        /* d, d', F */
     double limit; /* mu F; below zero too: a step may look beyond a release */
     double arm_i, arm_j;
 } meeting;
@@ -86,7 +86,8 @@ static inline void approach(const refdem_particles *p, int64_t k, const double *
         m->turn[c] = (m->rate * m->n[c] - m->w[c]) / distance;
 }
 
-/* The root of the overlap under Hertz's law, whose stiffnesses grow as it; 1 under the linear law. */
+/* The root of the overlap under Hertz's law, whose stiffnesses grow as it; 1 under the linear law.
+ */
 static inline double widening(const refdem_particles *p, double overlap)
 {
     if (p->hertz)
@@ -297,8 +298,7 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
         for (int c = 0; c < 3; c++)
             to[c] = end[c] - x[3 * i + c];
         int has_length = spring[LENGTH] != 0.0;
-        int is_linear
-            = spring[EXPONENT] == 1.0 && spring[QUADRATIC] == 0.0 && spring[CUBIC] == 0.0;
+        int is_linear = spring[EXPONENT] == 1.0 && spring[QUADRATIC] == 0.0 && spring[CUBIC] == 0.0;
         if (has_length || !is_linear)
             factor = pull_per_length(spring, size(to));
         add(force + 3 * i, factor, to);

@@ -47,8 +47,12 @@ static dd perpendicular(const dd *restrict v, const dd *restrict n, dd *restrict
     for (int i = 0; i < 3; i++)
         out[i] = dd_sub(v[i], dd_mul(along, n[i]));
     size = length_of(out);
-    for (int i = 0; i < 3; i++)
-        out[i] = size.hi > 0.0 ? dd_div(out[i], size) : dd_of(0.0);
+    for (int i = 0; i < 3; i++) {
+        if (size.hi > 0.0)
+            out[i] = dd_div(out[i], size);
+        else
+            out[i] = dd_of(0.0);
+    }
     return size;
 }
 
@@ -79,8 +83,15 @@ static void halved(dd s, dd c, dd *restrict sine, dd *restrict cosine)
     dd one = dd_of(1.0);
     dd large = dd_sqrt(dd_scale(dd_add(one, dd_abs(c)), 0.5));
     dd small = dd_div(dd_scale(s, 0.5), large);
-    *cosine = c.hi > 0.0 ? large : dd_abs(small);
-    *sine = c.hi > 0.0 ? small : s.hi < 0.0 ? dd_neg(large) : large;
+    if (c.hi > 0.0) { /* nearer to the bottom */
+        *cosine = large;
+        *sine = small;
+        return;
+    }
+    *cosine = dd_abs(small);
+    *sine = large;
+    if (s.hi < 0.0)
+        *sine = dd_neg(large);
 }
 
 /* Which of the forms the motion has, its modulus, rate and phase, from sin and cos of theta, theta'

@@ -48,10 +48,15 @@ static inline void converted(int count, dd factor, double *restrict x)
 static void staged(int stages, const double *weight, double h, double *restrict drift,
                    double *restrict kick)
 {
-    for (int s = 0; s < stages; s++)
-        kick[s] = h * weight[s < stages / 2 ? s : stages - 1 - s];
-    for (int s = 0; s <= stages; s++)
-        drift[s] = 0.5 * ((s > 0 ? kick[s - 1] : 0.0) + (s < stages ? kick[s] : 0.0));
+    for (int s = 0; s <= stages / 2; s++) {
+        kick[s] = h * weight[s];
+        kick[stages - 1 - s] = kick[s];
+    }
+    /* A drift is half of the step before it and half of the one after it. */
+    drift[0] = 0.5 * kick[0];
+    drift[stages] = 0.5 * kick[stages - 1];
+    for (int s = 1; s < stages; s++)
+        drift[s] = 0.5 * (kick[s - 1] + kick[s]);
 }
 
 REFDEM_EVERY_CPU
@@ -66,7 +71,9 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
         kick[s] *= square;
     dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
     for (int64_t first = 0; first < members; first += MEMBERS) {
-        int count = members - first < MEMBERS ? (int)(members - first) : MEMBERS;
+        int count = MEMBERS;
+        if (members - first < MEMBERS) /* the last ones */
+            count = (int)(members - first);
         double *restrict a = angle + first;
         double *restrict w = rate + first;
         converted(count, per_half_turn, a);

@@ -26,11 +26,13 @@ typedef struct {
 static phase free_flight(const tent *f, int region, double x, double v)
 {
     phase p = {.region = region, .x = x, .v = v, .lasts = INFINITY};
-    double edge = region == LEFT ? f->x1 : f->x2;
-    double towards = region == LEFT ? v : -v;
-    if (towards > 0.0) {
-        p.lasts = (edge - x) / v;
-        p.next = region == LEFT ? RISING : FALLING;
+    if (region == LEFT && v > 0.0) { /* towards the field */
+        p.lasts = (f->x1 - x) / v;
+        p.next = RISING;
+    }
+    if (region == RIGHT && v < 0.0) {
+        p.lasts = (f->x2 - x) / v;
+        p.next = FALLING;
     }
     return p;
 }
@@ -80,9 +82,11 @@ static phase falling(const tent *f, double x, double v)
 
 static phase entered(const tent *f, int region, double x, double v)
 {
-    return region == RISING    ? rising(f, x, v)
-           : region == FALLING ? falling(f, x, v)
-                               : free_flight(f, region, x, v);
+    if (region == RISING)
+        return rising(f, x, v);
+    if (region == FALLING)
+        return falling(f, x, v);
+    return free_flight(f, region, x, v);
 }
 
 static void state(const tent *f, const phase *p, double t, double *restrict x, double *restrict v)
@@ -107,7 +111,9 @@ static int region_at(const tent *f, double x, double v)
         return LEFT;
     if (x < 0.0 || (x == 0.0 && v < 0.0))
         return RISING;
-    return x < f->x2 || (x == f->x2 && v < 0.0) ? FALLING : RIGHT;
+    if (x < f->x2 || (x == f->x2 && v < 0.0))
+        return FALLING;
+    return RIGHT;
 }
 
 int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0,
@@ -122,7 +128,10 @@ int refdem_piecewise_field(double mass, double k1, double k2, double x1, double 
             double x, v;
             state(&f, &now, now.lasts, &x, &v);
             begin += now.lasts;
-            now = entered(&f, now.next, edges[now.region < now.next ? now.region : now.next], v);
+            int left = now.region; /* of the edge between the two regions */
+            if (now.next < left)
+                left = now.next;
+            now = entered(&f, now.next, edges[left], v);
         }
         state(&f, &now, t[row] - begin, out, out + 1);
     }

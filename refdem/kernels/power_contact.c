@@ -67,8 +67,9 @@ static double elapsed(const leg *l, double overlap, double rate)
 {
     double y = overlap / l->depth;
     double z = pow(y, l->power);
-    return z < 0.5 ? l->unit * since_touch(l, y, z)
-                   : l->half - l->unit * before_turn(l, rate / l->speed);
+    if (z < 0.5)
+        return l->unit * since_touch(l, y, z);
+    return l->half - l->unit * before_turn(l, rate / l->speed); /* from the turn, which is nearer */
 }
 
 /* Overlap and rate at `since` touch, up to the turn. */
@@ -107,31 +108,40 @@ static void pressed(const leg *l, double since, double left, double *restrict ov
 int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap,
                          double rate, int64_t samples, const double *t, double *touch, double *out)
 {
-    const double *law = overlap > 0.0 && rate < 0.0 ? out_law : in;
-    int meets = overlap > 0.0 || rate > 0.0;
-    double depth = meets ? reached(mass, law[0], law[1], overlap, rate) : 1.0;
+    int overlaps = overlap > 0.0;
+    int is_leaving = overlaps && rate < 0.0;
+    int meets = overlaps || rate > 0.0;
+    const double *law = in; /* the one that holds at the start */
+    if (is_leaving)
+        law = out_law;
+    double depth = 1.0;
+    if (meets)
+        depth = reached(mass, law[0], law[1], overlap, rate);
     leg inward = prepared(mass, in[0], in[1], depth);
     leg outward = prepared(mass, out_law[0], out_law[1], depth);
-    if (meets
-        && !(overlap > 0.0)) /* the speed of touch is given: it need not go through the powers */
-    {
+    if (meets && !overlaps) { /* the speed of touch is given: it need not go through the powers */
         inward.half *= inward.speed / rate;
         inward.speed = rate;
         inward.unit = depth / rate;
     }
-    double turn = inward.half - (overlap > 0.0 ? 0.0 : overlap / rate);
-    if (overlap > 0.0)
-        turn = rate < 0.0 ? elapsed(&outward, overlap, -rate) - outward.half
-                          : inward.half - elapsed(&inward, overlap, rate);
-    if (!meets)
-        turn = INFINITY;
+    double turn = INFINITY;
+    if (is_leaving) /* it has turned already */
+        turn = elapsed(&outward, overlap, -rate) - outward.half;
+    else if (overlaps)
+        turn = inward.half - elapsed(&inward, overlap, rate);
+    else if (meets) /* it flies first */
+        turn = inward.half - overlap / rate;
     touch[0] = turn - inward.half;
     touch[1] = turn;
     touch[2] = turn + outward.half;
     for (int64_t row = 0; row < samples; row++, out += 2) {
         double left = turn - t[row];
-        const leg *l = left >= 0.0 ? &inward : &outward;
-        double sense = left >= 0.0 ? 1.0 : -1.0;
+        const leg *l = &inward;
+        double sense = 1.0;
+        if (!(left >= 0.0)) { /* after the turn */
+            l = &outward;
+            sense = -1.0;
+        }
         double since = l->half - fabs(left);
         if (!meets) {
             out[0] = overlap + rate * t[row];

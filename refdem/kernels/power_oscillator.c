@@ -81,11 +81,14 @@ static double turning_inverse(const power_law *b, double s)
 static dd phase(const power_law *b, double y, double w)
 {
     if (w * w <= 0.5) {
-        dd turning = from_turning(b, y < 0.0 ? -w : w);
-        return y < 0.0 ? dd_add(dd_scale(b->quarter, 2.0), turning) : turning;
+        if (y < 0.0) /* from the other turning point */
+            return dd_add(dd_scale(b->quarter, 2.0), from_turning(b, -w));
+        return from_turning(b, w);
     }
     dd left = dd_sub(b->quarter, from_centre(b, y));
-    return w < 0.0 ? dd_neg(left) : left;
+    if (w < 0.0)
+        return dd_neg(left);
+    return left;
 }
 
 static power_law prepared(double mass, double stiffness, double exponent, double x, double v)
@@ -98,7 +101,9 @@ static power_law prepared(double mass, double stiffness, double exponent, double
     double size = fmax(fabs(x), pow(fabs(v) / speed, 2.0 * b.rise));
     double a = fabs(x) / size;
     double c = fabs(v) / speed / pow(size, 0.5 * b.p);
-    b.reach = v == 0.0 ? fabs(x) : size * pow(pow(a, b.p) + c * c, b.rise);
+    b.reach = fabs(x); /* at rest it is at a turning point */
+    if (v != 0.0)
+        b.reach = size * pow(pow(a, b.p) + c * c, b.rise);
     b.fastest = speed * pow(b.reach, 0.5 * b.p);
     dd unit = dd_sqrt(dd_div(dd_of(2.0 * stiffness), dd_mul(dd_of(mass), dd_of(b.p))));
     b.rate = dd_scale(unit, pow(b.reach, 0.5 * (exponent - 1.0)));
@@ -111,7 +116,9 @@ static void at(const power_law *b, dd since, double *restrict x, double *restric
     int odd;
     dd s = dd_reduced(dd_add(b->start, dd_mul(b->rate, since)), dd_scale(b->quarter, 2.0), &odd);
     double y, w;
-    double side = odd ? -1.0 : 1.0;
+    double side = 1.0;
+    if (odd)
+        side = -1.0;
     if (fabs(s.hi) <= b->turn) {
         w = turning_inverse(b, dd_round(s));
         y = pow(1.0 - w * w, b->rise);

@@ -36,7 +36,9 @@ static void difference(const scene_t *scene, const int64_t *end, int64_t offset,
                        double *out)
 {
     const double *a = column(scene, end[0], offset);
-    const double *b = end[1] < 0 ? rest : column(scene, end[1], offset);
+    const double *b = rest;
+    if (end[1] >= 0)
+        b = column(scene, end[1], offset);
     for (int i = 0; i < 3; i++)
         out[i] = a[i] - b[i];
 }
@@ -44,13 +46,13 @@ static void difference(const scene_t *scene, const int64_t *end, int64_t offset,
 /* Adds force[i] * factor to body a and takes it from body b. */
 static void push(const scene_t *scene, const int64_t *end, double factor, const double *force)
 {
+    double signed_factor[2] = {factor, -factor};
     for (int side = 0; side < 2; side++) {
         if (end[side] < 0 || scene->fixed[end[side]])
             continue;
         double *a = column(scene, end[side], scene->acceleration);
-        double signed_factor = side ? -factor : factor;
         for (int i = 0; i < 3; i++)
-            a[i] += signed_factor * force[i] / scene->mass[end[side]];
+            a[i] += signed_factor[side] * force[i] / scene->mass[end[side]];
     }
 }
 
@@ -88,7 +90,9 @@ static void drive(const scene_t *scene, const int64_t *end, const double *p)
 
 static double inverse_mass(const scene_t *scene, int64_t body)
 {
-    return body < 0 || scene->fixed[body] ? 0.0 : 1.0 / scene->mass[body];
+    if (body < 0 || scene->fixed[body]) /* nothing moves it */
+        return 0.0;
+    return 1.0 / scene->mass[body];
 }
 
 /* Returns the tension [N]. */
@@ -110,8 +114,11 @@ static void forces(const scene_t *scene)
 {
     for (int64_t body = 0; body < scene->bodies; body++) {
         double *a = column(scene, body, scene->acceleration);
-        for (int i = 0; i < 3; i++)
-            a[i] = scene->fixed[body] ? 0.0 : a[i] + scene->gravity[i];
+        for (int i = 0; i < 3; i++) {
+            a[i] += scene->gravity[i];
+            if (scene->fixed[body])
+                a[i] = 0.0;
+        }
     }
     for (int64_t k = 0; k < scene->springs; k++)
         spring(scene, scene->spring_end + 2 * k, scene->spring + 8 * k);

@@ -35,7 +35,9 @@ static inline void turn_about(spinning *b, int i, double rate)
     double half = 0.5 * rate * b->l[i];
     double s = sin(half);
     double c = cos(half);
-    double less = c > 0.0 ? -s * s / (1.0 + c) : c - 1.0;
+    double less = c - 1.0;
+    if (c > 0.0) /* without cancellation */
+        less = -s * s / (1.0 + c);
     double sine = 2.0 * s * (1.0 + less);
     double fall = 2.0 * s * s;
     double lj = b->l[j];
@@ -73,8 +75,11 @@ static void finish(const spinning *b, const double *restrict inertia, double *re
                    double *restrict omega)
 {
     double w[3];
-    for (int i = 0; i < 3; i++)
-        w[i] = inertia[i] > 0.0 ? b->l[i] / inertia[i] : 0.0;
+    for (int i = 0; i < 3; i++) {
+        w[i] = 0.0;
+        if (inertia[i] > 0.0)
+            w[i] = b->l[i] / inertia[i];
+    }
     for (int i = 0; i < 4; i++)
         attitude[i] = b->q[i];
     quaternion_normalised(attitude);
@@ -97,7 +102,9 @@ static void extremes(const double *restrict inertia, int *least, int *most)
 /* h (1/J_i - 1/J_m); an axis without inertia does not turn. */
 static double rate_about(double inertia, double middle, double h)
 {
-    return inertia > 0.0 ? h * ((middle - inertia) / inertia) / middle : 0.0;
+    if (!(inertia > 0.0))
+        return 0.0;
+    return h * ((middle - inertia) / inertia) / middle;
 }
 
 /* The turn about the angular momentum: its axis in space, its rate |L|/J_m [rad/s]. */
@@ -111,11 +118,17 @@ static precession precessing(const spinning *b, double middle)
     dd w[3];
     double direction[3];
     precession p;
-    for (int i = 0; i < 3; i++)
-        w[i] = middle > 0.0 ? dd_div(two_sum(b->l[i], b->l_low[i]), dd_of(middle)) : dd_of(0.0);
+    for (int i = 0; i < 3; i++) {
+        w[i] = dd_of(0.0); /* nothing turns without inertia */
+        if (middle > 0.0)
+            w[i] = dd_div(two_sum(b->l[i], b->l_low[i]), dd_of(middle));
+    }
     p.rate = dd_sqrt(dd_dot(w, w));
-    for (int i = 0; i < 3; i++)
-        direction[i] = p.rate.hi > 0.0 ? w[i].hi / p.rate.hi : 0.0;
+    for (int i = 0; i < 3; i++) {
+        direction[i] = 0.0; /* what does not turn has no axis */
+        if (p.rate.hi > 0.0)
+            direction[i] = w[i].hi / p.rate.hi;
+    }
     quaternion_rotated(b->q, direction, p.axis);
     return p;
 }
@@ -204,7 +217,9 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
     start(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     for (int i = 0; i < 3; i++) {
-        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0;
+        per[i] = 0.0;
+        if (inertia[i] > 0.0)
+            per[i] = 1.0 / inertia[i];
         y[4 + i] = b.l[i];
         low[4 + i] = b.l_low[i];
     }
@@ -215,8 +230,8 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
     for (int64_t k = 1; k < samples; k++) {
         for (int64_t n = 0; n < stride; n++)
             rk4_step(y, low, per, h);
-        for (int i = 0; i < 7; i++)
-            *(i < 4 ? &b.q[i] : &b.l[i - 4]) = y[i];
+        memcpy(b.q, y, sizeof b.q);
+        memcpy(b.l, y + 4, sizeof b.l);
         finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
     }
     return 0;

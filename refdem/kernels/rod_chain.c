@@ -33,19 +33,26 @@ static void aimed(const double *restrict aim, double *restrict s, double *restri
 
 static double coupling(const chain *p, int i, int j)
 {
-    return p->load[i > j ? i : j] * p->length[i] * p->length[j];
+    int lower = i; /* of the two bobs: it and those below it move with both rods */
+    if (j > i)
+        lower = j;
+    return p->load[lower] * p->length[i] * p->length[j];
 }
 
 /* Lower factor of a symmetric positive matrix, in place. */
 static void factor(int n, double m[MOST][MOST])
 {
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         for (int j = 0; j <= i; j++) {
             double sum = m[i][j];
             for (int k = 0; k < j; k++)
                 sum -= m[i][k] * m[j][k];
-            m[i][j] = i == j ? sqrt(sum) : sum / m[j][j];
+            if (i == j)
+                m[i][j] = sqrt(sum);
+            else
+                m[i][j] = sum / m[j][j];
         }
+    }
 }
 
 static void solve(int n, double m[MOST][MOST], double *b)
@@ -70,9 +77,12 @@ static void felt_gravity(const chain *p, dd time, series *g, series *velocity)
     turned(dd_add(dd_mul(dd_of(p->frequency), time), dd_of(p->phase)), &c, &s);
     double wave[4] = {c, -s, -c, s};
     for (int k = 0; k <= TERMS; k++) {
-        for (int axis = 0; axis < 2; axis++)
-            g[axis][k] = (k ? 0.0 : p->gravity[axis])
-                         + p->drive[axis] * p->frequency * power * wave[k % 4];
+        for (int axis = 0; axis < 2; axis++) {
+            double constant = 0.0;
+            if (k == 0)
+                constant = p->gravity[axis];
+            g[axis][k] = constant + p->drive[axis] * p->frequency * power * wave[k % 4];
+        }
         for (int axis = 0; axis < 2; axis++)
             velocity[axis][k] = p->drive[axis] * power * wave[(k + 1) % 4];
         power *= p->frequency / (k + 1);
@@ -94,14 +104,20 @@ static void expand(const void *system, dd time, series *y, double *scale)
                 aimed(p->aim + 2 * i, &s[i][0], &c[i][0]);
             square[i][k] = cauchy(y[n + i], y[n + i], k);
         }
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < n; i++) {
             for (int j = 0; j < n; j++) {
                 double weight = coupling(p, i, j);
-                along[i][j][k] = i == j ? (k ? 0.0 : weight)
-                                        : weight * (cauchy(c[i], c[j], k) + cauchy(s[i], s[j], k));
-                across[i][j][k]
-                    = i == j ? 0.0 : weight * (cauchy(s[i], c[j], k) - cauchy(c[i], s[j], k));
+                if (i != j) { /* weight cos and sin of the angle between the rods */
+                    along[i][j][k] = weight * (cauchy(c[i], c[j], k) + cauchy(s[i], s[j], k));
+                    across[i][j][k] = weight * (cauchy(s[i], c[j], k) - cauchy(c[i], s[j], k));
+                    continue;
+                }
+                along[i][i][k] = 0.0;
+                across[i][i][k] = 0.0;
+                if (k == 0)
+                    along[i][i][k] = weight;
             }
+        }
         for (int i = 0; i < n; i++) {
             b[i] = p->load[i] * p->length[i] * (cauchy(g[0], c[i], k) + cauchy(g[1], s[i], k));
             for (int j = 0; j < n; j++)

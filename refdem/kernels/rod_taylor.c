@@ -48,7 +48,9 @@ static inline void expanded(const hanging *restrict m, wide *restrict r, wide *r
     lambda[0] = multiplier(m, r, v);
     for (int n = 0; n < ORDER; n++) {
         double per = 1.0 / (n + 1.0);
-        wide sum = n == 0 ? -m->pull : (wide){0.0};
+        wide sum = {0.0};
+        if (n == 0) /* the pull is constant in time */
+            sum = -m->pull;
         wide other = {0.0};
         lambda[n + 1] = m->per * per * dot(&m->pull, v + n);
         int k = 0;
@@ -82,7 +84,9 @@ static inline double step_of(const hanging *restrict m, const wide *restrict r,
                         powf(largest(r + ORDER, m->length), 1.0f / ORDER));
     double reach = STEP_PART / worst;
     double square = unheld(m, r, v);
-    return square * reach * reach > 1.0 ? 1.0 / sqrt(square) : reach;
+    if (square * reach * reach > 1.0)
+        return 1.0 / sqrt(square);
+    return reach;
 }
 
 /* What a series has gained after a time. */
@@ -123,7 +127,9 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
                  .per = 3.0 / (length * length)};
     series r, v;
     double reach = 0.0;
-    double sense = samples > 1 && t[samples - 1] < t0 ? -1.0 : 1.0;
+    double sense = 1.0;
+    if (samples > 1 && t[samples - 1] < t0) /* backwards */
+        sense = -1.0;
     dd now = dd_of(0.0);
     for (int i = 0; i < 3; i++) {
         m.r[i] = two_sum(position[i], -anchor[i]);
@@ -157,8 +163,12 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
         for (int i = 0; i < 3; i++) {
             place[i] = dd_round(dd_add(m.r[i], dd_of(place[i])));
             speed[i] = dd_round(dd_add(m.v[i], dd_of(speed[i])));
-            out_position[3 * k + i] = t[k] == t0 ? position[i] : anchor[i] + place[i];
-            out_velocity[3 * k + i] = t[k] == t0 ? velocity[i] : speed[i];
+            out_position[3 * k + i] = anchor[i] + place[i];
+            out_velocity[3 * k + i] = speed[i];
+        }
+        if (t[k] == t0) { /* the start as it was given */
+            memcpy(out_position + 3 * k, position, 3 * sizeof *position);
+            memcpy(out_velocity + 3 * k, velocity, 3 * sizeof *velocity);
         }
         out_force[k] = mass * length * multiplier(&m, &place, &speed);
     }

@@ -26,8 +26,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
     for (int k = 0; k < TERMS; k++) {
         sine_cosine(angle, w, s, c, k);
         swing[k] = cauchy(r, w, k);
-        double pull = p->mass * (cauchy(swing, w, k) + p->gravity * c[k])
-                      - (k ? 0.0 : p->counter * p->gravity);
+        double weight = 0.0; /* of the mass, constant in time */
+        if (k == 0)
+            weight = p->counter * p->gravity;
+        double pull = p->mass * (cauchy(swing, w, k) + p->gravity * c[k]) - weight;
         double across = 2.0 * cauchy(u, w, k) + p->radius * cauchy(w, w, k) + p->gravity * s[k];
         turn[k] = -(across + cauchy_rest(r, turn, k)) / r[0];
         r[k + 1] = (u[k] + p->radius * w[k]) / (k + 1);

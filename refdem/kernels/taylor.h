@@ -61,7 +61,8 @@ static inline double taylor_step(int n, series *y, const double *scale)
         for (int i = 0; i < n; i++)
             if (scale[i] > 0.0)
                 worst = fmax(worst, fabs(y[i][k]) / scale[i]);
-        radius = fmin(radius, worst > 0.0 ? pow(worst, -1.0 / k) : INFINITY);
+        if (worst > 0.0)
+            radius = fmin(radius, pow(worst, -1.0 / k));
     }
     return radius * STEP_PART;
 }
@@ -84,7 +85,9 @@ static inline int taylor_run(expansion expand, const void *system, int n, series
     double scale[64];
     dd now = dd_of(t[0]);
     double reach = 0.0;
-    double sense = t[samples - 1] < t[0] ? -1.0 : 1.0;
+    double sense = 1.0;
+    if (t[samples - 1] < t[0]) /* backwards */
+        sense = -1.0;
     for (int i = 0; i < n; i++)
         y[i][0] = out[i];
     for (int64_t k = 1; k < samples; k++) {

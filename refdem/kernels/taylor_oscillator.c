@@ -35,8 +35,9 @@ static void driven(const oscillator *p, dd t, double *restrict force)
         double w = p->drive[3 * k + 1];
         double factor = p->drive[3 * k];
         turned(dd_add(dd_scale(t, w), dd_of(p->drive[3 * k + 2])), &c, &s);
+        double wave[4] = {c, -s, -c, s}; /* the cosine and its derivatives */
         for (int n = 0; n <= ORDER; n++) {
-            force[n] += factor * (n % 4 == 0 ? c : n % 4 == 1 ? -s : n % 4 == 2 ? -c : s);
+            force[n] += factor * wave[n % 4];
             factor *= w / (n + 1);
         }
     }
@@ -52,7 +53,14 @@ static void expand(const oscillator *p, dd t, double x, double v, series *restri
     y->v[0] = v;
     y->work[0] = 0.0;
     for (int n = 0; n < ORDER; n++) {
-        from[n] = y->x[n] + (n ? 0.0 : p->offset);
+        /* What is constant in time has a coefficient of order 0 only. */
+        double offset = 0.0;
+        double weight = 0.0;
+        if (n == 0) {
+            offset = p->offset;
+            weight = p->weight;
+        }
+        from[n] = y->x[n] + offset;
         square[n] = product(y->x, y->x, n);
         double pull = p->linear * y->x[n] + p->quadratic * square[n];
         double drag = p->damping * y->v[n];
@@ -63,7 +71,7 @@ static void expand(const oscillator *p, dd t, double x, double v, series *restri
             drag += p->van_der_pol * product(far, y->v, n);
         }
         lost[n] = drag - force[n];
-        double rest = (n ? 0.0 : p->weight) - pull;
+        double rest = weight - pull;
         y->work[n + 1] = product(lost, y->v, n) / (n + 1);
         y->x[n + 1] = y->v[n] / (n + 1);
         y->v[n + 1] = (rest - lost[n]) / (p->mass * (n + 1));
@@ -85,7 +93,9 @@ static double slack(const double *restrict a, int last, double h)
         if (n >= last - 1)
             tail += size;
     }
-    return tail > 0.0 ? pow(0x1p-57 * largest / tail, 1.0 / last) : 2.0;
+    if (tail > 0.0)
+        return pow(0x1p-57 * largest / tail, 1.0 / last);
+    return 2.0; /* the series has ended before: twice as far at least */
 }
 
 static double step_of(const series *y, double first)
@@ -129,9 +139,13 @@ int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, d
                              int64_t samples, const double *t, double *out)
 {
     series y;
-    double side = t[samples - 1] < t0 ? -1.0 : 1.0;
     double span = t[samples - 1] - t0;
-    double h = shortest(p, span != 0.0 ? span : 1.0);
+    double side = 1.0;
+    if (span < 0.0) /* backwards */
+        side = -1.0;
+    if (span == 0.0)
+        span = 1.0;
+    double h = shortest(p, span);
     dd x = dd_of(x0);
     dd v = dd_of(v0);
     dd work = dd_of(0.0);

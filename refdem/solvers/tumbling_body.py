@@ -62,6 +62,7 @@ class TumblingBody(KernelSolver):
         shape=Polyhedron,
         law="linear",
         has_inertia=True,
+        irreversible="its kernel goes from event to event forward only",
     )
 
     def unfit(self, problem: Motion) -> str | None:
@@ -78,8 +79,6 @@ class TumblingBody(KernelSolver):
         """
         if not problem.scene.all(Contact)[0].friction > 0:
             return None
-        if problem.interval < 0:
-            return "friction runs forward only"
         if _call(problem).made(FAMILY) < 0:
             return (
                 "a corner that presses comes to a stop: friction without a tangential spring does"
