@@ -15,6 +15,8 @@
  * for its own, from all contacts in the order of the list: the result has the same bits for any
  * number of threads.
  */
+#include <assert.h>
+
 #include "gas_contact.h"
 #include "gas_list.h"
 
@@ -313,6 +315,10 @@ int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_
                        double *channel, double *position, double *velocity, double *omega,
                        double *attitude)
 {
+    assert(threads >= 1 && threads <= MOST_THREADS && samples >= 1 && stride >= 1);
+    assert(room && events && event && channel); /* `room` has refdem_gas_room bytes */
+    assert(position && velocity);
+    assert(!p->turning || (omega && attitude));
     gas g = {.samples = samples, .stride = stride, .most = most, .channel = channel};
     g.out_x = position;
     g.out_v = velocity;

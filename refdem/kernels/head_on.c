@@ -5,6 +5,8 @@
  * V exp(-b t) sin(w t)/w, or sinh(W t)/W, or t in place of sin(w t)/w. Either cut-off leaves the
  * speed V exp(-b t_end) (Schwager and Poeschel 2007).
  */
+#include <assert.h>
+
 #include "double_double.h"
 #include "kernels.h"
 
@@ -59,6 +61,7 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
                    double overlap, double closing, int64_t samples, const double *t, double *touch,
                    double *out)
 {
+    assert(samples >= 1 && touch && out);
     dd total = two_sum(mass1, mass2);
     dd mass = dd_div(two_product(mass1, mass2), total);
     damped s = prepared(mass, stiffness, damping, no_pull);

@@ -109,10 +109,13 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
     double u = s[2];
     double v = s[3];
     double up = copysign(1.0, v);
-    /* Where it meets the line of the straight wall; along the walls it goes to a half circle. */
-    double meets = copysign(INFINITY, u);
+    double meets; /* where it meets the line of the straight wall */
     if (v != 0.0)
         meets = x + (up * r - y) * u / v;
+    else if (u > 0.0) /* along the walls it goes to a half circle */
+        meets = INFINITY;
+    else
+        meets = -INFINITY;
     if (a > 0.0 && fabs(meets) <= a) {
         s[0] = meets;
         s[1] = up * r;

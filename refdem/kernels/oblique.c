@@ -13,6 +13,8 @@
  * series, which turn twice as fast as the motion: its series has all terms of the products, so that
  * it does not ask for shorter steps.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "series_zeros.h"
 #include "simd.h"
@@ -325,6 +327,7 @@ REFDEM_EVERY_CPU
 int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples,
                        const double *t, double *release, double *out)
 {
+    assert(samples >= 1 && release && out);
     stretch z;
     motion m = begun(p, start);
     int64_t row = 0;

@@ -5,6 +5,8 @@
  * rule on the method's own map), the mode changes, and the rest of the step follows: a method keeps
  * its order through contacts, and a reversible one stays so.
  */
+#include <assert.h>
+
 #include "contact_modes.h"
 
 enum { MOST_EVENTS = 64, HALVES = 16 };
@@ -386,6 +388,9 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
                              int64_t stride, int64_t most, int64_t *mode, double *work,
                              double *event, double *channel, double *out)
 {
+    assert(samples >= 1 && stride >= 1 && most >= 0);
+    assert(mode && work && event && channel && out); /* `work` has refdem_particles_work doubles */
+    assert(p->pairs == 0 || p->pair);
     int64_t size = refdem_particles_size(p);
     runner r = {.p = p, .method = method, .size = size, .mode = mode, .scratch = work + 6 * size};
     course c = {work, work + 2 * size, work + 3 * size, work + 5 * size, event, most, 0};

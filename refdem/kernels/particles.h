@@ -372,10 +372,12 @@ static inline void rates(const refdem_particles *p, const int64_t *restrict mode
             double square = dot(y + 3 * i, y + 3 * i);
             cube = p->gm / (square * sqrt(square));
         }
+        if (!(p->ease[i] > 0.0)) { /* a fixed body stays */
+            memset(a + 3 * i, 0, 3 * sizeof *a);
+            continue;
+        }
         for (int c = 0; c < 3; c++)
             a[3 * i + c] = (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c];
-        if (!(p->ease[i] > 0.0)) /* a fixed body stays */
-            memset(a + 3 * i, 0, 3 * sizeof *a);
     }
     if (p->turning)
         turn(p, y + spin_at(p), y + 9 * n, dy + 9 * n);

@@ -6,6 +6,8 @@
  * since touch, 2a s 2F1(1-a, 1/2; 3/2; s^2) before the turn; each is solved by Newton's rule where
  * its series has an argument below 0.6 (Hertz 1882: n = 3/2).
  */
+#include <assert.h>
+
 #include <math.h>
 
 #include "kernels.h"
@@ -108,6 +110,7 @@ static void pressed(const leg *l, double since, double left, double *restrict ov
 int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap,
                          double rate, int64_t samples, const double *t, double *touch, double *out)
 {
+    assert(samples >= 1 && touch && out);
     int overlaps = overlap > 0.0;
     int is_leaving = overlaps && rate < 0.0;
     int meets = overlaps || rate > 0.0;

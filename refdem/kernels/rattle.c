@@ -6,6 +6,8 @@
  * their sums left over (Kahan), so that round-off does not pile up. The rod force is the exact one
  * of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
  */
+#include <assert.h>
+
 #include <string.h>
 
 #include "double_double.h"
@@ -290,6 +292,8 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work,
                   double *position, double *velocity, double *force)
 {
+    assert(n >= 1 && samples >= 1 && stride >= 1);
+    assert(work && position && velocity && force); /* `work`: 9 n + 9 rods + rods^2 doubles */
     system_of_rods s = {n,
                         rods,
                         springs,

@@ -8,6 +8,8 @@
  * of higher order go to the other side. The pivot does work at the rate F.pivot', F = sum mu_i l_i
  * (sin th_i, -cos th_i)'' - mu_1 G.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "taylor.h"
 
@@ -155,6 +157,7 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
                      const double *gravity, const double *drive, double frequency, double phase,
                      int64_t samples, const double *t, double *out)
 {
+    assert(samples >= 1 && out);
     chain p
         = {.n = (int)rods, .length = length, .aim = aim, .frequency = frequency, .phase = phase};
     series y[2 * MOST + 1];

@@ -1,11 +1,14 @@
 /* The motion on a belt (belt.h) at given times, and its section v = 0, x > 0 for many frequencies
  * of the drive, with growth of tangents. */
+#include <assert.h>
+
 #include "belt.h"
 #include "simd.h"
 
 int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples,
                           const double *t, int64_t most, double *event, double *out)
 {
+    assert(samples >= 1 && most >= 0 && event && out);
     piece y = {0};
     motion m = begun(p, x0, v0, t0);
     int64_t events = 0;

@@ -6,6 +6,8 @@
  * friction N against its slip along the plane, and stops where N would pull (cutoff zero_force); it
  * then idles until it leaves or presses again. The last coordinate is the work that is lost.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "double_double.h"
 #include "series_zeros.h"
@@ -321,6 +323,9 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
                                  const double *t, int64_t most, double *event, double *channel,
                                  double *out)
 {
+    assert(given->corners >= 1 && given->corners <= MOST_CORNERS);
+    assert(samples >= 1 && event && channel && out);
+    assert(t[samples - 1] >= t[0]); /* events are looked for forward only */
     motion m = {.given = given};
     int64_t k = 1;
     int64_t events = 0;

@@ -126,3 +126,11 @@ def test_other_scenes_are_refused():
 
 def refused(scene):
     return ENGINE.unsupported_motion(Motion(scene, LONG), ENGINE.method("tumbling-body"))
+
+
+def test_time_that_runs_backwards_is_refused():
+    # The kernel looked for events before the start and wrote beyond its buffers.
+    scene = flat()
+    times = np.linspace(0.0, -0.1, 5)
+    reason = ENGINE.unsupported_motion(Motion(scene, times), ENGINE.method("tumbling-body"))
+    assert "backwards" in str(reason)
