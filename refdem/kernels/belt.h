@@ -34,6 +34,7 @@ typedef struct {
     int side, fresh, follows;
 } motion;
 
+/* A sum in double-double and a small change of it. */
 static inline dd grown(dd from, double by)
 {
     dd sum = two_sum(from.hi, by);

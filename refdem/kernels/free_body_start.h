@@ -240,6 +240,7 @@ static void prepare_frame(free_body *b)
     }
 }
 
+/* Three moments that differ: Jacobi functions for omega, theta series for the turn about L. */
 static void prepare_tumbling(free_body *b, const double *restrict inertia)
 {
     moments k;

@@ -66,12 +66,11 @@ static void spring(const scene_t *scene, const int64_t *end, const double *p)
     }
     double distance = sqrt(dot(d, d));
     double stretch = distance - p[1];
-    if (distance > 0)
-        push(scene, end,
-             -(p[0] * copysign(pow(fabs(stretch), p[2]), stretch)
-               + (p[6] + p[7] * stretch) * stretch * stretch)
-                 / distance,
-             d);
+    if (!(distance > 0)) /* a spring of no length has no direction */
+        return;
+    double pull = p[0] * copysign(pow(fabs(stretch), p[2]), stretch);
+    double more = (p[6] + p[7] * stretch) * stretch * stretch;
+    push(scene, end, -(pull + more) / distance, d);
 }
 
 static void dashpot(const scene_t *scene, const int64_t *end, const double *p)

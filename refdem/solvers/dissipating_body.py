@@ -52,13 +52,13 @@ class DissipatingBody(KernelSolver):
         inertia = bodies.inertia[0]
         attitude = bodies.attitude[0]
         momentum = inertia * rotated(conjugate(attitude), bodies.omega[0])
-        rows = np.empty((len(t), 7))
-        rows[0] = np.concatenate([momentum, attitude])
+        states = np.empty((len(t), 7))
+        states[0] = np.concatenate([momentum, attitude])
         return KernelCall(
             function="refdem_dissipating_body",
             inputs=(inertia, scene.all(InternalDamping)[0].coefficient),
             clock=samples(t),
-            outputs=(rows,),
+            outputs=(states,),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
@@ -71,9 +71,9 @@ class DissipatingBody(KernelSolver):
             )
         bodies = request.problem.scene.bodies
         inertia = bodies.inertia[0]
-        (rows,) = call.outputs
-        momentum = rows[:, :3]
-        attitude = rows[:, 3:] / np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)
+        (states,) = call.outputs
+        momentum = states[:, :3]
+        attitude = states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
         omega = rotated(attitude, momentum / inertia)
         omega[0] = bodies.omega[0]
         energy = 0.5 * np.sum(momentum**2 / inertia, axis=1)
