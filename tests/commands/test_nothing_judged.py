@@ -42,7 +42,7 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
         (["run", "logistic", "billiards", "--engine", "rebound"], "cannot run an iteration"),
         (
             ["run", "harmonic-oscillator", "--engine", "reference", "--method", "rattle"],
-            "no constraint",
+            "no elements of kind rod",
         ),
         (["run", "pendulum", "--engine", "nothing.toml"], "not in `supports`"),
         (["run", "--campaign", "empty.toml"], "has no case"),

@@ -62,7 +62,10 @@ def test_what_a_campaign_decided_is_written_down_and_must_be_decided_again(
     done = refdem()
     assert done.returncode == 1
     assert done.stdout.count("ABSENT") == 2
-    assert "The list of campaign mine has this finding and this run did not make it" in done.stdout
+    assert (
+        "The list of campaign mine contains this finding, and this run did not produce it"
+        in done.stdout
+    )
 
     # Of a campaign of which only some cases were named, their share alone is required.
     assert refdem("viscous-oscillator").stdout.count("ABSENT") == 1

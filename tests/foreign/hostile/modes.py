@@ -6,7 +6,7 @@ LINK = r"(is a link, a pipe, a device or a folder|cannot be read: .*); expected 
 
 ERRORS = {
     "fails": r"ended with exit status 1: segment 3: no convergence \?\[31m",
-    "fails-in-silence": "exit status 1: it said nothing on stderr",
+    "fails-in-silence": "exit status 1: stderr is empty",
     "says-that-it-failed-by-255": "exit status 255",
     "silent": "wrote no trajectory.csv",
     "aborts": r"signal 6 \(SIGABRT\)",
