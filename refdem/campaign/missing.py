@@ -91,7 +91,10 @@ def _explains(finding: Finding, name: str) -> bool:
 
 
 def _folded(finding: Finding, explained: list[str], owner: str) -> Finding:
-    """The finding with what follows from it; a refusal of what was judged before is lost."""
+    """The finding, with the findings that it explains appended to its sentence.
+
+    "unsupported" becomes "lost" here: an earlier run judged what this one refused.
+    """
     sentence = (
         f"{finding.sentence} Therefore {_counted(explained)} of {owner} could not be made:"
         f" {_named(explained)}."

@@ -84,12 +84,12 @@ def pull_along(m: Moving, state: State, number: int) -> Number:
 
 def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
     """A tangential spring at its limit stays there."""
-    return bool(slides_by(m, state, load, number, h) > 0)
+    return bool(limit_excess_rate(m, state, load, number, h) > 0)
 
 
-def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s'| - mu F'
-    [N/s]; 0 without one.
+def limit_excess_rate(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
+    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s|' - mu F'
+    [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
     """
     law = m.world.law
     if law is None or not (
@@ -101,17 +101,22 @@ def slides_by(m: Moving, state: State, load: Loads, number: int, h: Number) -> N
     stretch = load.stretch[number]
     slip = load.slip[number]
     length = vec.size(stretch)
+    # |s|' = s.s'/|s|, and |s'| for a spring that is not stretched yet.
     if length > 0:
-        along = vec.dot(stretch, slip) / length
+        stretching = vec.dot(stretch, slip) / length
     else:
-        along = vec.size(slip)
-    growth = law.stiffness * rate
+        stretching = vec.size(slip)
+    # F' = k d' + c d''.
+    normal_rate = law.stiffness * rate
     if law.damping > 0:
         pull = vec.times(1.0 / m.world.mass[i], load.force[i])
         if j >= 0:
             pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j])
-        growth += law.damping * second_rate(m, state, number, relative, rate, pull)
-    return (law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1)
+        normal_rate += law.damping * second_rate(m, state, number, relative, rate, pull)
+    excess_rate = law.tangential_stiffness * stretching - law.friction * normal_rate
+    if h > 0:
+        return excess_rate
+    return -excess_rate
 
 
 def second_rate(
@@ -142,7 +147,7 @@ def slide_margin(
 ) -> Number:
     """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
-        return slides_by(m, after, load, number, h) or -positional.TINY
+        return limit_excess_rate(m, after, load, number, h) or -positional.TINY
     law = m.world.law
     return law.friction * push - law.tangential_stiffness * vec.size(load.stretch[number])
 

@@ -324,15 +324,18 @@ class Beside:
             return None
         return distance(self.instance, self.run, twin)
 
-    def twin(self, like: Twin, step: float) -> Twin | None:
-        """The same twin, with the same amplitude, beside this run."""
-        plain = self.sound.get((like.method, step))
-        if plain is None:
+    def twin(self, reference: Twin, step: float) -> Twin | None:
+        """The same fault with the same amplitude at another step, compared with this run; None if
+        the twin without the fault, or the one with it, has no run to compare.
+        """
+        sound = self.sound.get((reference.method, step))
+        if sound is None:
             return None
-        away = self.distance(self.ran(_engine(like), like.method, step))
-        if away is None:
+        faulty = self.ran(_engine(reference), reference.method, step)
+        faulty_distance = self.distance(faulty)
+        if faulty_distance is None:
             return None
-        return replace(like, step=step, distance=away, beside=plain.distance)
+        return replace(reference, step=step, distance=faulty_distance, beside=sound.distance)
 
     @cached_property
     def counts(self) -> list[int]:

@@ -160,7 +160,7 @@ static void kick(gas *g, share *t, int64_t taken)
         int64_t i = t->marked[m];
         int64_t label = g->now.label[i];
         double *v = g->now.v + 3 * i;
-        add(v, 1.0, g->now.kick + 3 * i);
+        add_scaled(v, 1.0, g->now.kick + 3 * i);
         most = fmax(most, dot(v, v));
         if (!(g->p->friction > 0.0))
             continue;
@@ -169,7 +169,7 @@ static void kick(gas *g, share *t, int64_t taken)
             turned(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
                    g->attitude + 4 * label);
         g->since[label] = (int32_t)taken;
-        add(w, 1.0, g->now.turn + 3 * i);
+        add_scaled(w, 1.0, g->now.turn + 3 * i);
     }
     t->fastest = sqrt(most);
 }

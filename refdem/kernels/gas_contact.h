@@ -22,7 +22,7 @@ static inline void cross(const double *a, const double *b, double *out)
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static inline void add(double *a, double factor, const double *b)
+static inline void add_scaled(double *a, double factor, const double *b)
 {
     for (int c = 0; c < 3; c++)
         a[c] += factor * b[c];
@@ -108,7 +108,7 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
         /* The overlap has grown at its rate since it began, but not for longer than a step. */
         if (rate * g->h > 0.0 && fabs(c->deep / rate) < fabs(g->h))
             since = c->deep / rate;
-        add(c->bend, since, slip);
+        add_scaled(c->bend, since, slip);
         return;
     }
     double old[3], both[3];
@@ -118,10 +118,10 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
         both[k] = old[k] + c->n[k];
     }
     slips(g, c, old, before->deep, 0, slip);
-    add(c->bend, half, slip);
-    add(c->bend, -dot(c->n, c->bend) / (1.0 + dot(old, c->n)), both);
+    add_scaled(c->bend, half, slip);
+    add_scaled(c->bend, -dot(c->n, c->bend) / (1.0 + dot(old, c->n)), both);
     slips(g, c, c->n, c->deep, 0, slip);
-    add(c->bend, half, slip);
+    add_scaled(c->bend, half, slip);
 }
 
 /* Half a step's change of velocity, on the grid, and of spin; the power of damping and of friction.

@@ -74,10 +74,10 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
         meeting m = meet(p, k, y);
         if (carried) {
             double both[3] = {old[0] + m.n[0], old[1] + m.n[1], old[2] + m.n[2]};
-            add(s, -dot(m.n, s) / (1.0 + dot(old, m.n)), both);
+            add_scaled(s, -dot(m.n, s) / (1.0 + dot(old, m.n)), both);
         }
         if (r->mode[k] == STICK && p->tangential_stiffness > 0.0)
-            add(s, h, m.slip);
+            add_scaled(s, h, m.slip);
         if (r->mode[k] == SLIP && p->tangential_stiffness > 0.0)
             lean(&m, grip(p, &m), h, s);
         memcpy(old, m.n, sizeof m.n);
@@ -177,7 +177,7 @@ static inline void settle(const runner *r, double *restrict y)
         if (r->mode[k] < STICK)
             continue;
         meeting m = meet(p, k, y);
-        add(s, -dot(s, m.n), m.n);
+        add_scaled(s, -dot(s, m.n), m.n);
         double length = size(s);
         if (r->mode[k] == SLIP && length > 0.0) {
             for (int c = 0; c < 3; c++)

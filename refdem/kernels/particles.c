@@ -212,9 +212,9 @@ static int leaving(const runner *r, course *c, double h, double *fraction, int64
 }
 
 /* Notes what happened to a body at time t, as long as there is room. */
-static void note(course *c, double t, double what, double body)
+static void note(course *c, double t, int what, double body)
 {
-    double row[3] = {t, what, body};
+    double row[3] = {t, (double)what, body};
     if (c->events == c->most)
         return;
     memcpy(c->event + 3 * c->events, row, sizeof row);

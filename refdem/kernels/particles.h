@@ -181,7 +181,7 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
     cross(spin, m->turn, carried);
     for (int c = 0; c < 3; c++)
         force[c] += turned[c] + carried[c];
-    add(force, -dot(force, m->n), m->n);
+    add_scaled(force, -dot(force, m->n), m->n);
     for (int c = 0; c < 3; c++)
         force[c] /= -ease;
 }
@@ -216,7 +216,7 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
         }
         /* In the plane of contact: a slip that ends is all rounding, and friction may be many times
          * the normal force. */
-        add(towards, -dot(towards, m->n), m->n);
+        add_scaled(towards, -dot(towards, m->n), m->n);
         /* No direction yet, as after sticking without any pull: no friction. */
         flat = fmax(size(towards), 1e-300);
     }
@@ -257,12 +257,12 @@ static inline void twist(const refdem_particles *p, const meeting *m, const doub
     double *b = dy + spin_at(p);
     double torque[3];
     cross(m->n, force, torque);
-    add(a + 3 * m->i, p->ease[m->i], force);
+    add_scaled(a + 3 * m->i, p->ease[m->i], force);
     if (m->j >= 0)
-        add(a + 3 * m->j, -p->ease[m->j], force);
-    add(b + 3 * m->i, m->arm_i * p->turn_ease[m->i], torque);
+        add_scaled(a + 3 * m->j, -p->ease[m->j], force);
+    add_scaled(b + 3 * m->i, m->arm_i * p->turn_ease[m->i], torque);
     if (m->j >= 0)
-        add(b + 3 * m->j, m->arm_j * p->turn_ease[m->j], torque);
+        add_scaled(b + 3 * m->j, m->arm_j * p->turn_ease[m->j], torque);
 }
 
 /* A spring's row: stiffness, length, exponent, anchor (3), factors of the square and the cube. */
@@ -301,9 +301,9 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
         int is_linear = spring[EXPONENT] == 1.0 && spring[QUADRATIC] == 0.0 && spring[CUBIC] == 0.0;
         if (has_length || !is_linear)
             factor = pull_per_length(spring, size(to));
-        add(force + 3 * i, factor, to);
+        add_scaled(force + 3 * i, factor, to);
         if (j >= 0)
-            add(force + 3 * j, -factor, to);
+            add_scaled(force + 3 * j, -factor, to);
     }
 }
 
@@ -316,9 +316,9 @@ static inline double press(const refdem_particles *p, const int64_t *restrict mo
         if (mode[k] < FREE)
             continue;
         meeting m = meet(p, k, y);
-        add(force + 3 * m.i, -m.normal, m.n);
+        add_scaled(force + 3 * m.i, -m.normal, m.n);
         if (m.j >= 0)
-            add(force + 3 * m.j, m.normal, m.n);
+            add_scaled(force + 3 * m.j, m.normal, m.n);
         power += p->damping * m.rate * m.rate;
     }
     return power;

@@ -17,7 +17,7 @@ static inline void cross(const double *restrict a, const double *restrict b, dou
 }
 
 /* a += factor b. */
-static inline void add(double *restrict a, double factor, const double *restrict b)
+static inline void add_scaled(double *restrict a, double factor, const double *restrict b)
 {
     for (int c = 0; c < 3; c++)
         a[c] += factor * b[c];

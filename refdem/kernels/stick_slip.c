@@ -73,6 +73,9 @@ static int64_t crossings(const belt *p, const motion *m, const piece *y, double 
     return count;
 }
 
+/* What goes in and comes out is in kernels.h. A tangent that is carried along is brought back to
+ * length 1 after every piece; the logarithms of its growth are summed by blocks of the kept time
+ * and make Lyapunov's exponent. A motion that is not finite any more ends there. */
 REFDEM_EVERY_CPU
 int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency,
                               double origin, double x0, double v0, int64_t skip, int64_t keep,

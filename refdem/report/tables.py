@@ -141,7 +141,7 @@ def _tolerance_row(row: Row) -> tuple[Any, ...]:
 
 
 def level_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
-    """A row a refinement level, in the columns LEVEL."""
+    """One row for each refinement level, with the columns LEVEL."""
     found: list[tuple[Any, ...]] = []
     for row in rows:
         record = row.record

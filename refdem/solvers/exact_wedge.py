@@ -106,7 +106,11 @@ class _Meeting:
 
 
 def _meeting(problem: Problem, sense: float) -> _Meeting:
-    """Wedge and wall at the start, time counted upwards."""
+    """Wedge and wall at the start.
+
+    `sense` is -1 for a run backwards, which is a run forwards with the velocities reversed. The
+    force is k2 d^2 of an edge, k1 d of a side.
+    """
     scene = problem.scene
     bodies = scene.bodies
     wall = scene.all(Wedge)[0]

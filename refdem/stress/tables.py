@@ -142,8 +142,8 @@ def _row(climb: Climb) -> tuple[str, ...]:
 
 
 def lines(record: StressRecord) -> list[str]:
-    """What a terminal shows: every climb that ended before the last rung, broken promises first,
-    and counts.
+    """The lines that a terminal shows: every climb of a ladder of harder scenes, those that broke a
+    promise first, and then the counts.
     """
     broken = [climb for climb in record.climbs if climb.kept is False]
     shown = []

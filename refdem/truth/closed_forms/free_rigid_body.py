@@ -63,8 +63,11 @@ class Turning(Guarded, ABC):
         """
         columns = [self.scaled_changes(axis, arb_of(t)) for axis in range(3)]
         rows = [[column[i] for column in columns] for i in range(9)]
+        # Central differences of motions displaced by +-DISPLACEMENT scales of omega_body.
         by_omega = (arb_mat(rows) / arb_of(2 * DISPLACEMENT)).table()
         x, y, z = rotation.rotated(self.turned(arb_of(t)), self.spin(arb_of(t)))
+        # A start turned by a small d phi turns all of the motion: d omega = d phi x omega, where a
+        # turn counts in the scale of the attitude and omega in its own.
         ratio = arb_of(self.scale["attitude.w"] / self.scale["omega.x"])
         none = arb(0)
         turning = [[none, z, -y], [-z, none, x], [y, -x, none]]

@@ -78,6 +78,8 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
         raise SwitchError(
             "corner", f"{watched.name} is not proved positive where it begins", float(low)
         )
+    # The order of the derivative that decides until the value has left the zero at the begin.
+    # Whatever is popped, the value is proved positive from `low` to there, but for that zero.
     fresh = watched.touching
     waiting = [(low, high)]
     least = (high - low) * LEAST
@@ -96,6 +98,7 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
         middle = (a + (b - a) * SPLIT / 128).mid()
         if not b - a > least or not a < middle < b:
             raise undecided(watched, a, b)
+        # The earlier half is popped first.
         waiting += [(middle, b), (a, middle)]
     return None
 

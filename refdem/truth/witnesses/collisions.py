@@ -320,7 +320,7 @@ def flown(s: Sequence[arb], t: arb) -> list[arb]:
 
 def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[Solution, arb]:
     """m d'' = -k d^n from touch in w = sqrt(d), by a time s with dt = 2 w ds: w' = v, v' = -(2k/m)
-    w^(2n+1), t' = 2w; and s of the turn.
+    w^(2n+1), t' = 2w; and the s at which v = 0.
     """
     power = int(2 * exponent + 1)
 
@@ -331,6 +331,7 @@ def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[
         return [y[1], -2 * stiffness / mass * steep, 2 * y[0]]
 
     found = Solution(field, [arb(0), speed, arb(0)])
+    # Any small step finds where v changes its sign; the crossing is refined from there.
     step = float((mass / stiffness / speed).mid()) ** (1 / (power + 1)) / 8
     high = step
     while found.at(arb(high))[1] > 0:

@@ -198,7 +198,11 @@ def sliding(ratio: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
 
 
 def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Falls and contacts by turns; the apexes where the velocity is zero."""
+    """Falls and contacts by turns; the apexes where the velocity is zero.
+
+    A phase lasts about `span`: the time to fall back to the floor, or half a period of the contact.
+    Its end is looked for in steps of a sixteenth of that, and found there by the secant.
+    """
     mass, radius, gravity = (arb_of(p[name]) for name in ("mass", "radius", "gravity"))
     k, c = (arb_of(p[name]) / mass for name in ("stiffness", "damping"))
     y = arb_of(p["height"])

@@ -398,7 +398,11 @@ class Passing(Colliding):
         return -self.k * self.geometry(s)[3]
 
     def law(self, phase: str) -> Value:
-        """The force on body 2 along the tangent."""
+        """The law of a phase, a function of the state: the force F_t on body 2 along the tangent.
+
+        A stick has F_t = -k_t s with the spring's stretch s, the last coordinate of the state; a
+        slip has F_t = -mu F_n or mu F_n, against the slip.
+        """
         if phase == "slip-":
             side = -1
         else:
