@@ -103,7 +103,7 @@ def _by(size: int, function: Callable[..., None]) -> Callable[..., Array]:
 
 
 def _quaternion(matrix: Array) -> Array:
-    """Of the two quaternions (4,) of a matrix that with w >= 0."""
+    """The quaternion (4,) of a matrix: of the two, that with w >= 0."""
     q = _new(4, mujoco.mju_mat2Quat, matrix)
     if q[0] >= 0:
         return q
