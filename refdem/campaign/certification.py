@@ -68,7 +68,9 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     for unknown in only - set(document):
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
     for case, groups in document.items():
-        for group in groups if not only or case in only else ():
+        if only and case not in only:
+            continue
+        for group in groups:
             times = tuple(
                 Fraction(text.strip()) for text in group["times"].split(",") if text.strip()
             )
@@ -204,7 +206,8 @@ class Certification:
             )
             if found["reason"]:
                 self.problems.append(f"{one.instance.label}: {found['reason']}")
-            blocks[one.instance.case.id] += [found["lines"]] if found["lines"] else []
+            if found["lines"]:
+                blocks[one.instance.case.id].append(found["lines"])
         for instance in judged:
             lines[instance.case.id].append(results.get(("samples", instance.label), b""))
         self._write(blocks, lines, whole=not cases)
@@ -259,13 +262,24 @@ class Certification:
             (certified / f"{case}.jsonl").write_text(file_text(case, found), encoding="utf-8")
         for case, entries in lines.items():
             path = kept / f"{case}.jsonl"
-            path.write_bytes(b"".join(entries)) if any(entries) else path.unlink(missing_ok=True)
-        for path in [*certified.glob("*.jsonl"), *kept.glob("*.jsonl")] if whole else ():
-            if path.stem not in (blocks if path.parent == certified else lines):
-                path.unlink()
+            if any(entries):
+                path.write_bytes(b"".join(entries))
+            else:
+                path.unlink(missing_ok=True)
+        if whole:
+            _delete_others(certified, blocks)
+            _delete_others(kept, lines)
         for home in (certified, kept):
             texts = {path.name: path.read_text(encoding="utf-8") for path in home.glob("*.jsonl")}
             (home / LIST).write_text(sums(texts))
+
+
+def _delete_others(folder: Path, cases: Iterable[str]) -> None:
+    """Deletes the files of all but these cases from a folder of the store."""
+    names = set(cases)
+    for path in list(folder.glob("*.jsonl")):
+        if path.stem not in names:
+            path.unlink()
 
 
 def job_of(

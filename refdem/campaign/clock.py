@@ -60,7 +60,10 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
     """
     worst = 0.0
     says = f"{method.name} takes `stride` steps from each sample to the next"
-    for direction in (1.0, -1.0) if method.backward else (1.0,):
+    directions = [1.0]
+    if method.backward:
+        directions.append(-1.0)
+    for direction in directions:
         plain, trajectory = _run(engine, method, scene, ROUND, direction)
         pace = _pace(scene.passed(trajectory), plain)
         for interval in (ROUND, *ROUNDED):

@@ -50,7 +50,12 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
         says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
         return msgspec.structs.replace(finding, outcome="stale", sentence=says)
     inside = deviation.low <= finding.value <= deviation.high
-    side, outcome = ("inside", "expected") if inside else ("outside", "fail")
+    if inside:
+        side = "inside"
+        outcome = "expected"
+    else:
+        side = "outside"
+        outcome = "fail"
     says = (
         f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g},"
         f" {deviation.high:.3g}]: {why}"

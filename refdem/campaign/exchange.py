@@ -154,8 +154,10 @@ def exported(
     engines = {path: discovery.engine(str(path)) for path in tomls}
     versions = {}
     for engine in engines.values():
-        is_here = engine.missing() is None
-        versions[engine.name] = engine.version() if is_here else "unknown"
+        if engine.missing() is None:
+            versions[engine.name] = engine.version()
+        else:
+            versions[engine.name] = "unknown"
     manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
     if (folder / MANIFEST).exists():
         # Another version of a program may go on with the same export.

@@ -56,7 +56,10 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
         runs: dict[Variant, Run] = {}
     else:
         runs = known
-    for variant in task.variants if task.unsupported is None else ():
+    variants: Iterable[Variant] = ()
+    if task.unsupported is None:
+        variants = task.variants
+    for variant in variants:
         base = None
         if variant.goes_on:
             base = runs[variant.base].trajectory

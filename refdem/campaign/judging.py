@@ -142,7 +142,10 @@ def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> li
         ]
     sentence = _told(broken or failed, len(failed))
     if not broken:
-        sentence += _REFUSED_BY_THE_REFERENCE if task.engine.is_reference else _REFUSED_IN_PART
+        if task.engine.is_reference:
+            sentence += _REFUSED_BY_THE_REFERENCE
+        else:
+            sentence += _REFUSED_IN_PART
     return [msgspec.structs.replace(_ERROR, sentence=sentence)]
 
 

@@ -146,6 +146,10 @@ class FaultTrial:
         record = self._spoiled(fault, setting, seed)
         check, quantity = fault.sees
         named = _named(fault, record)
+        if named:
+            sentence = named[0].sentence
+        else:
+            sentence = "the quantity was not judged"
         wrong = [f"{f.check}/{f.quantity}" for f in record.findings if f.outcome in WRONG]
         return Kill(
             fault=fault.name,
@@ -157,7 +161,7 @@ class FaultTrial:
             quantity=quantity,
             killed=_killed(named),
             beyond=_beyond(named),
-            sentence=named[0].sentence if named else "the quantity was not judged",
+            sentence=sentence,
             also=tuple(wrong),
         )
 

@@ -246,7 +246,10 @@ def _tasks(
         subject = replace(bare, truth=truth, truth_reason=reason)
         chosen = []
         left_out = {}
-        for name in names if unsupported is None else []:
+        applied = names
+        if unsupported is not None:
+            applied = []
+        for name in applied:
             check = discovery.check(name)
             why = excluded.get(name) or check.left_out(subject)
             if why is None:

@@ -21,10 +21,11 @@ def _reason(instance: Instance) -> str | None:
     """None for a conservative scene, else the first element that is not."""
     for element in instance.scene.elements:
         if _loses(element):
-            return (
-                f"{element.kind} {'brings energy in' if element.drives else 'dissipates energy'}:"
-                " the motion has no way back"
-            )
+            if element.drives:
+                does = "brings energy in"
+            else:
+                does = "dissipates energy"
+            return f"{element.kind} {does}: the motion has no way back"
     return None
 
 

@@ -224,7 +224,11 @@ def braking(belt: Belt, truth: SampledTruth, time: float, place: float, since: f
         slip = truth.value("v")[sampled[-1]] - belt.slider.belt_velocity
     else:
         slip = 0.0
-    against = belt.limit - (copysign(pull, pull * slip) if slip else abs(pull))
+    if slip:
+        driving = copysign(pull, pull * slip)
+    else:
+        driving = abs(pull)
+    against = belt.limit - driving
     return max(0.0, float(against)) / belt.mass
 
 
@@ -306,9 +310,10 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     if any(abs(other - closing) > ALIKE * closing for other, *_ in met):
         return {}
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
-    reach = scales.length * (
-        1.0 if "overlap" in subject.instance.quantities else free * sqrt(dimension)
-    )
+    if "overlap" in subject.instance.quantities:
+        reach = scales.length
+    else:
+        reach = scales.length * (free * sqrt(dimension))
     touch = Crossing(float(subject.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
     found: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:

@@ -127,10 +127,17 @@ def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
 
 def turned(kept: Array) -> float:
     """Angle [rad] between the first and the last long axis; 0 where a circle has none."""
-    axes = [at if at.ndim == 1 else np.linalg.eigh(at)[1][:, -1] for at in (kept[0], kept[-1])]
-    across = np.linalg.norm(np.cross(axes[0], axes[1]))
-    along = float(axes[0] @ axes[1])
-    return float(np.arctan2(across, along if kept.ndim == 2 else abs(along)))
+    if kept.ndim == 2:
+        first = kept[0]
+        last = kept[-1]
+        along = float(first @ last)
+    else:
+        # An eigenvector has no sense: the angle is that of two lines.
+        first = np.linalg.eigh(kept[0])[1][:, -1]
+        last = np.linalg.eigh(kept[-1])[1][:, -1]
+        along = abs(float(first @ last))
+    across = np.linalg.norm(np.cross(first, last))
+    return float(np.arctan2(across, along))
 
 
 def _attraction(scene: Scene) -> CentralField | None:

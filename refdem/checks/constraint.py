@@ -107,7 +107,9 @@ def _drifts(subject: Subject, run: Trajectory) -> dict[str, Array]:
         first, second = rod.ends(run.position, run.attitude)
         apart = first - second
         distance = np.linalg.norm(apart, axis=1)
-        relative = run.velocity[:, rod.a] - (run.velocity[:, rod.b] if rod.b >= 0 else 0.0)
+        relative = run.velocity[:, rod.a]
+        if rod.b >= 0:
+            relative = relative - run.velocity[:, rod.b]
         length = np.maximum(length, np.abs(distance - rod.length) / subject.instance.scales.length)
         speed = np.maximum(
             speed,

@@ -158,7 +158,9 @@ def _angles(scene: Scene, position: Array) -> Array:
     starts.
     """
     gravity = np.array(scene.all(UniformGravity)[0].g)
-    up = gravity / np.linalg.norm(gravity) * (-1.0 if _is_top(scene) else 1.0)
+    up = gravity / np.linalg.norm(gravity)
+    if _is_top(scene):
+        up = -up
     arm = _arms(scene, position)
     start = _arms(scene, scene.bodies.position[0])
     across = start - (start @ up) * up

@@ -275,10 +275,13 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
     """
     rounding = subject.noise(subject.levels[-1]) * truth.growth()
     moved = movements(subject.instance, truth)
-    return {
-        name: away if np.any(away > rounding) else np.zeros_like(away)
-        for name, away in moved.items()
-    }
+    signals = {}
+    for name, away in moved.items():
+        if np.any(away > rounding):
+            signals[name] = away
+        else:
+            signals[name] = np.zeros_like(away)
+    return signals
 
 
 def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:

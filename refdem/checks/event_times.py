@@ -191,7 +191,9 @@ def predicted(
             return Predicted(events, end, min(end, one.time - allowed), truth.reason)
         events[kind].append((one, allowed))
         last = max(last, one.time + allowed)
-    return Predicted(events, end, last if "slip" in known else end, truth.reason)
+    if "slip" in known:
+        return Predicted(events, end, last, truth.reason)
+    return Predicted(events, end, end, truth.reason)
 
 
 def error_at(one: Crossing, bound: Array, times: Array) -> float:
@@ -253,7 +255,9 @@ def ticks(subject: Subject, time: float) -> float:
     else:
         summed = 0.0
     rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
-    return rounding + (0.0 if located(subject) else level)
+    if located(subject):
+        return rounding
+    return rounding + level
 
 
 CHECK = EventTimes()

@@ -177,7 +177,9 @@ class Lyapunov(Check):
         that only near the end. Where the true motion is unstable for a while, S bounds how far any
         neighbours part: by `left` octaves more than these.
         """
-        bound = max(LARGEST_POWER, true.power if true else 0.0)
+        bound = LARGEST_POWER
+        if true is not None:
+            bound = max(bound, true.power)
         if left > 0 and seen.power > bound:
             bound = seen.power + left
         basis = (

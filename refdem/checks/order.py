@@ -160,12 +160,15 @@ class Order(Check):
         if kinked(subject.instance):
             slope, deviation, _ = mean_order(levels, seen)
             grows = grows and slope < -RISE and subject.order - slope > SURE * deviation
+        rise = 0.0
+        if grows:
+            rise = max(0.0, sum(rises))
         listed = ", ".join(f"{error:.2g}" for error in seen)
         return [
             judged(
                 check=self.name,
                 quantity="growth",
-                value=max(0.0, sum(rises)) if grows else 0.0,
+                value=rise,
                 bound=0.0,
                 unit="octaves",
                 basis=(

@@ -217,7 +217,9 @@ def _unbent(subject: Subject) -> float:
     """
     assert subject.truth is not None
     bodies = subject.instance.scene.bodies
-    columns = 2 * bodies.position.size * (2 if "rotation" in subject.instance.scene.features else 1)
+    columns = 2 * bodies.position.size
+    if "rotation" in subject.instance.scene.features:
+        columns *= 2
     return min(float(columns), float(subject.truth.growth()[-1]))
 
 

@@ -65,7 +65,10 @@ def main() -> None:
                 sys.exit(UNREAD)
             if end.code == INTERRUPTED:
                 _tell("interrupted; what was finished is kept and will not be run again")
-                sys.exit(128 + heard[0] if heard else INTERRUPTED)
+                status = INTERRUPTED
+                if heard:
+                    status = 128 + heard[0]
+                sys.exit(status)
             # What is still in a buffer is written here, where it can fail with a sentence.
             sys.stdout.flush()
             raise

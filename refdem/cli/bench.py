@@ -106,7 +106,11 @@ def command(
         beside=beside,
         progress=lambda told: print(told, file=sys.stderr),
     )
-    tell(bench.record(), out, then, [_cells(crowded(crowd, rounds))] if crowd else [])
+    record = bench.record()
+    more = []
+    if crowd:
+        more.append(_cells(crowded(crowd, rounds)))
+    tell(record, out, then, more)
 
 
 def tell(
@@ -118,7 +122,11 @@ def tell(
     (out / "bench.json").write_bytes(msgspec.json.encode(record))
     slower = written(out, record, then, more)
     print(f"bench: {out / 'bench.html'}")
-    raise typer.Exit(1 if slower else 0)
+    if slower:
+        status = 1
+    else:
+        status = 0
+    raise typer.Exit(status)
 
 
 def runnable(against: Path | None) -> Path | None:

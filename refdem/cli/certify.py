@@ -55,7 +55,11 @@ def command(
     for problem in work.problems:
         print(f"PROBLEM: {problem}")
     print(f"{work.made} sets proved. {told(home)}")
-    raise typer.Exit(1 if work.problems else 0)
+    if work.problems:
+        status = 1
+    else:
+        status = 0
+    raise typer.Exit(status)
 
 
 def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) -> int:
@@ -104,7 +108,9 @@ def told(folder: Path) -> str:
 
     sets = load(folder=folder / "certified")
     old = stale(folder)
-    named = ", ".join(old[:5]) + (" ..." if len(old) > 5 else "")
+    named = ", ".join(old[:5])
+    if len(old) > 5:
+        named += " ..."
     if old:
         more = f", {len(old)} stale or missing: {named}; run `make certify`"
     else:

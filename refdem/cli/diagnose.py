@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from refdem.core.engine import Engine
     from refdem.core.problem import Request
     from refdem.core.trajectory import Trajectory
-    from refdem.faults.twins import Diagnosis
+    from refdem.faults.twins import Diagnosis, Twin
 
 SHOWN = 5
 
@@ -53,7 +53,11 @@ def command(
     if json:
         print(msgspec.json.format(msgspec.json.encode(_document(record, step, result))).decode())
         return
-    print(f"{record}, {f'step {step:.6g} s' if step else 'exact'}: {result.sentence()}")
+    if step:
+        resolution = f"step {step:.6g} s"
+    else:
+        resolution = "exact"
+    print(f"{record}, {resolution}: {result.sentence()}")
     for twin in result.twins[:SHOWN]:
         print(f"  {twin.digits:5.1f} digits  {twin.behaviour}, step {twin.step:.3g} s")
 
@@ -63,9 +67,11 @@ def parts_of(record: str) -> tuple[str, str, str]:
     from refdem.errors import UsageError
 
     head, bracket, tail = record.partition("]")
-    label, _, rest = (
-        record.partition("/") if not bracket else (head + bracket, "", tail.lstrip("/"))
-    )
+    if bracket:
+        label = head + bracket
+        rest = tail.lstrip("/")
+    else:
+        label, _, rest = record.partition("/")
     names = rest.split("/")
     if not label or len(names) < 2 or not all(names[:2]):
         raise UsageError(
@@ -98,12 +104,13 @@ def diagnosed(
         )
     every = levels(instance, claims, 10, 1e6)
     chosen = every[min(level, len(every) - 1)]
-    request = Request(
-        problem=instance.problem,
-        method=method,
-        step=chosen if claims.control == "step" else None,
-        tolerance=chosen if claims.control == "tolerance" else None,
-    )
+    step = None
+    tolerance = None
+    if claims.control == "step":
+        step = chosen
+    elif claims.control == "tolerance":
+        tolerance = chosen
+    request = Request(problem=instance.problem, method=method, step=step, tolerance=tolerance)
     request = first_part(request)
     run = _ran(engine, request)
     if request.step is None:
@@ -118,12 +125,18 @@ def _ran(engine: "Engine", request: "Request") -> "Trajectory":
     from refdem.errors import EngineError
 
     run = run_of(engine, request)
-    if run.trajectory is None or run.failure is not None:
-        raise EngineError(
-            f"{engine.name}/{request.method}:"
-            f" {run.failure.sentence if run.failure else 'no trajectory'}"
-        )
+    if run.failure is not None:
+        raise EngineError(f"{engine.name}/{request.method}: {run.failure.sentence}")
+    if run.trajectory is None:
+        raise EngineError(f"{engine.name}/{request.method}: no trajectory")
     return run.trajectory
+
+
+def _amplitude(twin: "Twin") -> float | None:
+    """The amplitude of the twin's fault; None for a fault that has no knob."""
+    if twin.knob is None:
+        return None
+    return twin.amplitude
 
 
 def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
@@ -132,7 +145,7 @@ def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str,
     twins = [
         {
             "fault": twin.name or None,
-            "amplitude": twin.amplitude if twin.knob else None,
+            "amplitude": _amplitude(twin),
             "method": twin.method,
             "step": twin.step,
             "distance": twin.distance,
@@ -143,7 +156,7 @@ def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str,
     if found is not None:
         explained = {
             "fault": found.name or None,
-            "amplitude": found.amplitude if found.knob else None,
+            "amplitude": _amplitude(found),
             "alike": list(result.alike),
             "method": found.method,
             "digits": found.digits,

@@ -30,10 +30,10 @@ def command() -> None:
         store = Store(default_path())
         healthy = store.is_usable
         store.close()
-        print(
-            f"store: {default_path()}"
-            + ("" if healthy else " cannot be used: every run is made anew")
-        )
+        if healthy:
+            print(f"store: {default_path()}")
+        else:
+            print(f"store: {default_path()} cannot be used: every run is made anew")
     except RefdemError as error:
         healthy = False
         print(f"PROBLEM: {error}")
@@ -42,7 +42,13 @@ def command() -> None:
     for name in discovery.names("engines"):
         engine = discovery.engine(name)
         missing = engine.missing()
-        print(
-            f"engine {name}: {engine.version() if missing is None else f'not installed; {missing}'}"
-        )
-    raise typer.Exit(0 if healthy else 2)
+        if missing is None:
+            state = engine.version()
+        else:
+            state = f"not installed; {missing}"
+        print(f"engine {name}: {state}")
+    if healthy:
+        status = 0
+    else:
+        status = 2
+    raise typer.Exit(status)

@@ -82,7 +82,11 @@ def _verdict(gate: "Gate", status: int) -> int:
             ' refdem gate --bless --why "first baseline"'
         )
         return 1
-    print(f"the gate of {gate.engine.name} is {'closed' if status else 'open'}")
+    if status:
+        state = "closed"
+    else:
+        state = "open"
+    print(f"the gate of {gate.engine.name} is {state}")
     return status
 
 

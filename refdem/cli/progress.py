@@ -17,11 +17,10 @@ class Progress:
         now = time.perf_counter()
         if self._tty and (now - self._last > 0.1 or done == total):
             self._last = now
-            print(
-                f"\r\x1b[K{stage}: {done}/{total}",
-                end="" if done < total else "\n",
-                file=sys.stderr,
-                flush=True,
-            )
+            if done < total:
+                end = ""
+            else:
+                end = "\n"
+            print(f"\r\x1b[K{stage}: {done}/{total}", end=end, file=sys.stderr, flush=True)
         elif not self._tty and done == total:
             print(f"{stage}: {total} done, {now - self._start:.1f} s", file=sys.stderr, flush=True)

@@ -85,7 +85,9 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
     }
     reasons: dict[tuple[str, str, str], list[str]] = {}
     for record in records:
-        for finding in record.findings if record.engine not in judged else ():
+        if record.engine in judged:
+            continue
+        for finding in record.findings:
             reasons.setdefault((record.label, record.engine, finding.sentence), []).append(
                 record.method
             )

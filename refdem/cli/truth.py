@@ -116,7 +116,10 @@ def listed(case: str, as_json: bool) -> None:
     from refdem.campaign.kept_truth import truth_folder
     from refdem.truth import load
 
-    found = certified_cases(truth_folder(), [case] if case else ())
+    only = []
+    if case:
+        only.append(case)
+    found = certified_cases(truth_folder(), only)
     if case and found and found[0].sets:
         sets = load(case)
     else:
@@ -136,7 +139,10 @@ def listed(case: str, as_json: bool) -> None:
         " proved | witness in the tests"
     )
     for one in found:
-        typer.secho(line_of(one), fg="red" if one.has_no_witness else None)
+        if one.has_no_witness:
+            typer.secho(line_of(one), fg="red")
+        else:
+            typer.secho(line_of(one))
     for one_set in sets:
         print(f"    {one_set.label}: {len(one_set.values)} values at t = {times_of(one_set)}")
     print(in_all(found))
@@ -230,7 +236,8 @@ def show(found: dict[str, Any], as_json: bool, unit: str) -> None:
         else:
             when = f"({item['t']} {unit}".rstrip() + ")"
         print(f"{item['quantity'] + when:24} {item['mid']} +- {item['radius']}")
-    print(
-        f"method: {found['values'][0]['method'] if found['values'] else 'none'}\nwitness:"
-        f" {found['witness']}"
-    )
+    if found["values"]:
+        method = found["values"][0]["method"]
+    else:
+        method = "none"
+    print(f"method: {method}\nwitness: {found['witness']}")

@@ -35,11 +35,12 @@ def of_package(name: str) -> str:
 def of_source(*folders: str) -> str:
     """sha256 of refdem's own Python files in these folders or files below refdem/."""
     root = Path(__file__).parents[1]
-    files = [
-        p
-        for folder in folders
-        for p in ([root / folder] if folder.endswith(".py") else (root / folder).rglob("*.py"))
-    ]
+    files: list[Path] = []
+    for folder in folders:
+        if folder.endswith(".py"):
+            files.append(root / folder)
+        else:
+            files += (root / folder).rglob("*.py")
     return of_files(files)
 
 

@@ -222,11 +222,10 @@ def certified(subject: Subject) -> SampledTruth | None:
 
 def no_truth(subject: Subject) -> str:
     """The reason why there is no truth to compare with."""
-    return (
-        subject.truth_reason
-        or (subject.truth.reason if subject.truth else "")
-        or "no certified truth"
-    )
+    reason = subject.truth_reason
+    if not reason and subject.truth:
+        reason = subject.truth.reason
+    return reason or "no certified truth"
 
 
 def errors(
@@ -266,11 +265,13 @@ def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[
     moved = []
     turn = np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
     for names in (("velocity", "omega"), ("position", "attitude")):
-        columns = {name: getattr(trajectory, name) for name in names}
-        other: dict[str, Any] = {
-            name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25
-            for name, values in columns.items()
-        }
+        other: dict[str, Any] = {}
+        for name in names:
+            values = getattr(trajectory, name)
+            if name == "attitude":
+                other[name] = product(turn, values)
+            else:
+                other[name] = 1.5 * values + 0.25
         moved.append(instance.observe(replace(trajectory, **other)))
     by_velocity, by_position = (
         {name for name in plain if np.any(plain[name] != seen[name])} for seen in moved
@@ -326,7 +327,10 @@ def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
         if quantity.group or name not in truth.values:
             continue
         values = truth.value(name)
-        away = values - (0.0 if isinstance(instance.problem, Static) else values[0])
+        if isinstance(instance.problem, Static):
+            away = values
+        else:
+            away = values - values[0]
         if quantity.angle:
             away = np.remainder(away + np.pi, 2 * np.pi) - np.pi
         found[name] = np.abs(away) / quantity.scale

@@ -17,6 +17,13 @@ MOST = 2000
 """Characters of a line."""
 
 
+def _shown(character: str, kept: str = "") -> str:
+    """The character itself if it prints or is one of those kept, "?" otherwise."""
+    if character.isprintable() or character in kept:
+        return character
+    return "?"
+
+
 def one_line(text: str, most: int = MOST) -> str:
     """The text as one printable line of at most `most` characters.
 
@@ -26,7 +33,7 @@ def one_line(text: str, most: int = MOST) -> str:
     """
     lines = [line.strip() for line in text.splitlines()]
     joined = " / ".join(line for line in lines if line)
-    printable = "".join(c if c.isprintable() else "?" for c in joined)
+    printable = "".join(_shown(character) for character in joined)
     printable = printable.replace("##[", "# #[")
     if printable.startswith("::"):
         printable = f": {printable[1:]}"
@@ -39,7 +46,7 @@ def printable(text: str) -> str:
     """The text with "?" for characters that do not print; lines stay lines."""
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
+    return "".join(_shown(character, kept="\n\t") for character in text)
 
 
 MARKED = re.compile(r"[\\`*_{}\[\]#|~$]")

@@ -42,17 +42,16 @@ class Parameter:
         """The bounds as a person reads them."""
         if self.choices:
             return " | ".join(self.choices)
+        bounds = []
+        if self.whole:
+            bounds.append("whole")
         if self.above is not None:
-            low = f"> {self.above:g}"
+            bounds.append(f"> {self.above:g}")
         elif self.at_least is not None:
-            low = f">= {self.at_least:g}"
-        else:
-            low = ""
+            bounds.append(f">= {self.at_least:g}")
         if self.at_most is not None:
-            high = f"<= {self.at_most:g}"
-        else:
-            high = ""
-        return " and ".join(x for x in ("whole" if self.whole else "", low, high) if x) or "any"
+            bounds.append(f"<= {self.at_most:g}")
+        return " and ".join(bounds) or "any"
 
     def parsed(self, text: str) -> Exact:
         """The exact value of `text`; raises UsageError that names the parameter."""
@@ -90,7 +89,7 @@ class Parameter:
         numerator, _, denominator = text.partition("/")
         if denominator and int(denominator) == 0:
             raise UsageError(f"parameter {self.name}: got {text!r}; the denominator is zero")
-        number = Fraction(numerator) / (int(denominator) if denominator else 1)
+        number = Fraction(numerator) / int(denominator or 1)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             raise UsageError(
                 f"parameter {self.name}: got {text!r}; expected 0 or a size between 1e-100 and"

@@ -197,13 +197,10 @@ class Request:
     @classmethod
     def unpacked(cls, data: bytes) -> "Request":
         """The request that `packed` wrote."""
-        return cls.from_json(
-            *(
-                (data,)
-                if data.startswith(b"{")
-                else msgspec.msgpack.decode(data, type=tuple[bytes, bytes])
-            )
-        )
+        if data.startswith(b"{"):
+            return cls.from_json(data)
+        text, file = msgspec.msgpack.decode(data, type=tuple[bytes, bytes])
+        return cls.from_json(text, file)
 
     @property
     def signed_step(self) -> float:
@@ -290,7 +287,9 @@ class Request:
 
     def with_scene(self, scene: Scene, times: Array | None = None) -> "Request":
         """The same request for another state, or other times."""
-        return replace(self, problem=Motion(scene, self.problem.times if times is None else times))
+        if times is None:
+            times = self.problem.times
+        return replace(self, problem=Motion(scene, times))
 
     def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
         """Raises EngineError unless the engine's own times `t` are the samples asked for, to the

@@ -130,7 +130,9 @@ class Motion(Problem):
         to in the world stays.
         """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
-        pivot = np.array(anchors[0] if anchors else (0.0, 0.0, 0.0))
+        pivot = np.zeros(3)
+        if anchors:
+            pivot = np.array(anchors[0])
         c = np.cos(angle)
         s = np.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -188,14 +190,10 @@ class Iteration(Problem):
         """Numbers of the iterates asked for (T,)."""
         octaves = max(0.0, np.log2(self.n / DENSE))
         sparse = np.round(DENSE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE))
-        return np.array(
-            [
-                *np.arange(min(self.n, DENSE) + 1),
-                *sparse[sparse < self.n],
-                *([self.n] if self.n > DENSE else []),
-            ],
-            float,
-        )
+        numbers = [*np.arange(min(self.n, DENSE) + 1), *sparse[sparse < self.n]]
+        if self.n > DENSE:
+            numbers.append(self.n)
+        return np.array(numbers, float)
 
     @property
     def features(self) -> frozenset[str]:

@@ -36,7 +36,9 @@ def _lines(key: str, value: Any) -> list[tuple[str, str]]:
         return []
     if isinstance(value, bool):
         return [(key, str(int(value)))]
-    return [(key, _digits(value) if isinstance(value, float) else str(value))]
+    if isinstance(value, float):
+        return [(key, _digits(value))]
+    return [(key, str(value))]
 
 
 def _digits(value: float) -> str:

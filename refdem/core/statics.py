@@ -181,9 +181,13 @@ class Solid(Static):
 def of_piece(piece: Piece) -> frozenset[str]:
     """What one solid needs: its shape, and what is done with it."""
     names = {f"solid:{piece.shape.__struct_config__.tag}"}
-    names |= {"solid:hollow"} if piece.hollow else set()
-    names |= {"solid:turned"} if any(piece.attitude[1:]) else set()
-    return frozenset(names | ({"solid:about"} if piece.about else set()))
+    if piece.hollow:
+        names.add("solid:hollow")
+    if any(piece.attitude[1:]):
+        names.add("solid:turned")
+    if piece.about:
+        names.add("solid:about")
+    return frozenset(names)
 
 
 def properties(
@@ -241,7 +245,7 @@ class Identity(Static):
         known: dict[str, int] = {}
         for each in self.content.operations:
             expected, result = SIZES.get(each.operation, ((), -1))
-            got = tuple(known.get(x, -1) if isinstance(x, str) else len(x) for x in each.operands)
+            got = tuple(_size(operand, known) for operand in each.operands)
             fits = len(got) == len(expected) and all(
                 b in (0, a) and a >= 0 for a, b in zip(got, expected, strict=True)
             )
@@ -270,15 +274,32 @@ class Identity(Static):
         moved = 1 + ulps * 2.0**-52
 
         def shifted(each: Operation) -> Operation:
-            operands = [
-                operand if isinstance(operand, str) else [x * moved for x in operand]
-                for operand in each.operands
-            ]
+            operands: list[list[float] | str] = []
+            for operand in each.operands:
+                if isinstance(operand, str):
+                    operands.append(operand)
+                else:
+                    operands.append([x * moved for x in operand])
             return msgspec.structs.replace(each, operands=operands)
 
         return Identity(
             IdentityDocument(operations=[shifted(each) for each in self.content.operations])
         )
+
+
+def _size(operand: list[float] | str, known: Mapping[str, int]) -> int:
+    """How many numbers an operand has; -1 for the name of a result that is not known."""
+    if isinstance(operand, str):
+        return known.get(operand, -1)
+    return len(operand)
+
+
+def _value(operand: list[float] | str, found: Mapping[str, Array]) -> Array:
+    """The numbers (k,) of an operand: its own, or those of the result that it names."""
+    if isinstance(operand, str):
+        value: Array = found[operand][0]
+        return value
+    return np.array(operand)
 
 
 def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dict[str, Array]:
@@ -290,6 +311,6 @@ def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dic
         if each.operation in answers and all(
             not isinstance(x, str) or x in found for x in each.operands
         ):
-            operands = [found[x][0] if isinstance(x, str) else np.array(x) for x in each.operands]
+            operands = [_value(operand, found) for operand in each.operands]
             found[each.name] = np.asarray(answers[each.operation](*operands), float).reshape(1, -1)
     return found

@@ -20,7 +20,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.mechanics.quaternion import matrix, product
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
-from refdem.scene.dimension import Acceleration, Direction, Position
+from refdem.scene.dimension import Acceleration, Dimension, Direction, Position
 from refdem.scene.element import Element, Link, types_of
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.periodic_box import PeriodicBox
@@ -82,12 +82,15 @@ class Symmetry:
             run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
         ) @ self.q
         velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
-        omega = run.omega[:, order] * time @ self.q * (-1.0 if self.mirrored else 1.0)
         attitude = run.attitude[:, order]
+        # A reflection turns the sense of every rotation.
         if self.mirrored:
+            sense = -1.0
             attitude = attitude * REFLECTION
         else:
+            sense = 1.0
             attitude = product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
+        omega = run.omega[:, order] * time @ self.q * sense
         columns = (position, velocity, attitude, omega)
         position, velocity, attitude, omega = (np.ascontiguousarray(values) for values in columns)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
@@ -146,6 +149,12 @@ class Symmetry:
             )
         return shape
 
+    def _number(self, value: float, dimension: Dimension) -> float:
+        """A number in the units of the symmetry; 0 is 0 in all of them."""
+        if not value:
+            return 0.0
+        return value * float(np.prod(np.array(self.units) ** np.array(dimension)))
+
     def _element(self, element: Element, count: int) -> Element:
         """An element with every field as its type says: places, directions, numbers with a
         dimension, bodies by number.
@@ -169,11 +178,7 @@ class Symmetry:
             elif name in ("a", "b") and self.reverse and value >= 0:
                 changed[name] = count - 1 - value
             elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
-                changed[name] = (
-                    value * float(np.prod(np.array(self.units) ** np.array(dimension)))
-                    if value
-                    else 0.0
-                )
+                changed[name] = self._number(value, dimension)
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:

@@ -50,4 +50,6 @@ class Variant:
             level = "exact"
         if self.change == "none":
             return level
-        return f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")
+        if not self.amount:
+            return f"{level} {self.change}"
+        return f"{level} {self.change}({self.amount})"

@@ -80,9 +80,13 @@ def single(values: Array) -> Array:
 
 def scaled(factor: float) -> Callable[[Any], Any]:
     """The value times a factor, also component by component."""
-    return lambda value: (
-        tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
-    )
+
+    def times_factor(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(factor * x for x in value)
+        return factor * value
+
+    return times_factor
 
 
 class Late:
@@ -128,7 +132,13 @@ def every_other(name: str) -> Inside:
     def inside(p: Parts) -> dict[str, Any]:
         sound = getattr(p, name)
         turns = count(1)
-        return {name: lambda *arguments: sound(*arguments) if next(turns) % 2 else ZERO}
+
+        def part(*arguments: Any) -> Any:
+            if next(turns) % 2:
+                return sound(*arguments)
+            return ZERO
+
+        return {name: part}
 
     return inside
 

@@ -41,7 +41,10 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
     """
     for number, (i, j) in enumerate(m.world.pairs):
         acts, push, rate = values(m, state, number)
-        reach = (m.world.radius[i] + (m.world.radius[j] if j >= 0 else 0.0)) * touch(m)
+        radii = m.world.radius[i]
+        if j >= 0:
+            radii = radii + m.world.radius[j]
+        reach = radii * touch(m)
         if m.world.law.cutoff == "zero_force":
             reach = reach * m.world.law.stiffness
         state.acting[number] = state.pressing[number] = bool(
@@ -203,19 +206,29 @@ def least(found: list[tuple[Number, Change]]) -> Number:
     return min((margin for margin, _ in found), default=1.0)
 
 
+def _meet_or_part(m: Moving, state: State, number: int) -> None:
+    """A pair that does not act begins to; one that acts ends."""
+    _, depth, _, _ = meeting(m.world, state, m.parts, number)
+    begins = not state.acting[number]
+    if begins:
+        state.work -= held(m.world, depth)
+        kind = "contact"
+    else:
+        state.work += held(m.world, depth)
+        kind = "release"
+    state.acting[number] = begins
+    state.pressing[number] = begins
+    state.stretch[number] = ZERO
+    state.sliding[number] = False
+    body, _ = m.world.pairs[number]
+    m.told.append((state.t, kind, body))
+
+
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
     """Makes one change of mode."""
     kind, number = change
     if kind == "contact":
-        _, depth, _, _ = meeting(m.world, state, m.parts, number)
-        state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
-        begins = not state.acting[number]
-        state.acting[number] = begins
-        state.pressing[number] = begins
-        state.stretch[number] = ZERO
-        state.sliding[number] = False
-        body, _ = m.world.pairs[number]
-        m.told.append((state.t, "contact" if begins else "release", body))
+        _meet_or_part(m, state, number)
     elif kind == "catch":
         holding.catch(m, state, number)
     elif kind == "turn":
@@ -233,8 +246,10 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
         state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
         before = state.side[number]
         state.side[number] = m.parts.side_of(m, state, number, 0.0)
-        if not before or not state.side[number]:
-            m.told.append((state.t, "slip" if not before else "stick", slider.a))
+        if not before:
+            m.told.append((state.t, "slip", slider.a))
+        elif not state.side[number]:
+            m.told.append((state.t, "stick", slider.a))
 
 
 def held(world: World, depth: Number) -> Number:

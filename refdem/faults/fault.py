@@ -91,4 +91,6 @@ class Carrier(Engine):
         else:
             asked = request
         trajectory, cost = self.engine.run(asked)
-        return (self.fault.after(request, trajectory) if self.fault.after else trajectory), cost
+        if self.fault.after:
+            trajectory = self.fault.after(request, trajectory)
+        return trajectory, cost

@@ -166,7 +166,11 @@ def hold_speed(m: Moving, state: State) -> State:
     if not m.tied:
         return state
     rods = rods_of(m.world, state)
-    for _ in range(len(rods) and (1 if len(rods) == 1 else SWEEPS)):
+    # One rod is held by one sweep; several pull at each other.
+    sweeps = len(rods)
+    if len(rods) > 1:
+        sweeps = SWEEPS
+    for _ in range(sweeps):
         largest = 0.0
         for rod in rods:
             apart, relative, ease = _ends(m, rod, state)

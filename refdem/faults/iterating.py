@@ -4,7 +4,7 @@ bounce, in plain Python.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, hypot, sqrt
+from math import exp, hypot, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -30,11 +30,16 @@ def logistic_flow(x: float, eta: float) -> float:
 def ahead(place: Pair, direction: Pair, table: Billiard) -> float:
     """The way to the straight wall that is met next; a fault that hits the wrong one flies on."""
     half = (table.width / 2, table.height / 2)
-    ways = [
-        (h - x if u > 0 else -h - x) / u if u else float("inf")
-        for x, u, h in zip(place, direction, half, strict=True)
-    ]
-    return min(ways)
+    return min(_way(x, u, h) for x, u, h in zip(place, direction, half, strict=True))
+
+
+def _way(x: float, u: float, half: float) -> float:
+    """The way along one axis to the wall at `half` or -`half`; infinite across the axis."""
+    if not u:
+        return inf
+    if u > 0:
+        return (half - x) / u
+    return (-half - x) / u
 
 
 def straight_normal(place: Pair, table: Billiard) -> Pair:
@@ -44,8 +49,15 @@ def straight_normal(place: Pair, table: Billiard) -> Pair:
     from_x = table.width / 2 - abs(place[0])
     from_y = table.height / 2 - abs(place[1])
     if from_x < from_y:
-        return (1.0 if place[0] > 0 else -1.0, 0.0)
-    return (0.0, 1.0 if place[1] > 0 else -1.0)
+        return (_side(place[0]), 0.0)
+    return (0.0, _side(place[1]))
+
+
+def _side(x: float) -> float:
+    """1 for a place on the positive side of the middle, -1 for any other."""
+    if x > 0:
+        return 1.0
+    return -1.0
 
 
 def centre(table: Billiard) -> float:
@@ -114,15 +126,14 @@ def _next(state: State, asked: Any, parts: MapParts) -> State:
     if isinstance(asked, StadiumBilliard) and (
         abs(hit[0]) > parts.centre(asked) or not direction[1]
     ):
-        hit, normal = _on_arc(
-            place, direction, asked, parts.centre(asked) * (1.0 if hit[0] > 0 else -1.0)
-        )
+        hit, normal = _on_arc(place, direction, asked, parts.centre(asked) * _side(hit[0]))
     else:
         normal = parts.straight_normal(hit, asked)
-        hit = tuple(
-            n * h if n else x
-            for n, h, x in zip(normal, (asked.width / 2, asked.height / 2), hit, strict=True)
-        )
+        # A straight wall runs along one axis: the other coordinate is that of the wall.
+        if normal[0]:
+            hit = (normal[0] * (asked.width / 2), hit[1])
+        if normal[1]:
+            hit = (hit[0], normal[1] * (asked.height / 2))
     return (*hit, *parts.reflected(direction, normal))
 
 

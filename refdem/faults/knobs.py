@@ -20,6 +20,7 @@ from refdem.faults.fault import Carrier, Fault
 from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 from refdem.scene import Scene, Sphere
+from refdem.scene.shapes import Shape
 
 NOT_FACTORS = frozenset({"a", "b", "axis", "normal"})
 """Fields of elements that name bodies or directions."""
@@ -60,10 +61,17 @@ def misread(scene: Scene) -> Iterator[Knob]:
                 f"moment of inertia {axis + 1}",
                 _column("inertia", (slice(None), axis)),
             )
-    for body in range(len(scene.bodies)) if len(scene.bodies) == 2 else ():
-        yield _misread(f"mass-of-body-{body}", f"mass of body {body}", _column("mass", body))
+    yield from _misread_masses(scene)
     if any(isinstance(shape, Sphere) for shape in scene.bodies.shapes):
         yield _misread("radius", "radius of the spheres", _radii)
+
+
+def _misread_masses(scene: Scene) -> Iterator[Knob]:
+    """The mass of each of two bodies on its own."""
+    if len(scene.bodies) != 2:
+        return
+    for body in range(2):
+        yield _misread(f"mass-of-body-{body}", f"mass of body {body}", _column("mass", body))
 
 
 Misreading = Callable[[Request, float], Request]
@@ -124,11 +132,13 @@ def _column(name: str, where: Any) -> Misreading:
 def _radii(request: Request, factor: float) -> Request:
     """The request with all radii multiplied by a factor."""
     scene = request.problem.scene
-    shapes = tuple(
-        Sphere(radius=factor * shape.radius) if isinstance(shape, Sphere) else shape
-        for shape in scene.bodies.shape
-    )
-    bodies = replace(scene.bodies, shape=shapes)
+    shapes: list[Shape] = []
+    for shape in scene.bodies.shape:
+        if isinstance(shape, Sphere):
+            shapes.append(Sphere(radius=factor * shape.radius))
+        else:
+            shapes.append(shape)
+    bodies = replace(scene.bodies, shape=tuple(shapes))
     return request.with_scene(Scene(bodies, scene.elements))
 
 
@@ -209,10 +219,13 @@ def _answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], T
 def _parts(fault: Fault, amplitude: float) -> dict[str, Any]:
     """The fault's parts, each mixed with the sound one."""
     assert fault.inside is not None
-    return {
-        name: part if name == "fresh" else _part(getattr(SOUND, name), part, amplitude)
-        for name, part in fault.inside(SOUND).items()
-    }
+    parts = {}
+    for name, part in fault.inside(SOUND).items():
+        if name == "fresh":
+            parts[name] = part
+        else:
+            parts[name] = _part(getattr(SOUND, name), part, amplitude)
+    return parts
 
 
 def _part(sound: Any, faulty: Any, amplitude: float) -> Any:

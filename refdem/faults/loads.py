@@ -244,4 +244,6 @@ def _stopping(world: World, i: int, j: int, h: Number) -> Number:
     ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
     if h:
         return 1.0 / (abs(h) * ease)
-    return world.number(1e300 if world.number is float else 1e30)
+    if world.number is float:
+        return world.number(1e300)
+    return world.number(1e30)

@@ -43,7 +43,9 @@ SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_fo
 def pushed_by_fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     """Adds the forces of the fields to those found."""
     for i, fixed in enumerate(world.fixed):
-        for field in () if fixed else world.tents:
+        if fixed:
+            continue
+        for field in world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
             push = parts.positional.field_force(field, s)
             found.force[i] = vec.moved(found.force[i], push, field.axis)
@@ -65,6 +67,16 @@ def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, N
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
 
 
+def _edge_margin(was: Number, now: Number) -> Number:
+    """How far a step that begins on one side of an edge stays from it: below 0 beyond it.
+
+    A step that ends on the edge has crossed it if it began above.
+    """
+    if was > 0:
+        return now or -TINY
+    return -now or 0.0
+
+
 def margins(
     world: World, before: State, after: State, parts: Parts, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
@@ -72,10 +84,7 @@ def margins(
     wall from coming to a stop in it.
     """
     sides = zip(edges(world, before, parts), edges(world, after, parts), strict=True)
-    found = [
-        ((now if was > 0 else -now) or (-TINY if was > 0 else 0.0), ("edge", 0))
-        for was, now in sides
-    ]
+    found = [(_edge_margin(was, now), ("edge", 0)) for was, now in sides]
     for number, (wall, i) in enumerate(pairs(world)):
         _, rate, _ = approach(wall, before, parts, i)
         depth, now, _ = approach(wall, after, parts, i)

@@ -29,7 +29,10 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
         return vec.times(spring.stiffness, apart)
     distance = vec.size(apart)
     s = distance - spring.length
-    sign = 1 if s > 0 else -1
+    if s > 0:
+        sign = 1
+    else:
+        sign = -1
     # F = k |s|^n sgn(s) + (b + c s) s^2 beyond the length at rest.
     power = spring.stiffness * abs(s) ** spring.exponent * sign
     polynomial = (spring.quadratic + spring.cubic * s) * s * s

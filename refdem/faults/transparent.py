@@ -271,9 +271,9 @@ class Recording:
                 push = parts.normal_force(world.law, depth, rate)
             else:
                 push = 0.0
+                work -= held(world, depth)
             self.channels["overlap"][count] = max(self.channels["overlap"][count], depth)
             self.channels["contact_force"][count] = max(self.channels["contact_force"][count], push)
-            work -= 0.0 if state.acting[number] else held(world, depth)
         if "dissipated_work" in self.channels:
             self.channels["dissipated_work"][count] = work
         return state

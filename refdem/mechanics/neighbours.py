@@ -113,7 +113,11 @@ class Grid:
         """Points and those in their own and the neighbouring cells; each pair once if only those
         count that come later.
         """
-        for y, z in UPPER if only_later else ROWS:
+        if only_later:
+            rows = UPPER
+        else:
+            rows = ROWS
+        for y, z in rows:
             led = points
             there = self.at[points, 1:] + (y, z)
             if self.periodic:

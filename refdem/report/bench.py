@@ -98,7 +98,10 @@ def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Sec
     drawn: list[str | None] = []
     for section in sections:
         data = chart(section)
-        drawn.append(None if data is None else specification(data, None))
+        if data is None:
+            drawn.append(None)
+        else:
+            drawn.append(specification(data, None))
     sheet = environment().get_template("bench.html")
     return sheet.render(
         root="",

@@ -36,8 +36,10 @@ class Contents:
 
     def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
         """How many findings have each outcome, worst first, without zeros."""
+        if records is None:
+            records = self.records
         seen: Counter[Outcome] = Counter()
-        for record in self.records if records is None else records:
+        for record in records:
             seen.update(finding.outcome for finding in record.findings)
         return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
 

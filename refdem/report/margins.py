@@ -62,8 +62,10 @@ class Group:
     def line(self) -> str:
         """The finding that came nearest to its bound, in one line."""
         nearest = self.nearest
-        told = f"value {nearest.value:.1e}, bound {nearest.bound:.1e}, sharpness "
-        told += "-" if nearest.sharpness is None else f"{nearest.sharpness:.1e}"
+        sharpness = "-"
+        if nearest.sharpness is not None:
+            sharpness = f"{nearest.sharpness:.1e}"
+        told = f"value {nearest.value:.1e}, bound {nearest.bound:.1e}, sharpness {sharpness}"
         return (
             f"{self.check}  {self.label}  {self.engine}: {nearest.quantity} has"
             f" {nearest.margin:.1f} decades ({told})"

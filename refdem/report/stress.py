@@ -181,7 +181,10 @@ def write(
     drawn: list[str | None] = []
     for section in sections:
         data = chart(section)
-        drawn.append(None if data is None else specification(data, store))
+        if data is None:
+            drawn.append(None)
+        else:
+            drawn.append(specification(data, store))
     for section, spec in zip(sections, drawn, strict=True):
         if spec is not None:
             written(folder / "figures" / f"stress-{section.id}.svg", picture(spec, store))

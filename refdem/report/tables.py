@@ -117,7 +117,12 @@ def tolerance_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
 def _tolerance_row(row: Row) -> tuple[Any, ...]:
     """The cells of one line of the tolerance table; None where nothing was measured."""
     record = row.record
-    largest_steps = [None if step is None else step[0] for step in row.steps]
+    largest_steps: list[float | None] = []
+    for step in row.steps:
+        if step is None:
+            largest_steps.append(None)
+        else:
+            largest_steps.append(step[0])
     apart = row.apart or (None, None, None)
     return (
         record.case,

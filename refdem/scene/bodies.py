@@ -96,7 +96,12 @@ class Bodies:
     @cached_property
     def radius(self) -> Array:
         """Radius (N,) [m], not to be written to; zero for a body that is no sphere."""
-        of_shape = [shape.radius if isinstance(shape, Sphere) else 0.0 for shape in self.shapes]
+        of_shape = []
+        for shape in self.shapes:
+            if isinstance(shape, Sphere):
+                of_shape.append(shape.radius)
+            else:
+                of_shape.append(0.0)
         found = np.array(of_shape)[self.shape_number]
         found.setflags(write=False)
         return found

@@ -86,7 +86,10 @@ class Stress:
         for battery in self.batteries:
             for ladder in battery.ladders:
                 places += self._places(battery, ladder, engines)
-        with Schedule(self.jobs, self.timeout) if self.jobs else InProcess() as schedule:
+        workers: Schedule | InProcess = InProcess()
+        if self.jobs:
+            workers = Schedule(self.jobs, self.timeout)
+        with workers as schedule:
             tasks = self._tasks(schedule, places)
             waves: dict[int, list[tuple[Place, Task | Failure]]] = {}
             for place, task in zip(places, tasks, strict=True):

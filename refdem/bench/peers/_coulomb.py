@@ -37,7 +37,10 @@ class Coulomb:
 
         def turned(integrator: Any, sign: int) -> bool:
             place = float(integrator.state[0])
-            integrator.pars[0] = -1.0 if place > 0 else 1.0
+            if place > 0:
+                integrator.pars[0] = -1.0
+            else:
+                integrator.pars[0] = 1.0
             return abs(self.stiffness * place) > self.friction
 
         acceleration = -self.stiffness * x - self.friction * heyoka.par[0]

@@ -210,7 +210,9 @@ def _oscillator(scene: Scene) -> Equations | None:
             force = linear * x
         else:
             force = x * (linear + x * (square + x * cube))
-        return [v, weight - force if weight else -force]
+        if not weight:
+            return [v, -force]
+        return [v, weight - force]
 
     def trajectory(t: Array, found: Array) -> Trajectory:
         places = np.zeros((len(t), 1, 3))

@@ -98,10 +98,13 @@ class Oblique:
         slip = arm1 * spin1 + arm2 * spin2 - q
         bend = -q * turn - ease * force
         ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
+        slip_ends = [ends]
+        if law.damping:
+            slip_ends.append(force)
         # What ends each mode where it falls to 0, after the overlap itself.
         watched = {
             HOLDS: [self.share * force - s, self.share * force + s],
-            SLIPS: [ends, force] if law.damping else [ends],
+            SLIPS: slip_ends,
             FREE: [],
         }
         # The tangential force in each mode.
@@ -131,9 +134,12 @@ class Oblique:
                 stretching,
             ]
             events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
-            expressions = [
-                heyoka.expression(rate) if isinstance(rate, float) else rate for rate in rates
-            ]
+            expressions = []
+            for rate in rates:
+                if isinstance(rate, float):
+                    expressions.append(heyoka.expression(rate))
+                else:
+                    expressions.append(rate)
             system = list(zip(names, expressions, strict=True))
             # Only a slip has a side.
             if mode == SLIPS:

@@ -85,9 +85,9 @@ class External(ProgramEngine):
         if problem.interval < 0 and not method.backward:
             return "negative steps"
         supports = set(self.description.engine.supports)
-        needs = problem.scene.features | (
-            {"bodies_file"} if problem.scene.has_bodies_file else set()
-        )
+        needs = problem.scene.features
+        if problem.scene.has_bodies_file:
+            needs = needs | {"bodies_file"}
         if supports & DIMENSIONS:
             anywhere = set()
         else:

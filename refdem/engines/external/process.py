@@ -168,11 +168,10 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     if found.status is None:
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
     if found.status == NOT_SUPPORTED:
-        raise UnsupportedError(
-            one_line(says[-1])
-            if says
-            else "the program reports that the scene is not supported (exit status 77)"
-        )
+        reason = "the program reports that the scene is not supported (exit status 77)"
+        if says:
+            reason = one_line(says[-1])
+        raise UnsupportedError(reason)
     if found.status != 0:
         told = one_line(" / ".join(says))[-SHOWN:]
         raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'stderr is empty'}")
@@ -196,9 +195,9 @@ def _status(status: int) -> str:
         return f"exit status {status}"
     with contextlib.suppress(ValueError):
         name = signal.Signals(-status).name
-        return f"signal {-status} ({name}" + (
-            ": a file grew too large)" if name == "SIGXFSZ" else ")"
-        )
+        if name == "SIGXFSZ":
+            return f"signal {-status} ({name}: a file grew too large)"
+        return f"signal {-status} ({name})"
     return f"signal {-status}"
 
 

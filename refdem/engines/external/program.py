@@ -94,9 +94,10 @@ class Program:
                 return (yield from self._stages(request, folder))
             except EngineError as error:
                 place = kept(folder, self.table.name)
-                raise type(error)(
-                    f"{error} (request and output are kept in {place})" if place else str(error)
-                ) from None
+                sentence = str(error)
+                if place:
+                    sentence += f" (request and output are kept in {place})"
+                raise type(error)(sentence) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
         paths = {name: folder / file for name, file in FILES.items()}
@@ -110,10 +111,10 @@ class Program:
         result = yield partial(ended, command, folder, name=self.table.name, limits=limits)
         seconds = result()
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
-        return trajectory, Cost(
-            seconds=seconds,
-            steps=request.stride * (len(request.problem.times) - 1) if request.step else 0,
-        )
+        steps = 0
+        if request.step:
+            steps = request.stride * (len(request.problem.times) - 1)
+        return trajectory, Cost(seconds=seconds, steps=steps)
 
     def _memory(self) -> int:
         """Bytes that a process of a run may take: what its author says, else most of what the

@@ -33,7 +33,9 @@ def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> N
             shapes.add_plane(mujoco, spec.worldbody, plane, words | {"name": f"plane {number}"})
             for number, plane in enumerate(scene.all(Plane))
         ]
-        for one, other in chain(combinations(geoms, 2), product(geoms, planes)) if friction else ():
+        if not friction:
+            continue
+        for one, other in chain(combinations(geoms, 2), product(geoms, planes)):
             spec.add_pair(
                 geomname1=one.name,
                 geomname2=other.name,

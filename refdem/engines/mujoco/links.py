@@ -86,8 +86,13 @@ def of_rods(scene: Scene) -> str | None:
     for rod in rods:
         if any(rod.anchor_a) or (rod.b >= 0 and any(rod.anchor_b)) or scene.bodies.fixed[rod.a]:
             return "the adapter supports a rod to the centre of a body only"
-        arm = place[rod.a] - (place[rod.b] if rod.b >= 0 else np.array(rod.anchor_b))
-        slip = abs(arm @ (velocity[rod.a] - (velocity[rod.b] if rod.b >= 0 else 0.0)))
+        if rod.b >= 0:
+            arm = place[rod.a] - place[rod.b]
+            relative = velocity[rod.a] - velocity[rod.b]
+        else:
+            arm = place[rod.a] - np.array(rod.anchor_b)
+            relative = velocity[rod.a]
+        slip = abs(arm @ relative)
         if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (
             1 + slip
         ):

@@ -96,22 +96,35 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
     if springs:
         stiffness = (springs[0].stiffness, 0.0, 0.0)
         reference = springs[0].anchor_b
-    sliders = [
-        slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
-    ]
-    friction = np.zeros(3)
-    for slider in sliders:
-        friction += np.abs(slider.axis) * slider.friction * slider.normal_force
+    friction, words = _dry_friction(scene, number, step)
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
     return Slides(
         body,
         dimension,
         stiffness,
         reference,
-        tuple(friction),
-        solver.friction(step) if sliders else {},
+        friction,
+        words,
         damping,
     )
+
+
+def _dry_friction(
+    scene: Scene, number: int, step: float
+) -> tuple[tuple[float, ...], dict[str, Any]]:
+    """Dry friction (3,) [N] of a body along each axis, and the solver's parameters for it, if there
+    is any.
+    """
+    sliders = [
+        slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
+    ]
+    friction = np.zeros(3)
+    for slider in sliders:
+        friction += np.abs(slider.axis) * slider.friction * slider.normal_force
+    words = {}
+    if sliders:
+        words = solver.friction(step)
+    return tuple(friction), words
 
 
 def _is_of_joints(scene: Scene, spring: Spring) -> bool:

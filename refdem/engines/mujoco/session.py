@@ -57,10 +57,12 @@ def _started(mujoco: Any, model: Any, freedoms: list[Freedom], request: Request)
     data = mujoco.MjData(model)
     for number, freedom in enumerate(freedoms):
         q, v = _columns(model, freedoms, number)
-        (
-            data.qpos[q[-freedom.nq :] if freedom.nq else []],
-            data.qvel[v[-freedom.nv :] if freedom.nv else []],
-        ) = freedom.start()
+        # The body's own coordinates come last, after those of the bodies that it hangs from.
+        own_q = q[len(q) - freedom.nq :]
+        own_v = v[len(v) - freedom.nv :]
+        coordinates, velocities = freedom.start()
+        data.qpos[own_q] = coordinates
+        data.qvel[own_v] = velocities
     data.time = float(request.problem.times[0])
     press(request.problem.scene, data)
     return data
@@ -98,16 +100,18 @@ def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int
     q: list[int] = []
     v: list[int] = []
     for freedom in freedoms[number].lineage:
+        # A body that is fixed has no joint.
+        if not freedom.nq:
+            continue
         if freedom is freedoms[number]:
             own = number
         else:
             own = freedoms.index(freedom)
-        if freedom.nq:
-            joint = int(model.body(f"body {own}").jntadr[0])
-        else:
-            joint = 0
-        q += range(first := int(model.jnt_qposadr[joint]) if freedom.nq else 0, first + freedom.nq)
-        v += range(first := int(model.jnt_dofadr[joint]) if freedom.nv else 0, first + freedom.nv)
+        joint = int(model.body(f"body {own}").jntadr[0])
+        first_q = int(model.jnt_qposadr[joint])
+        first_v = int(model.jnt_dofadr[joint])
+        q += range(first_q, first_q + freedom.nq)
+        v += range(first_v, first_v + freedom.nv)
     return q, v
 
 
@@ -126,4 +130,6 @@ def _rod_force(mujoco: Any, model: Any, q: Array, v: Array) -> Array:
         mujoco.mj_forward(model, data)
         felt[row] = data.sensordata
     tension = felt[:, 1::3]
-    return np.ascontiguousarray(tension[:, 0] if tension.shape[1] == 1 else tension)
+    if tension.shape[1] == 1:
+        tension = tension[:, 0]
+    return np.ascontiguousarray(tension)

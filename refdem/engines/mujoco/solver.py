@@ -78,7 +78,11 @@ def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, A
         return {"condim": 1, "solref": linear_law(scene, law), "solimp": impedance(ANY)}
     sliding = (law.friction, 0.0, 0.0)
     rigid = {"solref": stiffest(step), "solimp": impedance(HARDEST), "margin": ROUNDING * size}
-    return rigid | {"condim": 3 if law.friction > 0 else 1, "friction": sliding}
+    if law.friction > 0:
+        dimension = 3
+    else:
+        dimension = 1
+    return rigid | {"condim": dimension, "friction": sliding}
 
 
 def friction(step: float) -> dict[str, Any]:

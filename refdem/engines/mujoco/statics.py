@@ -23,7 +23,10 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     problem = request.problem
     started = perf_counter()
     if isinstance(problem, Solid):
-        values = properties(problem, meshed if request.method == "mesh-compiler" else compiled)
+        if request.method == "mesh-compiler":
+            values = properties(problem, meshed)
+        else:
+            values = properties(problem, compiled)
     else:
         assert isinstance(problem, Identity)
         values = results(problem, ANSWERS)
@@ -99,6 +102,14 @@ def _by(size: int, function: Callable[..., None]) -> Callable[..., Array]:
     return lambda *operands: _new(size, function, *operands)
 
 
+def _quaternion(matrix: Array) -> Array:
+    """The quaternion (4,) of a matrix: of the two, that with w >= 0."""
+    q = _new(4, mujoco.mju_mat2Quat, matrix)
+    if q[0] >= 0:
+        return q
+    return -q
+
+
 ANSWERS: dict[str, Callable[..., Any]] = {
     "quaternion-about": lambda axis, angle: _new(4, mujoco.mju_axisAngle2Quat, axis, angle[0]),
     "turn-about": lambda axis, angle: _new(
@@ -112,9 +123,7 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "conjugate": _by(4, mujoco.mju_negQuat),
     "rotated": lambda q, v: _new(3, mujoco.mju_rotVecQuat, v, q),
     "matrix-of-quaternion": _by(9, mujoco.mju_quat2Mat),
-    "quaternion-of-matrix": (
-        lambda m: (q := _new(4, mujoco.mju_mat2Quat, m)) * (1.0 if q[0] >= 0 else -1.0)
-    ),
+    "quaternion-of-matrix": _quaternion,
     "quaternion-of-euler": lambda euler: _new(4, mujoco.mju_euler2Quat, euler, "zxz"),
     "rate": _by(4, mujoco.mju_derivQuat),
     "unit": lambda q: (u := q.copy(), mujoco.mju_normalize4(u))[0],

@@ -137,10 +137,13 @@ def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
 
 def _of_soft_constraints(scene: Scene) -> str | None:
     """None if no contact or dry friction acts on so much mass that MuJoCo would soften it."""
-    softened = [
-        (solver.SLIDING if slider.belt_velocity else solver.HARDEST, scene.bodies.mass[slider.a])
-        for slider in scene.all(Slider)
-    ]
+    softened = []
+    for slider in scene.all(Slider):
+        if slider.belt_velocity:
+            impedance = solver.SLIDING
+        else:
+            impedance = solver.HARDEST
+        softened.append((impedance, scene.bodies.mass[slider.a]))
     for law in scene.all(Contact):
         impedance = contacts.impedance_of(scene, law)
         softened += [(impedance, effective_mass) for effective_mass in pairs(scene)]

@@ -33,8 +33,10 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
     walls = [_wall(space, plane, size) for plane in scene.all(Plane)]
     for name, value in (("friction", law.friction), ("elasticity", law.restitution)):
         own, of_walls = shares(value, alone=len(shapes) == 1)
-        for solid in (*shapes, *walls):
-            setattr(solid, name, of_walls if solid in walls else own)
+        for solid in shapes:
+            setattr(solid, name, own)
+        for wall in walls:
+            setattr(wall, name, of_walls)
     space.add(*shapes, *walls)
     return True
 
@@ -50,7 +52,9 @@ def shares(value: float, *, alone: bool) -> tuple[float, float]:
         own = value
     else:
         own = sqrt(value)
-    return own, value / own if own else 0.0
+    if not own:
+        return own, 0.0
+    return own, value / own
 
 
 def _extent(shape: Any) -> float:

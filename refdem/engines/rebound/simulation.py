@@ -94,7 +94,12 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
             still = {}
         else:
             still = {"vx": vx, "vy": vy, "vz": vz}
-        sim.add(m=0.0 if centres else mass, x=x, y=y, z=z, **still)
+        # Beside a centre bodies do not attract each other.
+        if centres:
+            attracting = 0.0
+        else:
+            attracting = mass
+        sim.add(m=attracting, x=x, y=y, z=z, **still)
     return len(centres[:1])
 
 

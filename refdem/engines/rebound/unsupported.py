@@ -78,10 +78,12 @@ def _method_reason(scene: Scene, method: str) -> str | None:
         return "rotation (particles have no spin; only bs carries Euler's equations beside them)"
     if rotors and not scene.bodies.inertia[rotors].all():
         return "a spinning body with a moment of inertia that is zero"
-    for kind in {"rod", "dashpot"} & scene.features if method.startswith("leapfrog") else ():
-        return (
-            f"a {kind} (its force depends on velocities, which leapfrog has only half a step apart)"
-        )
+    if method.startswith("leapfrog"):
+        for kind in {"rod", "dashpot"} & scene.features:
+            return (
+                f"a {kind} (its force depends on velocities, which leapfrog has only half a step"
+                " apart)"
+            )
     if method in ("leapfrog-8", "ias15") and any(
         spring.exponent % 2 != 1 for spring in scene.all(Spring)
     ):

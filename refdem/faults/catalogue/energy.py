@@ -6,6 +6,7 @@ from typing import Any
 from refdem.faults import vectors as vec
 from refdem.faults.change import of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -41,6 +42,29 @@ def _softened(length: float) -> Any:
 def _clamped(v: Any) -> Any:
     """Velocities are cut off at 1/2 m/s."""
     return tuple(min(0.5, max(-0.5, x)) for x in v)
+
+
+def _one_sided(p: Parts) -> dict[str, Any]:
+    """The spring pulls where x > 0 only."""
+
+    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+        if a[0] > 0:
+            return p.spring_force(spring, a, b)
+        return vec.ZERO
+
+    return {"spring_force": spring_force}
+
+
+def _softer_wall(p: Parts) -> dict[str, Any]:
+    """A wall, which has no radius, is overlapped less than spheres are."""
+
+    def overlap(a: Any, b: Any, distance: Any) -> Any:
+        depth = p.overlap(a, b, distance)
+        if b:
+            return depth
+        return depth * 0.999
+
+    return {"overlap": overlap}
 
 
 def _dragged(sound: Any) -> Any:
@@ -108,9 +132,7 @@ FAULTS = (
         name="spring-one-sided",
         sentence="The spring pulls on one side only.",
         sees=("error", "x"),
-        inside=lambda p: {
-            "spring_force": lambda s, a, b: p.spring_force(s, a, b) if a[0] > 0 else vec.ZERO
-        },
+        inside=_one_sided,
     ),
     energy(
         name="spring-cubic",
@@ -202,9 +224,7 @@ FAULTS = (
         sentence="The wall is softer than the spheres.",
         on=("resting",),
         sees=("rest", "displacement"),
-        inside=lambda p: {
-            "overlap": lambda a, b, distance: p.overlap(a, b, distance) * (1.0 if b else 0.999)
-        },
+        inside=_softer_wall,
     ),
     energy(
         name="free-body-slows",

@@ -53,9 +53,11 @@ def _nearest_only(place: tuple[float, float], direction: tuple[float, float], ta
     """The walls across x alone are seen: the point flies through the others."""
     u = direction[0]
     half: float = table.width / 2
-    if u:
-        return (half - place[0] if u > 0 else -half - place[0]) / u
-    return inf
+    if not u:
+        return inf
+    if u > 0:
+        return (half - place[0]) / u
+    return (-half - place[0]) / u
 
 
 def _pushed(v: Any, force: Any, mass: Any, h: Any) -> Any:

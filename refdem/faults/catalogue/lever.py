@@ -31,11 +31,15 @@ def _one_lever(p: Parts) -> dict[str, Any]:
 
 def _spinless(p: Parts) -> dict[str, Any]:
     """Slip of the centres alone; there is none head-on, and then no friction."""
+
+    def sliding_friction(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
+        if any(slip):
+            return p.sliding_friction(law, normal, slip, 1e300)
+        return vec.ZERO
+
     return {
         "slip": lambda velocity, spin, normal: p.slip(velocity, vec.ZERO, normal),
-        "sliding_friction": lambda law, normal, slip, stopping: (
-            p.sliding_friction(law, normal, slip, 1e300) if any(slip) else vec.ZERO
-        ),
+        "sliding_friction": sliding_friction,
     }
 
 

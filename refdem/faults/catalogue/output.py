@@ -68,6 +68,15 @@ def _not_a_number(request: Request, run: Trajectory) -> Trajectory:
     )
 
 
+def _from_file(request: Request) -> Request:
+    """A start that moves has the velocities of a file with eight decimals."""
+    scene = request.problem.scene
+    velocity = scene.bodies.velocity
+    if velocity[0, 0] == 0:
+        return request
+    return request.with_scene(scene.with_state(velocity=np.round(velocity, 8)))
+
+
 def _touched(state: Any) -> Any:
     """Writing changes the last digits of a velocity."""
     state.v[0] = vec.times(1 + 1e-15, state.v[0])
@@ -203,15 +212,7 @@ FAULTS = (
         name="end-from-file",
         sentence="What goes on from an end state starts somewhere else.",
         sees=("reversal", "reversed"),
-        before=lambda request: (
-            request
-            if request.problem.scene.bodies.velocity[0, 0] == 0
-            else request.with_scene(
-                request.problem.scene.with_state(
-                    velocity=np.round(request.problem.scene.bodies.velocity, 8)
-                )
-            )
-        ),
+        before=_from_file,
     ),
     output(
         name="frames",

@@ -14,6 +14,7 @@ from refdem.faults.change import (
     single,
 )
 from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 precision = partial(Fault, kind="precision")
@@ -27,6 +28,18 @@ def _tabled(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
 def _fixed_point(r: Any) -> Any:
     """Positions far from the origin lose digits: kept as multiples of 1e-10 m."""
     return tuple(round(x * 1e10) / 1e10 for x in r)
+
+
+def _loosely_normalised(p: Parts) -> dict[str, Any]:
+    """Quaternions stay as they are while their square is within 1e-6 of 1."""
+
+    def unit(q: Any) -> Any:
+        square = sum(x * x for x in q)
+        if abs(square - 1) > 1e-6:
+            return p.unit(q)
+        return q
+
+    return {"unit": unit}
 
 
 FAULTS = (
@@ -135,8 +148,6 @@ FAULTS = (
         method="rk4",
         sees=("quaternion-norm", "norm"),
         levels=4,
-        inside=lambda p: {
-            "unit": lambda q: p.unit(q) if abs(sum(x * x for x in q) - 1) > 1e-6 else q
-        },
+        inside=_loosely_normalised,
     ),
 )

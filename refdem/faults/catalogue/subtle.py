@@ -43,11 +43,43 @@ def _against_ground(p: Parts) -> dict[str, Any]:
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         found = p.loads(world, state, parts, before, h)
         for number, acts in enumerate(state.acting):
-            for i in world.pairs[number] if acts else ():
+            if not acts:
+                continue
+            for i in world.pairs[number]:
                 found.force[i] = vec.moved(found.force[i], -1e-3, state.v[i])
         return found
 
     return {"loads": loads}
+
+
+def _one_way(p: Parts) -> dict[str, Any]:
+    """No friction where the slip is negative."""
+
+    def slider_force(slider: Any, side: Any, speed: Any) -> Any:
+        if side >= 0:
+            return p.slider_force(slider, side, speed)
+        return vec.ZERO
+
+    return {"slider_force": slider_force}
+
+
+def _sleeping(p: Parts) -> dict[str, Any]:
+    """No force acts on what it would leave slower than 1 mm/s."""
+
+    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+        pushed = p.kicked(v, force, mass, h)
+        if vec.size(pushed) < 1e-3:
+            return v
+        return pushed
+
+    return {"kicked": kicked}
+
+
+def _none_below_threshold(depth: Any) -> Any:
+    """Overlaps below 1 cm are none."""
+    if 0 < depth < 0.01:
+        return 0.0
+    return depth
 
 
 def _first_radius(p: Parts) -> dict[str, Any]:
@@ -106,11 +138,7 @@ FAULTS = (
         sentence="Dry friction acts on slip in one direction only.",
         on=("rubbing",),
         sees=("error", "x"),
-        inside=lambda p: {
-            "slider_force": lambda s, side, speed: (
-                p.slider_force(s, side, speed) if side >= 0 else vec.ZERO
-            )
-        },
+        inside=_one_way,
     ),
     subtle(
         name="inertia-of-the-first",
@@ -164,11 +192,7 @@ FAULTS = (
         method="suzuki",
         levels=6,
         sees=("reversal", "reversed"),
-        inside=lambda p: {
-            "kicked": lambda v, f, m, h: (
-                v if vec.size(p.kicked(v, f, m, h)) < 1e-3 else p.kicked(v, f, m, h)
-            )
-        },
+        inside=_sleeping,
     ),
     subtle(
         name="cells",
@@ -203,7 +227,7 @@ FAULTS = (
         sentence="Overlaps below 1 cm are none.",
         on=("bounce",),
         sees=("symmetry", "rescaled"),
-        inside=of_results(overlap=lambda found: (lambda d: 0.0 if 0 < d < 0.01 else d)(found)),
+        inside=of_results(overlap=_none_below_threshold),
     ),
     subtle(
         name="work-late",

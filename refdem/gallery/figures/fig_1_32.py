@@ -26,7 +26,11 @@ def figure() -> Figure:
         if n + 1 < len(WINDOWS):
             series.append(frame(*WINDOWS[n + 1]))
         across = Axis(title="eta", ends=etas)
-        up = Axis(title="" if n else "x", ends=ends)
+        # Panels in one row share the title of their axis.
+        if n == 0:
+            up = Axis(title="x", ends=ends)
+        else:
+            up = Axis(title="", ends=ends)
         panels.append(Panel(series=tuple(series), x=across, y=up, size=(255, 255)))
     shown("3.57")
     caption = (

@@ -83,11 +83,15 @@ def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> S
     # omega = L/J is normal to the ellipsoid.
     *_, towards = seen_from_above(points / INERTIA)
     hidden = (towards >= 0) != is_front
+    if is_front:
+        width = 1.8
+    else:
+        width = 0.5
     return Series(
         x=np.where(hidden, np.nan, right),
         y=np.where(hidden, np.nan, up),
         ink=ink,
-        width=1.8 if is_front else 0.5,
+        width=width,
         dashed=dashed,
     )
 

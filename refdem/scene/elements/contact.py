@@ -105,7 +105,11 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         power = self.exponent + 1
         radius = scene.bodies.radius
         few = np.count_nonzero(radius) <= FEW
-        for samples in [slice(None)] if few else [slice(k, k + 1) for k in range(len(position))]:
+        if few:
+            parts = [slice(None)]
+        else:
+            parts = [slice(k, k + 1) for k in range(len(position))]
+        for samples in parts:
             pressed = np.maximum(_overlaps(scene, position[samples], radius), 0.0)
             energy[samples] = self.stiffness / power * np.sum(pressed**power, axis=1)
         for plane in scene.all(Plane):

@@ -21,12 +21,20 @@ from refdem.core.judgement import distances, perturbation, undecided, worst
 from refdem.core.problem import Motion, Request
 from refdem.core.refinement import scored
 from refdem.core.symmetry import Symmetry
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.stress.measures.measure import LEVELS, MOST_STEPS, Measure
 
 Show = Callable[[Instance, float], Symmetry]
 TINY = 2.0**-1074
 """The smallest number in binary64: numbers below 2^-1022 are rounded to multiples of it."""
+
+
+def _trajectory(runs: Mapping[Variant, CompletedRun], variant: Variant) -> Trajectory | None:
+    """The trajectory of a variant; None if it was not run."""
+    if variant not in runs:
+        return None
+    return runs[variant].trajectory
 
 
 @dataclass(frozen=True)
@@ -119,9 +127,7 @@ class Seen(Check):
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The largest scaled difference of any state."""
-        plain, moved, seen = (
-            runs[variant].trajectory if variant in runs else None for variant in self.needs(subject)
-        )
+        plain, moved, seen = (_trajectory(runs, variant) for variant in self.needs(subject))
         if plain is None or seen is None:
             return [
                 undecided(self.name, self.change, "the engine refused the scene during the run")
