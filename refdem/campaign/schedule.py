@@ -42,9 +42,9 @@ class Job:
     """A function of a module and its arguments, all of them bytes, text or plain containers; `key`
     comes back with the result.
 
-    `timeout` [s], if any, is its own; else the schedule's holds. Of what only `computes` CPU time
-    counts and not the clock, so that it ends on a busy machine as it does on a quiet one. What runs
-    a program, under a time limit of the program's own, also has the
+    `timeout` [s], if any, is its own; else the schedule's holds; both count `patience` times. Of
+    what only `computes` CPU time counts and not the clock, so that it ends on a busy machine as it
+    does on a quiet one. What runs a program, under a time limit of the program's own, also has the
     `stages` that do the same as the function, and the number of `rows` of the answer.
     """
 
@@ -52,6 +52,7 @@ class Job:
     function: Callable[..., bytes]
     arguments: tuple[Any, ...]
     timeout: float | None = None
+    patience: float = 1.0
     computes: bool = False
     stages: Callable[..., Stages[bytes]] | None = None
     rows: int = 0
@@ -216,7 +217,7 @@ class Schedule:
 
     def _begun(self, job: Job) -> Any:
         """The future of a job that is handed to a worker process."""
-        limit = job.timeout or self._timeout
+        limit = job.patience * (job.timeout or self._timeout)
         if job.computes:
             return self._pool.schedule(limited, args=(limit, job.function, *job.arguments))
         return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
@@ -224,7 +225,7 @@ class Schedule:
     def _result(self, future: Any, job: Job) -> bytes | Failure:
         from pebble import ProcessExpired
 
-        limit = job.timeout or self._timeout
+        limit = job.patience * (job.timeout or self._timeout)
         try:
             result: bytes | Failure = future.result()
             return result

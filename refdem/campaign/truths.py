@@ -6,6 +6,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version as installed
 from typing import BinaryIO
 
@@ -24,6 +25,11 @@ from refdem.truth.certified.sources import digest_of
 Asked = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is asked for as well."""
 UNASKED = "no installed engine supports the case, so its truth was not computed"
+PATIENCE = 3.0
+"""Times the limit on a proof that the same work may take when it is made again: that of a proof
+which came to its last sample just before its end takes all of the limit, and CPU time is not alike
+from run to run on a busy machine.
+"""
 FAILED = "the proof ended in a "
 """How the reason begins where a proof crashed or hung: it may end otherwise next time."""
 
@@ -106,7 +112,7 @@ def _parts(
     made again up to there, in a process of their own, and no farther.
     """
     jobs = [
-        _job(key, *missing[key], most=most)
+        replace(_job(key, *missing[key], most=most), patience=PATIENCE)
         for key, most in certified.items()
         if not is_lasting(found[key])
     ]

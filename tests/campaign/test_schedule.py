@@ -5,12 +5,14 @@ that only computes.
 import os
 import subprocess
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from refdem.campaign.schedule import READ_HERE, Job, Schedule
 from refdem.campaign.truths import sampled_truths
+from refdem.campaign.worker import COUNT_BYTES
 from refdem.core import discovery
 from refdem.core.engine import Stages
 from refdem.core.run import Failure
@@ -164,6 +166,38 @@ def test_truths_only_compute() -> None:
     (truth,) = sampled_truths(Asked(), Nothing(), [(instance, ())], lambda stage, done, total: None)  # type: ignore[arg-type]
     assert [job.computes for job in asked] == [True]
     assert (truth.until, "it was killed" in truth.reason) == (0, True)
+
+
+def test_what_was_certified_is_made_again_with_more_time_than_the_proof_had() -> None:
+    """A proof that came to its last sample just before its end took all of its time for it."""
+    asked: list[Job] = []
+
+    class EndsAfterThree:
+        def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+            for job in jobs:
+                asked.append(job)
+                *_, told = job.arguments
+                if told is None:
+                    yield job, job.function(*job.arguments)
+                else:
+                    place, row = told
+                    with open(place, "r+b") as file:
+                        file.seek(COUNT_BYTES * row)
+                        file.write((3).to_bytes(COUNT_BYTES, "little"))
+                    yield job, Failure(kind="hang", sentence="it was killed")
+
+    # Of a length that no stored set has.
+    instance = discovery.case("harmonic-oscillator").at(duration="7.25", samples="5")
+    (truth,) = sampled_truths(
+        EndsAfterThree(),  # type: ignore[arg-type]
+        Nothing(),  # type: ignore[arg-type]
+        [(instance, ())],
+        lambda stage, done, total: None,
+    )
+    assert truth.until == 3
+    first, again = asked
+    assert first.patience == 1.0
+    assert again.patience > 2.0
 
 
 class Nothing:

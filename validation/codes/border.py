@@ -57,7 +57,7 @@ def contact_law(request):
 
 
 def product(p, q):
-    """The quaternion p q."""
+    """The product p q of two quaternions (4)."""
     a, b, c, d = p
     e, f, g, h = q
     return (
@@ -69,7 +69,7 @@ def product(p, q):
 
 
 def conjugate(q):
-    """q* ."""
+    """The conjugate q* of a quaternion (4)."""
     return (q[0], -q[1], -q[2], -q[3])
 
 

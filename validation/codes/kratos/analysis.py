@@ -5,7 +5,7 @@ from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStag
 
 
 class Recorded(DEMAnalysisStage):
-    """Bodies as the request has them;
+    """Bodies as the request has them.
 
     `rows` are those of the trajectory, with the attitudes of the start.
     """
@@ -28,7 +28,7 @@ class Recorded(DEMAnalysisStage):
         self.keep()
 
     def FinalizeSolutionStep(self):  # noqa: N802
-        """After each step."""
+        """Counts the step, and keeps a row where it ends at a sample."""
         super().FinalizeSolutionStep()
         self.steps += 1
         if self.steps % self.stride == 0 and len(self.rows) < len(self.times) * len(self.bodies):

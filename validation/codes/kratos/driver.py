@@ -132,7 +132,7 @@ def settings(request, step, steps):
 
 
 def main(request_json, trajectory):
-    """From request to trajectory."""
+    """Reads the request, runs it and writes the trajectory."""
     request, step, stride = border.read(request_json)
     bodies = request["scene"]["bodies"]
     times = request["times"]

@@ -122,7 +122,7 @@ def said(lmp, *arguments):
 
 
 def main(lmp, request_json, trajectory):
-    """From request to trajectory."""
+    """Reads the request, runs it and writes the trajectory."""
     request, step, stride = border.read(request_json)
     bodies = request["scene"]["bodies"]
     times = request["times"]
@@ -149,7 +149,7 @@ def main(lmp, request_json, trajectory):
 
 
 def rows(bodies, times, turning):
-    """Rows of the trajectory from the dump;
+    """Rows of the trajectory from the dump.
 
     LAMMPS may order a body's principal axes its own way, which the start tells.
     """

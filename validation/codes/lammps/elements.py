@@ -50,7 +50,7 @@ def law(c, method, masses, planes):
 
 
 def contact(request, method):
-    """Pair style and walls."""
+    """The commands for the pair style and the walls."""
     planes = border.of_kind(request, "plane")
     found = border.contact_law(request)
     if found is None:

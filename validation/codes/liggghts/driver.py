@@ -109,7 +109,7 @@ def said(program, *arguments):
 
 
 def main(program, request_json, trajectory):
-    """From request to trajectory."""
+    """Reads the request, runs it and writes the trajectory."""
     request, step, stride = border.read(request_json)
     border.refuse_shapes(request)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring")

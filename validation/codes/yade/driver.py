@@ -102,7 +102,7 @@ def record(stride):
 
 
 def main(request_json, trajectory):
-    """From request to trajectory."""
+    """Reads the request, runs it and writes the trajectory."""
     request, step, stride = border.read(request_json)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity")
     bodies = request["scene"]["bodies"]
