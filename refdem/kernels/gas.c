@@ -48,7 +48,7 @@ static void touch(gas *g, share *t, int rank, double time)
             continue;
         }
         if (t->contacts == g->p->most_contacts) {
-            t->failed = 1;
+            t->failed = NO_ROOM;
             return;
         }
         contact *c = now + t->contacts;
@@ -219,11 +219,14 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
     channel[1] = work - g->first_work;
 }
 
+/* How some share has failed, the worst of all; 0 if none has. */
 static int has_failed(const gas *g)
 {
     int failed = 0;
-    for (int64_t k = 0; k < g->threads; k++)
-        failed |= g->share[k].failed;
+    for (int64_t k = 0; k < g->threads; k++) {
+        if (g->share[k].failed > failed)
+            failed = g->share[k].failed;
+    }
     return failed;
 }
 
@@ -235,8 +238,8 @@ static double fastest(const gas *g)
     return most;
 }
 
-/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share had no
- * room. */
+/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share has
+ * failed. */
 static int met(gas *g, share *t, int rank, int64_t taken)
 {
     touch(g, t, rank, (double)taken * g->h);

@@ -42,7 +42,9 @@ static void images_placed(gas *g)
     }
 }
 
-/* Moves whole boxes from the share's positions to their count, and finds its extent. */
+/* Moves whole boxes from the share's positions to their count, and finds its extent. In a motion
+ * that diverges a body may be farther away than can be counted, or its position be no number: the
+ * share says so, and the body is put at 0, where the search for neighbours can bear it. */
 static void wrapped(gas *g, share *t)
 {
     double size = g->p->size;
@@ -52,6 +54,11 @@ static void wrapped(gas *g, share *t)
             if (x[i] >= 0.0 && x[i] < size)
                 continue;
             double boxes = floor(x[i] / size);
+            if (!(fabs(boxes + g->now.boxes[i]) <= FARTHEST)) {
+                t->failed = ASTRAY;
+                x[i] = 0.0;
+                continue;
+            }
             x[i] -= boxes * size;
             g->now.boxes[i] += (int32_t)boxes;
         }
@@ -61,6 +68,10 @@ static void wrapped(gas *g, share *t)
         t->low[c] = INFINITY;
         t->high[c] = -INFINITY;
         for (int64_t i = t->from; i < t->to; i++) {
+            if (!isfinite(x[3 * i + c])) {
+                t->failed = ASTRAY;
+                x[3 * i + c] = 0.0;
+            }
             t->low[c] = fmin(t->low[c], x[3 * i + c]);
             t->high[c] = fmax(t->high[c], x[3 * i + c]);
         }
@@ -232,7 +243,7 @@ static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to,
         if (!(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach2))
             continue;
         if (t->pairs == g->p->most_pairs) {
-            t->failed = 1;
+            t->failed = NO_ROOM;
             return;
         }
         t->a[t->pairs] = (int32_t)i;
@@ -309,7 +320,7 @@ static void planes_listed(gas *g, share *t, int64_t i)
         if (!(away < g->reach - 0.5 * g->p->diameter))
             continue;
         if (t->pairs == g->p->most_pairs) {
-            t->failed = 1;
+            t->failed = NO_ROOM;
             return;
         }
         t->a[t->pairs] = (int32_t)i;

@@ -15,6 +15,13 @@
 /* A body's own place and its neighbours in a periodic box; the first is the own. */
 #define IMAGES 27
 
+/* How a share may have failed; 2 is a thread that could not be had (kernels.h). */
+enum { NO_ROOM = 1, ASTRAY = 3 };
+
+/* Whole boxes from the first one that a body may be away: as many as their count of 32 bits holds.
+ */
+#define FARTHEST 2e9
+
 /* Bodies a and b, or plane -1 - b; normal from a to b, overlap, tangential spring (of a against b),
  * and half a step's change of the velocity of a (-b), and of the spin of both. */
 typedef struct {

@@ -496,7 +496,8 @@ int64_t refdem_gas_room(const refdem_gas *p, int64_t threads);
  * what tangential springs hold. event (threads, most, 2): time since the start [s] and body of each
  * contact that begins, events (threads): how many, also beyond `most`. Momentum is kept exactly
  * while velocities lie on the grid (gas.c), else to round-off. Returns 0; 1 if there was no room
- * for the pairs or contacts, 2 if a thread could not be had. */
+ * for the pairs or contacts, 2 if a thread could not be had, 3 if a body flew farther than 2e9
+ * boxes, or to where no number is. */
 int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
                        int64_t stride, int64_t most, uint8_t *room, int64_t *events, double *event,
                        double *channel, double *position, double *velocity, double *omega,

@@ -51,6 +51,8 @@ MOST_EVENTS = 100_000
 
 NO_THREADS = 2
 """What the kernel returns if it cannot have its threads."""
+ASTRAY = 3
+"""What it returns if a body flew so far that the motion must have diverged."""
 THREADS = "REFDEM_THREADS"
 MOST_THREADS = 64
 
@@ -124,6 +126,11 @@ class Gas(KernelSolver):
         _, begun, told, channel, *states = call.outputs
         if status == NO_THREADS:
             raise EngineError(f"gas: {len(begun)} threads asked for by {THREADS} could not be had")
+        if status == ASTRAY:
+            raise EngineError(
+                "gas: the motion diverged (a body is more than 2e9 boxes away); a smaller step"
+                " would follow the contacts"
+            )
         if status:
             raise EngineError(
                 "gas: more bodies in one place than spheres can be; a smaller step would keep"

@@ -10,6 +10,7 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.engines.reference import ENGINE
+from refdem.errors import EngineError
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
@@ -176,3 +177,11 @@ def test_output_does_not_change_the_motion_of_many():
     ]
     assert np.array_equal(runs[0].position[-1], runs[1].position[-1])
     assert runs[0].events == runs[1].events
+
+
+def test_a_motion_that_diverges_is_an_error_that_says_so() -> None:
+    """Positions beyond what 32 bits count in boxes overflowed, which C leaves undefined."""
+    problem = discovery.case("granular-gas").at().problem
+    request = Request(problem=problem, method="gas", step=abs(problem.interval))
+    with pytest.raises(EngineError, match="the motion diverged"):
+        ENGINE.run(request)
