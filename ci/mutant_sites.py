@@ -3,11 +3,17 @@ statements of C and of Python.
 
 A site is a span of bytes and what stands there instead. C is read by tree-sitter, Python by its own
 parser; text, annotations, imports and preprocessor lines are left alone.
+
+A site keeps its name while the code of the function around it stays: the name is made of the digest
+of that code without comments and docstrings, and of the number of the site within the function.
 """
 
 import ast
+import copy
+import hashlib
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 SWAPPED = {
@@ -59,7 +65,9 @@ class Site:
     """One possible mutant: bytes begin..end of a file become `instead`; `statement` is where the
     statement around it begins.
 
-    `is_inside` a function: what stands outside runs once, when its module is imported.
+    `scope` is the digest of the outermost function around it, or, outside functions, of the
+    statement; `number` counts the sites of that scope from 0. `is_inside` a function: what stands
+    outside runs once, when its module is imported.
     """
 
     path: str
@@ -68,6 +76,8 @@ class Site:
     end: int
     instead: bytes
     statement: int
+    scope: str
+    number: int = 0
     is_inside: bool = True
 
     def planted(self, text: bytes) -> bytes:
@@ -91,7 +101,26 @@ def sites(root: Path, path: str) -> list[Site]:
         found = list(of_python(path, text))
     else:
         found = list(of_c(path, text))
-    return sorted(found, key=lambda site: (site.begin, site.end, site.instead))
+    ordered = sorted(found, key=lambda site: (site.begin, site.end, site.instead))
+    return numbered(ordered)
+
+
+def numbered(ordered: list[Site]) -> list[Site]:
+    """The sites of a file, each with its number among those of its scope.
+
+    Scopes of equal text in one file are counted through, so that no two sites share a name.
+    """
+    counts: Counter[str] = Counter()
+    named = []
+    for site in ordered:
+        named.append(replace(site, number=counts[site.scope]))
+        counts[site.scope] += 1
+    return named
+
+
+def digest(code: str) -> str:
+    """The first 16 digits of the SHA-256 of code."""
+    return hashlib.sha256(code.encode()).hexdigest()[:16]
 
 
 def kind_of(operator: str) -> str:
@@ -125,9 +154,9 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
     import tree_sitter_c
 
     tree = tree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(text)
-    waiting = [(tree.root_node, -1, False)]
+    waiting = [(tree.root_node, -1, False, "")]
     while waiting:
-        node, statement, is_within = waiting.pop()
+        node, statement, is_within, scope = waiting.pop()
         if node.type.startswith("preproc_") and node.type not in (
             "preproc_ifdef",
             "preproc_if",
@@ -141,16 +170,29 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
         if is_statement or (node.type == "declaration" and is_within):
             statement = node.start_byte
         if statement >= 0:
-            yield from of_node(path, node, statement)
-        is_within = is_within or node.type == "function_definition"
-        waiting += [(child, statement, is_within) for child in node.children]
+            yield from of_node(path, node, statement, scope)
+        if node.type == "function_definition" and not is_within:
+            is_within = True
+            scope = digest(" ".join(tokens(node)))
+        waiting += [(child, statement, is_within, scope) for child in node.children]
 
 
-def of_node(path: str, node: "object", statement: int) -> Iterator[Site]:
+def tokens(node: "object") -> Iterator[str]:
+    """The words of C code without its comments."""
+    if node.type == "comment":  # type: ignore[attr-defined]
+        return
+    children = node.children  # type: ignore[attr-defined]
+    if not children:
+        yield node.text.decode()  # type: ignore[attr-defined]
+    for child in children:
+        yield from tokens(child)
+
+
+def of_node(path: str, node: "object", statement: int, scope: str) -> Iterator[Site]:
     """Sites of one node of C."""
 
     def site(kind: str, begin: int, end: int, instead: str) -> Site:
-        return Site(path, kind, begin, end, instead.encode(), statement)
+        return Site(path, kind, begin, end, instead.encode(), statement, scope)
 
     kind, children = node.type, node.children  # type: ignore[attr-defined]
     if kind in ("binary_expression", "assignment_expression"):
@@ -177,6 +219,7 @@ class _Python(ast.NodeVisitor):
         self.lines = [0, *(at + 1 for at, byte in enumerate(text) if byte == ord("\n"))]
         self.found: list[Site] = []
         self.statement = 0
+        self.scope = ""
         self.depth = 0
 
     def at(self, line: int, column: int) -> int:
@@ -190,7 +233,16 @@ class _Python(ast.NodeVisitor):
     def note(self, kind: str, begin: int, end: int, instead: str) -> None:
         """One more site."""
         self.found.append(
-            Site(self.path, kind, begin, end, instead.encode(), self.statement, self.depth > 0)
+            Site(
+                self.path,
+                kind,
+                begin,
+                end,
+                instead.encode(),
+                self.statement,
+                self.scope,
+                is_inside=self.depth > 0,
+            )
         )
 
     def between(self, left: ast.AST, right: ast.AST, operator: str) -> None:
@@ -209,6 +261,8 @@ class _Python(ast.NodeVisitor):
             return
         if isinstance(node, ast.stmt):
             self.statement = self.span(node)[0]
+            if self.depth == 0 and not isinstance(node, ast.ClassDef):
+                self.scope = digest(ast.dump(without_docstrings(node)))
         super().visit(node)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
@@ -267,6 +321,15 @@ class _Python(ast.NodeVisitor):
     def visit_Raise(self, node: ast.Raise) -> None:
         begin, end = self.span(node)
         self.note("statement", begin, end, "pass")
+
+
+def without_docstrings(tree: ast.stmt) -> ast.stmt:
+    """A copy of a statement whose definitions have no docstrings."""
+    bare = copy.deepcopy(tree)
+    for node in ast.walk(bare):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
+            del node.body[0]
+    return bare
 
 
 def of_python(path: str, text: bytes) -> list[Site]:

@@ -6,9 +6,10 @@ all tests, those that run its line (ci/executed_lines.py knows them) are shown t
 first, until one fails. It has killed the mutant if it fails once more, and passes without the
 mutant. Mutants that change nothing are listed, each with its reason, in ci/equivalent_mutants.toml.
 
-What was found is kept in build/mutants.jsonl: the same command goes on where it was killed, and
-reports/mutants.md is the table of all that is kept for the seeds asked for. The seed is that of the
-day unless it is given: the same seed draws the same mutants of the same tree.
+What was found is kept in reports/mutants.jsonl: the same command goes on where it was killed, and
+reports/mutants.md is the table of all that is kept. A verdict holds while the function around its
+mutant stays as it was. The seed is that of the day unless it is given: the same seed draws the same
+mutants of the same tree.
 
   ci/mutants.py                               600 mutants of all parts, and the report
   ci/mutants.py --part kernels --count 40 --seed 7
@@ -19,7 +20,6 @@ day unless it is given: the same seed draws the same mutants of the same tree.
 import argparse
 import contextlib
 import datetime
-import hashlib
 import json
 import platform
 import random
@@ -41,7 +41,7 @@ from mutant_sites import Site, sites
 from tree_copy import ROOT, TreeCopy
 
 EQUIVALENT = ROOT / "ci" / "equivalent_mutants.toml"
-KEPT = ROOT / "build" / "mutants.jsonl"
+KEPT = ROOT / "reports" / "mutants.jsonl"
 REPORT = ROOT / "reports" / "mutants.md"
 MOST = 300.0
 """[s] that the tests of one mutant take when nothing is planted; what would take longer is not
@@ -107,6 +107,10 @@ GROUPS = (
 )
 
 
+Key = tuple[str, str, int, str]
+"""Path, scope, number and replacement: the name of a mutant while the code around it stays."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What became of a mutant: killed, equivalent, not executed, survived, or not compiled;
@@ -119,17 +123,17 @@ class Verdict:
     path: str
     line: int
     kind: str
-    begin: int
+    scope: str
+    number: int
     instead: str
-    source: str
     shown: str
     outcome: str
     note: str
 
     @property
-    def key(self) -> tuple[str, str, int, str]:
-        """The mutant, as long as its file is what it was."""
-        return self.path, self.source, self.begin, self.instead
+    def key(self) -> Key:
+        """The mutant, as long as the function around it is what it was."""
+        return self.path, self.scope, self.number, self.instead
 
     @property
     def row(self) -> str:
@@ -171,9 +175,9 @@ class Judge:
             path=site.path,
             line=line,
             kind=site.kind,
-            begin=site.begin,
+            scope=site.scope,
+            number=site.number,
             instead=site.instead.decode(),
-            source=hashlib.sha256(text).hexdigest(),
             shown=shown,
             outcome=outcome,
             note=note,
@@ -395,7 +399,7 @@ def on_line(only: Sequence[str], site: Site) -> bool:
     return not lines or site.line(text_of(site.path)) in lines
 
 
-def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
+def read_kept() -> dict[Key, Verdict]:
     """The last verdict on every mutant that is kept."""
     if not KEPT.exists():
         return {}
@@ -403,16 +407,20 @@ def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
     return {verdict.key: verdict for verdict in verdicts}
 
 
-def is_of_now(verdict: Verdict) -> bool:
-    """True if the file of a mutant is the one that it was planted in."""
-    path = ROOT / verdict.path
-    return path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() == verdict.source
+def of_now(kept: dict[Key, Verdict]) -> list[Verdict]:
+    """The verdicts on mutants of functions that are what they were, each with its line of today."""
+    paths = sorted({verdict.path for verdict in kept.values() if (ROOT / verdict.path).exists()})
+    standing = {key_of(site): site for path in paths for site in sites(ROOT, path)}
+    return [
+        replace(verdict, line=standing[key].line(text_of(verdict.path)))
+        for key, verdict in kept.items()
+        if key in standing
+    ]
 
 
-def key_of(site: Site) -> tuple[str, str, int, str]:
-    """The key of a mutant of the tree as it is now."""
-    digest = hashlib.sha256(text_of(site.path)).hexdigest()
-    return site.path, digest, site.begin, site.instead.decode()
+def key_of(site: Site) -> Key:
+    """The name of a mutant of the tree as it is now."""
+    return site.path, site.scope, site.number, site.instead.decode()
 
 
 def run(wanted: Sequence[tuple[Site, Group]], count: int, given: argparse.Namespace) -> None:
@@ -513,7 +521,7 @@ def report(found: Sequence[Verdict]) -> str:
             "Errors that survived are shown to the tests again after the tests were mended"
             " (`ci/mutants.py --survivors`)."
         ),
-        "Errors of a file that changed since are left out.",
+        "Errors of a function that changed since are left out.",
         "",
         f"| {' | '.join(head)} |",
         f"|{' --- |' * len(head)}",
@@ -621,9 +629,11 @@ def main() -> int:
         KEPT.parent.mkdir(exist_ok=True)
         wanted, count = asked(given)
         run(wanted, count, given)
-    text = report([verdict for verdict in read_kept().values() if is_of_now(verdict)])
+    verdicts = of_now(read_kept())
+    text = report(verdicts)
     if given.report or not given.part:
         REPORT.write_text(text)
+        KEPT.write_text("".join(json.dumps(asdict(verdict)) + "\n" for verdict in verdicts))
     print(text)
     return 0
 

@@ -83,3 +83,46 @@ def test_no_process_is_left_even_of_those_that_left_their_group(copy, tmp_path):
     state = Path("/proc") / told.read_text() / "stat"
     # What is dead may still wait for the process that adopted it to look.
     assert not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z"
+
+
+def names(tmp_path, file, text):
+    """The names of all sites of a text: what they are, without their places in the file."""
+    (tmp_path / file).write_text(text)
+    return {
+        (site.scope, site.number, site.instead, site.shown(text.encode()))
+        for site in mutant_sites.sites(tmp_path, file)
+    }
+
+
+PYTHON_PAIR = """
+def first(x):
+    '''The docstring of the first.'''
+    return x + 1.0
+
+def second(x):
+    return x * x
+"""
+C_PAIR = """
+static double first(double x) {
+    /* The comment of the first. */
+    return x + 1.0;
+}
+static double second(double x) {
+    return x * x;
+}
+"""
+
+
+@pytest.mark.parametrize(("file", "text"), [("pair.py", PYTHON_PAIR), ("pair.c", C_PAIR)])
+def test_a_site_keeps_its_name_while_the_code_of_its_function_stays(tmp_path, file, text):
+    before = names(tmp_path, file, text)
+    assert len(before) == 3
+    moved = "\n\n" + text.replace("of the first", "of another day")
+    assert names(tmp_path, file, moved) == before
+    after = names(tmp_path, file, text.replace("x * x", "x / x"))
+    assert len(after & before) == 2
+
+
+def test_functions_of_equal_code_do_not_share_their_sites(tmp_path):
+    text = "def twin(x):\n    return x + x\n"
+    assert len(names(tmp_path, "twins.py", text + text)) == 2
