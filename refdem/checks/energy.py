@@ -1,6 +1,7 @@
 """Energy, or the work-energy balance where something dissipates."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from refdem.core.finding import Finding
 from refdem.core.judgement import Array, judged, left_at_finest, sharpest, undecided, worst
 from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR, flight
 from refdem.core.variant import Variant
+from refdem.core.work import fastest_drive, work_along
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
@@ -17,10 +19,29 @@ from refdem.scene.elements.rod import Rod
 TERMS = 2.0
 """Kinetic and potential energy each err by the bound on the state."""
 
+MOST_RADIANS = 2.0
+"""Phase [rad] of the fastest motion between two samples, up to which the power can be integrated:
+positions and velocities at samples determine a motion up to 2 pi, less what interpolation needs.
+"""
+
 SPRINGS = (
     "The rise of energy above its initial value (the tangential contact"
     " springs store an unreported part)"
 )
+
+
+@dataclass(frozen=True, eq=False)
+class Imbalance:
+    """What should be constant and is not.
+
+    `change` (T,) and what integrating between samples may add to it, `uncertainty` (T,), are in
+    units of the energy at the start; `what` names it in a sentence. A rise is judged one-sidedly.
+    """
+
+    what: str
+    change: Array
+    uncertainty: Array | float = 0.0
+    is_rise: bool = False
 
 
 class Energy(Check):
@@ -91,7 +112,6 @@ class Energy(Check):
         measured = self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
-        what, change = measured
         kept, basis = subject.kept("energy", variant.level)
         rounding = subject.round_off(variant.level) * _of_positions(subject) + _of_falling(
             subject, variant.level
@@ -99,16 +119,15 @@ class Energy(Check):
         of_rods = _of_rods(subject)
         allowed = TERMS * (np.maximum(kept, rounding) + of_rods)
         coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
-        two_sided = not what.startswith("The rise")
         if (
             variant == subject.finest
             and len(subject.levels) > 2
-            and two_sided
+            and not measured.is_rise
             and not isinstance(coarse, str)
         ):
             # Equal terms that are added up step by step, as in free flight, round alike.
             alike = flight(subject.instance, subject.method, variant.level)
-            fallen = left_at_finest(subject, coarse[1]) + TERMS * COUNTING_FLOOR * (
+            fallen = left_at_finest(subject, coarse.change) + TERMS * COUNTING_FLOOR * (
                 rounding + of_rods + alike
             )
             if np.any(fallen < allowed):
@@ -120,22 +139,19 @@ class Energy(Check):
             check=self.name,
             quantity=quantity,
             t=subject.instance.times,
-            values=change,
-            allowed=allowed,
+            values=measured.change,
+            allowed=allowed + measured.uncertainty,
             signal=_exchanged(subject, runs[variant]),
             unit="1",
-            basis=f"{basis}, times 2 for kinetic and potential energy",
-            what=f"{what}, relative to the initial energy,",
+            basis=f"{basis}, times 2 for kinetic and potential energy{_of_samples(measured)}",
+            what=f"{measured.what}, relative to the initial energy,",
         )
 
-    def _imbalance(self, subject: Subject, run: CompletedRun) -> tuple[str, Array] | str:
-        """What changes and by how much (T,), in units of the energy at the start; or why nobody can
-        say.
-        """
+    def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:
+        """What changes that should not, or why nobody can say."""
         scene = subject.instance.scene
         scale = energy_scale(subject.instance)
         energy = mechanical(scene, run.trajectory)
-        what = "The change of kinetic plus potential energy"
         with np.errstate(
             invalid="ignore"
         ):  # a body in the centre of attraction has no finite energy: not a number fails
@@ -147,20 +163,44 @@ class Energy(Check):
                 " the run does not report how much"
             )
         if _rubs_by_springs(scene) and not _stiffens(scene):
-            what = SPRINGS
-            change = np.maximum(0.0, energy - energy[0]) / scale
-        elif not scene.is_conservative():
-            if work is None and scene.is_driven():
-                return "a drive does work on the system, and the run does not report how much"
-            if work is None:
-                what = "The rise of energy above any earlier value"
-                change = (energy - np.minimum.accumulate(energy)) / scale
-            else:
-                what = "The change of energy plus dissipated work"
-                change = (
-                    np.abs(energy + work.reshape(len(energy), -1).sum(axis=1) - energy[0]) / scale
-                )
-        return what, change
+            rise = np.maximum(0.0, energy - energy[0]) / scale
+            return Imbalance(SPRINGS, rise, is_rise=True)
+        if scene.is_conservative():
+            return Imbalance("The change of kinetic plus potential energy", change)
+        if work is not None:
+            dissipated = work.reshape(len(energy), -1).sum(axis=1)
+            lacking = np.abs(energy + dissipated - energy[0]) / scale
+            return Imbalance("The change of energy plus dissipated work", lacking)
+        integrated = self._integrated(subject, run, energy)
+        if scene.is_driven() or isinstance(integrated, Imbalance):
+            return integrated
+        rise = (energy - np.minimum.accumulate(energy)) / scale
+        return Imbalance("The rise of energy above any earlier value", rise, is_rise=True)
+
+    def _integrated(self, subject: Subject, run: CompletedRun, energy: Array) -> Imbalance | str:
+        """The change of energy less the work of drives and dashpots, integrated between samples."""
+        scene = subject.instance.scene
+        scale = energy_scale(subject.instance)
+        interval = float(np.max(np.abs(np.diff(run.trajectory.t))))
+        fastest = max(fastest_drive(scene), 1 / subject.instance.scales.tau)
+        if interval * fastest > MOST_RADIANS:
+            return (
+                "a drive does work on the system, the run does not report how much, and its samples"
+                f" are {interval * fastest:.2g} rad of the fastest motion apart;"
+                f" at most {MOST_RADIANS:.2g} rad can be integrated"
+            )
+        work = work_along(scene, run.trajectory)
+        if work is None:
+            return (
+                "a drive does work on the system, the run does not report how much, and"
+                " positions and velocities at its samples do not show it"
+            )
+        change = np.abs(energy - energy[0] - work.done) / scale
+        return Imbalance(
+            "The change of energy less the work of the forces (integrated between samples)",
+            change,
+            uncertainty=work.uncertainty / scale,
+        )
 
     def _dissipation(self, subject: Subject, variant: Variant, run: CompletedRun) -> Finding:
         """Work done against friction and damping is lost: it never comes back."""
@@ -210,6 +250,13 @@ class Energy(Check):
                 " of the first), relative to the initial energy,"
             ),
         )
+
+
+def _of_samples(measured: Imbalance) -> str:
+    """What integrating between samples adds to the basis of a bound, as a clause."""
+    if np.any(measured.uncertainty):
+        return ", plus the error of integrating the power between samples"
+    return ""
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:

@@ -77,6 +77,16 @@ class Element(
         """
         return np.zeros(len(velocity))
 
+    def power(self, t: Array, position: Array, velocity: Array) -> Array | None:
+        """Power (T,) [W] that the element brings into kinetic and potential energy.
+
+        t (T,) [s], position (T, N, 3) [m] and velocity (T, N, 3) [m/s] are those of bodies that do
+        not turn. Zero for what conserves energy; None where position and velocity do not tell.
+        """
+        if self.conservative:
+            return np.zeros(len(t))
+        return None
+
 
 class Link(Element, frozen=True, kw_only=True):
     """An element between body `a` and body `b`, or the world (-1); anchors in body axes (world axes
@@ -106,3 +116,15 @@ class Link(Element, frozen=True, kw_only=True):
         first, second = self.ends(position, attitude)
         distance: Array = np.linalg.norm(first - second, axis=-1)
         return distance
+
+    def has_central_anchors(self) -> bool:
+        """True if the link acts on the centres of its bodies, whatever their attitudes are."""
+        at_b = self.b < 0 or not any(self.anchor_b)
+        return at_b and not any(self.anchor_a)
+
+    def relative_velocity(self, velocity: Array) -> Array:
+        """Velocity (T, 3) [m/s] of the centre of a against that of b, or against the world."""
+        if self.b < 0:
+            return velocity[:, self.a]
+        relative: Array = velocity[:, self.a] - velocity[:, self.b]
+        return relative

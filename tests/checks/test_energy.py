@@ -13,7 +13,11 @@ from refdem.core.balance import energy_scale
 from refdem.core.check import Subject
 from refdem.core.engine import Method
 from refdem.core.judgement import worst
+from refdem.faults.change import of_elements, scaled
 from refdem.faults.transparent import Transparent
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.spring import Spring
 
 
 class Spoiled(Transparent):
@@ -80,8 +84,71 @@ def test_what_a_drive_brings_in_is_counted_and_may_come_and_go():
 def test_a_closed_form_that_does_not_count_what_a_drive_brings_in_is_not_judged_by_it():
     assert "pass" not in of_reference("exact-linear").values()
     assert "undecided" not in of_reference("exact-linear").values()
-    stepped = findings("driven-oscillator", delta="0")
-    assert (stepped["balance"], stepped["finest"]) == ("undecided", "undecided")
+
+
+DRIVEN = [
+    ("driven-oscillator", {}),
+    ("driven-oscillator", {"delta": "0", "drive": "3/4", "f0": "2"}),
+    ("driven-oscillator", {"x0": "0", "v0": "1", "drive": "5/4", "mass": "3"}),
+    ("driven-duffing", {"samples": "64", "duration": "12"}),
+    ("quadratic-response", {"eps": "1/16"}),
+    ("van-der-pol", {"samples": "128"}),
+    ("viscous-oscillator", {}),
+]
+"""Settings with a drive, or with a dashpot, which may bring energy in."""
+
+
+def driven(case, given, change=lambda request: request, method="rk4"):
+    """Findings on energy of a run whose request is changed and which does not report work."""
+
+    class Changed(Transparent):
+        def run(self, request):
+            return super().run(change(request))
+
+    instance = discovery.case(case).at(**given)
+    record = record_of(task_of(Changed(), method, instance, truth_of(instance), 4, ("energy",)))
+    return {finding.quantity: finding for finding in record.findings}
+
+
+@pytest.mark.parametrize(("case", "given"), DRIVEN)
+def test_the_work_of_a_drive_is_integrated_between_samples_where_a_run_does_not_report_it(
+    case, given
+):
+    found = driven(case, given)
+    assert found["finest"].outcome == "pass"
+    assert "integrated between samples" in found["finest"].sentence
+
+
+SPOILED = {
+    "a drive two per cent too strong": of_elements(Force, amplitude=scaled(1.02)),
+    "a drive that is late by 0.02": of_elements(Force, phase=lambda phase: phase - 0.02),
+    "damping two per cent too small": of_elements(
+        Dashpot, damping=scaled(0.98), van_der_pol=scaled(0.98)
+    ),
+    "damping of the other sign": of_elements(Dashpot, damping=scaled(-1), van_der_pol=scaled(-1)),
+    "a spring two per cent too stiff": of_elements(Spring, stiffness=scaled(1.02)),
+}
+
+
+@pytest.mark.parametrize("name", SPOILED)
+@pytest.mark.parametrize(("case", "given"), DRIVEN)
+def test_work_that_the_declared_forces_did_not_do_is_a_fault(case, given, name):
+    scene = discovery.case(case).at(**given).scene
+    changed = {"drive": Force, "damping": Dashpot, "spring": Spring}
+    kind = next(kind for word, kind in changed.items() if word in name)
+    has_any = bool(scene.all(kind))
+    is_damped = any(pot.damping or pot.van_der_pol for pot in scene.all(Dashpot))
+    acts = has_any and (kind is not Dashpot or is_damped)
+    expected = "pass"
+    if acts:
+        expected = "fail"
+    assert driven(case, given, SPOILED[name])["finest"].outcome == expected
+
+
+def test_samples_too_far_apart_to_integrate_a_drive_decide_nothing_and_say_so():
+    found = driven("driven-oscillator", {"drive": "16", "samples": "16"})
+    assert found["finest"].outcome == "undecided"
+    assert "rad of the fastest motion apart" in found["finest"].sentence
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,10 @@ velocity.
 
 from typing import Annotated
 
+import numpy as np
+
 from refdem.scene.dimension import Damping, Dimension
-from refdem.scene.element import Link
+from refdem.scene.element import Array, Link
 
 
 class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
@@ -41,3 +43,15 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
         if self.van_der_pol:
             names.add("dashpot:van_der_pol")
         return frozenset(names)
+
+    def power(self, t: Array, position: Array, velocity: Array) -> Array | None:
+        """P = -(damping + van_der_pol d^2) |w|^2 (T,) [W]; None for anchors off the centres."""
+        if not self.has_central_anchors():
+            return None
+        unturned = np.zeros((len(t), position.shape[1], 4))
+        unturned[..., 0] = 1.0
+        distance = self.distance(position, unturned)
+        relative = self.relative_velocity(velocity)
+        coefficient = self.damping + self.van_der_pol * distance**2
+        power: Array = -coefficient * np.sum(relative**2, axis=-1)
+        return power

@@ -55,3 +55,11 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
         """The force along the axis (T,) [N] at times t (T,) [s]."""
         strength: Array = self.amplitude * np.cos(self.frequency * t + self.phase)
         return strength
+
+    def power(self, t: Array, position: Array, velocity: Array) -> Array | None:
+        """P = F(t) axis . (v_a - v_b) (T,) [W]; None for a force on a place off the centre."""
+        if not self.has_central_anchors():
+            return None
+        along = self.relative_velocity(velocity) @ np.array(self.axis)
+        power: Array = self.strength(t) * along
+        return power
