@@ -13,6 +13,7 @@ from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
@@ -118,8 +119,11 @@ def torque_reason(scene: Scene) -> str | None:
                 f"the branch vectors {element.branch} do not sum to the centre distance,"
                 " so the contact law itself changes it"
             )
-        if isinstance(element, Dashpot) and element.b >= 0:
-            return "a dashpot also resists transverse motion of its ends and so exerts a torque"
+        if isinstance(element, Dashpot | Drag) and element.b >= 0:
+            return (
+                f"a {element.kind} also resists transverse motion of its ends and so exerts a"
+                " torque"
+            )
         if isinstance(element, PeriodicBox):
             return "forces between periodic images do not act along one line"
         central = isinstance(element, CentralField) or (

@@ -14,6 +14,7 @@ from refdem.scene import Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -21,6 +22,7 @@ from refdem.scene.elements.wedge import Wedge
 
 JUMP = 0.0
 KINK = 1.0
+SQUARE = 2.0
 
 
 class Singularity(NamedTuple):
@@ -75,13 +77,15 @@ def _of_contact(law: Contact) -> Singularity:
 
 
 def _of_other(element: Element) -> Singularity | None:
-    """Friction and edges; a power of the stretch that is no odd number: |s|^n sgn s has no Taylor
-    series at s = 0.
+    """Friction and edges; a power of the stretch that is no odd number, and the drag |w| w where a
+    motion turns back: |s|^n sgn s has no Taylor series at s = 0.
     """
     if isinstance(element, Slider):
         return Singularity(JUMP, "friction")
     if isinstance(element, Catch | Wedge):
         return Singularity(JUMP, element.kind)
+    if isinstance(element, Drag):
+        return Singularity(SQUARE, element.kind)
     if isinstance(element, PiecewiseField):
         return Singularity(KINK, element.kind)
     if isinstance(element, Spring) and element.stiffness != 0 and element.exponent % 2 != 1:

@@ -41,6 +41,16 @@ def _dashpots(world: World, state: State, parts: Parts, found: Loads, *_: Any) -
         _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
 
 
+def _drags(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+    for drag in world.drags:
+        relative = state.v[drag.a]
+        if drag.b >= 0:
+            relative = vec.minus(relative, state.v[drag.b])
+        force = parts.drag_force(drag, relative)
+        _add(found, drag.a, drag.b, force, parts)
+        found.power -= vec.dot(force, relative)
+
+
 def _drives(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
     for drive in world.drives:
         _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
@@ -79,6 +89,7 @@ def _sliders(world: World, state: State, parts: Parts, found: Loads, *_: Any) ->
 SOURCES = {
     "springs": _springs,
     "dashpots": _dashpots,
+    "drags": _drags,
     "drives": _drives,
     "fields": _fields,
     "pairs": _contacts,

@@ -16,6 +16,7 @@ from refdem.faults.world import World
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
@@ -70,6 +71,7 @@ class Parts:
 
     spring_force: Callable[[Spring, Vector, Vector], Vector]
     dashpot_force: Callable[[Dashpot, Vector, Vector], Vector]
+    drag_force: Callable[[Drag, Vector], Vector]
     drive_force: Callable[[Force, float, Callable[[float], Number]], Vector]
     weight: Callable[[Number, Vector], Vector]
     central_force: Callable[[Number, Number, Vector], Vector]

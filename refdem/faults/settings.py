@@ -384,6 +384,16 @@ HEAD: Rows = (
 WET_HEAD: Rows = (*HEAD, ("flow", "viscous"), ("delta", between(0.125, 0.375, 64)))
 """The same in a fluid."""
 
+FALLING: Rows = (
+    ("mass", between(0.5, 3)),
+    ("gravity", between(2, 10)),
+    ("drag", between(0.125, 1)),
+    *lasting("4", "12"),
+)
+"""A body that falls from rest in a fluid, up to the terminal velocity."""
+THROWN: Rows = (*FALLING, ("v0", between(1, 4)))
+"""The same, thrown up first."""
+
 SMOOTH = ("euler", "verlet", "suzuki", "rk4", "verlet-single")
 SWINGING = ("euler", "verlet", "suzuki", "verlet-single")
 TOUCHING = ("verlet", "verlet-single")
@@ -398,6 +408,8 @@ SETTINGS: Mapping[str, Setting] = {
     "oscillator": Setting("harmonic-oscillator", OSCILLATOR, SMOOTH),
     "hanging": Setting("harmonic-oscillator", HANGING, SMOOTH),
     "viscous": Setting("viscous-oscillator", VISCOUS, DAMPED),
+    "falling": Setting("quadratic-drag", FALLING, DAMPED),
+    "thrown": Setting("quadratic-drag", THROWN, DAMPED),
     "driven": Setting("driven-oscillator", DRIVEN, SMOOTH),
     "hardening": Setting("duffing", HARDENING, SMOOTH),
     "lopsided": Setting("quadratic-response", LOPSIDED, SMOOTH),

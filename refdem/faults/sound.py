@@ -16,6 +16,7 @@ from refdem.faults.positional import SOUND_POSITIONAL
 from refdem.faults.vectors import Number, Quaternion, Vector
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
@@ -45,6 +46,11 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
 def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
     """Force [N] on end a, against its velocity."""
     return vec.times(-(dashpot.damping + dashpot.van_der_pol * vec.dot(apart, apart)), relative)
+
+
+def drag_force(drag: Drag, relative: Vector) -> Vector:
+    """Force [N] on end a, -c |w| w for its velocity w against the fluid."""
+    return vec.times(-drag.coefficient * vec.size(relative), relative)
 
 
 def drive_force(force: Force, t: float, number: Callable[[float], Number]) -> Vector:
@@ -289,6 +295,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 SOUND = Parts(
     spring_force=spring_force,
     dashpot_force=dashpot_force,
+    drag_force=drag_force,
     drive_force=drive_force,
     weight=weight,
     central_force=central_force,

@@ -139,7 +139,7 @@ class Transparent(Engine):
             and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features
         ):
             return "no events"
-        if method.name == "suzuki" and "dashpot" in scene.features:
+        if method.name == "suzuki" and {"dashpot", "drag"} & scene.features:
             return "no forces that depend on velocity"
         if method.name == "euler" and "ball_joint" in scene.features:
             return "no ball joint"

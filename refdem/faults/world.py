@@ -19,6 +19,7 @@ from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
@@ -33,6 +34,7 @@ from refdem.scene.shapes import Polyhedron
 ELEMENTS: dict[str, type[Element]] = {
     "springs": Spring,
     "dashpots": Dashpot,
+    "drags": Drag,
     "sliders": Slider,
     "rods": Rod,
     "planes": Plane,
@@ -53,6 +55,7 @@ SUPPORTED: tuple[type[Element], ...] = (
 SOURCES = (
     "springs",
     "dashpots",
+    "drags",
     "drives",
     "fields",
     "pairs",
@@ -77,6 +80,7 @@ class World:
     fixed: list[bool]
     springs: list[Any]
     dashpots: list[Any]
+    drags: list[Any]
     drives: list[Any]
     sliders: list[Any]
     rods: list[Any]
@@ -108,7 +112,7 @@ class World:
         """Some force changes with the velocities."""
         rubs = any(slider.law != "coulomb" for slider in self.sliders)
         is_rough = bool(self.pairs) and (self.law.damping > 0 or self.law.friction > 0)
-        return bool(self.dashpots) or rubs or is_rough
+        return bool(self.dashpots or self.drags) or rubs or is_rough
 
     @cached_property
     def is_smooth(self) -> bool:
