@@ -32,7 +32,7 @@ class QuadraticDrag(Case):
         r"m\ddot y=-mg-c\,|\dot y|\,\dot y,\qquad v_t=\sqrt{mg/c},\qquad"
         r" \dot y=-v_t\tanh(gt/v_t)\text{ from rest}"
     )
-    source = "Newton 1687, book II; Matuttis and Chen 2014, chapter 1, section 1.4"
+    source = "Newton 1687, book II; Matuttis and Chen 2014, section 1.4.1: Newtonian friction"
     parameters = (
         Parameter(name="mass", default="2", unit="kg", doc="the point mass", above=0),
         Parameter(name="gravity", default="8", unit="m/s^2", doc="along -y", above=0),

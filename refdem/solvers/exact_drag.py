@@ -78,7 +78,7 @@ class ExactDrag(SceneSolver):
 
 
 def terminal_velocity(scene: Scene) -> float:
-    """v_t = sqrt(m g/c) [m/s]."""
+    """The terminal velocity v_t = sqrt(m g/c) [m/s]."""
     mass = float(scene.bodies.mass[0])
     gravity = float(np.linalg.norm(single.gravity(scene)))
     return float(np.sqrt(mass * gravity / scene.all(Drag)[0].coefficient))

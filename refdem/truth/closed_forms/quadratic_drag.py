@@ -72,7 +72,7 @@ class QuadraticDrag(ClosedForm):
 
     @per_precision
     def terminal(self) -> arb:
-        """v_t = sqrt(m g/c) [m/s]."""
+        """The terminal velocity v_t = sqrt(m g/c) [m/s]."""
         return arb_of(self.terminal_squared).sqrt()
 
     @per_precision
@@ -86,7 +86,7 @@ class QuadraticDrag(ClosedForm):
         return (-self.start()).atan()
 
     def scaled_time(self, t: arb) -> arb:
-        """s = g t/v_t."""
+        """The time in units of v_t/g: s = g t/v_t."""
         return arb_of(self.gravity) * t / self.terminal()
 
     def evaluate(self, t: arb) -> dict[str, arb]:
