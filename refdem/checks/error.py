@@ -92,7 +92,9 @@ class Error(Check):
                 check=self.name,
                 quantity="unsaid",
                 outcome="unsupported",
-                sentence=f"The engine does not report {len(missing)} of the requested numbers: {listed}.",
+                sentence=(
+                    f"The engine does not report {len(missing)} of the requested numbers: {listed}."
+                ),
             )
         ]
 
