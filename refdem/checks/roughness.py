@@ -102,12 +102,13 @@ class Roughness(Check):
         t = run.t - run.t[0]
         translational, rotational = rough_temperatures(t, temperature, frequency, _inertia(scene))
         n_collisions = collisions(t, translational, frequency / np.sqrt(temperature), n)
-        if n_collisions[-1] < FEWEST:
+        expected = n_collisions[-1]
+        if expected < FEWEST:
             return [
                 undecided(
                     self.name,
                     "spin",
-                    f"only {n_collisions[-1]:.2g} collisions are expected; {FEWEST} are needed for a mean",
+                    f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean",
                 )
             ]
         energy = mechanical(scene, run)

@@ -56,7 +56,7 @@ class ExactLinear(KernelSolver):
         t = request.problem.times
         return KernelCall(
             function="refdem_linear_oscillator",
-            inputs=(Struct("linear_oscillator", "refdem_linear", law), line.place, line.speed),
+            inputs=(Struct("linear_oscillator", "refdem_linear", law), line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 2)),),
         )

@@ -48,7 +48,7 @@ class ExactPower(KernelSolver):
         t = request.problem.times
         return KernelCall(
             function="refdem_power_oscillator",
-            inputs=(*law, line.place, line.speed),
+            inputs=(*law, line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 2)),),
         )

@@ -87,7 +87,7 @@ class LatticeVerlet(KernelSolver):
         }
         return KernelCall(
             function="refdem_lattice_verlet",
-            inputs=(Struct(FAMILY, "refdem_lattice", law), line.place, line.speed),
+            inputs=(Struct(FAMILY, "refdem_lattice", law), line.x0, line.v0),
             clock=steps_to_samples(request),
             outputs=(np.empty((len(request.problem.times), 2)),),
             steps=steps_of(request),
@@ -109,8 +109,8 @@ def _reach(line: Line) -> tuple[float, float] | None:
         energy: float = power + spring.cubic * x**4 / 4 - line.weight * x
         return energy
 
-    energy = potential(line.place) + line.mass * line.speed**2 / 2
-    size = ldexp(1.0, frexp(abs(line.place) or abs(line.speed) or 1.0)[1] - 2)
+    energy = potential(line.x0) + line.mass * line.v0**2 / 2
+    size = ldexp(1.0, frexp(abs(line.x0) or abs(line.v0) or 1.0)[1] - 2)
     for _ in range(WIDEST):
         lowest = min(potential(size * part / 16) for part in range(-16, 17))
         # The barrier, and what the motion has of it, with room.

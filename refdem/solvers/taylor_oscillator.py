@@ -62,7 +62,7 @@ class TaylorOscillator(KernelSolver):
         t = request.problem.times
         return KernelCall(
             function="refdem_taylor_oscillator",
-            inputs=(Struct("taylor_oscillator", "refdem_oscillator", law), line.place, line.speed),
+            inputs=(Struct("taylor_oscillator", "refdem_oscillator", law), line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 3)),),
         )
