@@ -224,25 +224,28 @@ class Impact:
         )
         return self.slip - slip, self.slip * t - distance
 
-    def moved(self, t: Array, out: Array, lost: Array, missed: Array) -> dict[str, Any]:
+    def moved(
+        self, t: Array, overlap_and_rate: Array, slip_loss: Array, distance_loss: Array
+    ) -> dict[str, Any]:
         """Columns and channels of a trajectory, from the losses of slip velocity and slip
         distance.
         """
-        pressed = out[:, 0] - self.overlap
+        overlap_growth = overlap_and_rate[:, 0] - self.overlap
         # Of what the slip loses the velocity takes 2/7, and the spin, times R, 5/7.
-        flown = self.place + self.across * t[:, None]
-        held_back = missed[:, None] * self.along * (2 / 7)
-        position = flown + pressed[:, None] * self.n - held_back
-        braked = lost[:, None] * self.along * (2 / 7)
-        velocity = self.across + out[:, 1:] * self.n - braked
-        turning = np.cross(self.n, self.along)
-        omega = self.omega - lost[:, None] * turning * (5 / 7 / self.radius)
-        work = self.mass / 7 * lost * (2 * self.slip - lost)
-        depth = np.maximum(out[:, 0], 0.0)
-        force = self.law.stiffness * depth**self.law.exponent
+        free_flight = self.place + self.across * t[:, None]
+        shift_back = distance_loss[:, None] * self.along * (2 / 7)
+        position = free_flight + overlap_growth[:, None] * self.n - shift_back
+        velocity_loss = slip_loss[:, None] * self.along * (2 / 7)
+        velocity = self.across + overlap_and_rate[:, 1:] * self.n - velocity_loss
+        spin_axis = np.cross(self.n, self.along)
+        omega = self.omega - slip_loss[:, None] * spin_axis * (5 / 7 / self.radius)
+        # Friction dissipates m (p0^2 - p^2)/7 = m lost (2 p0 - lost)/7.
+        work = self.mass / 7 * slip_loss * (2 * self.slip - slip_loss)
+        overlap = np.maximum(overlap_and_rate[:, 0], 0.0)
+        force = self.law.stiffness * overlap**self.law.exponent
         channels = {
-            "overlap": depth,
-            "contacts": (depth > 0).astype(float),
+            "overlap": overlap,
+            "contacts": (overlap > 0).astype(float),
             "contact_force": force,
             "dissipated_work": work,
         }
