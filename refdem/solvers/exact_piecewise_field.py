@@ -14,7 +14,9 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
 class ExactPiecewiseField(KernelSolver):
-    """Free flight, a hyperbolic phase (repulsion), an elliptic phase (attraction), free flight."""
+    """Free flight, a hyperbolic phase on the rising flank of the force, a harmonic one on the
+    falling flank, free flight.
+    """
 
     claims = Method(
         name="exact-piecewise",

@@ -28,7 +28,9 @@ ASKEW = 1e-15
 rotated.
 """
 COLUMNS = 12
-"""Length of a row: d, d', u, angle, 2 spins, 2 angles turned, mode, contacts, force, work."""
+"""Length of a row: d, d', u, angle of the line, 2 spins, 2 angles turned, work, contacts, force,
+dissipated work.
+"""
 
 
 class ObliqueContact(KernelSolver):
