@@ -24,7 +24,7 @@ class FreeBodies(SceneSolver):
     pattern = ScenePattern()
 
     @abstractmethod
-    def turn(self, request: Request, number: int) -> KernelCall:
+    def turn(self, request: Request, body: int) -> KernelCall:
         """The kernel call that fills attitude (T, 4) and omega (T, 3) [rad/s] of one rotating
         body.
         """
@@ -72,12 +72,12 @@ class SteppedFreeBodies(FreeBodies):
             return "nothing turns; uniform motion needs no steps"
         return None
 
-    def turn(self, request: Request, number: int) -> KernelCall:
+    def turn(self, request: Request, body: int) -> KernelCall:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""
         count = len(request.problem.times)
         return KernelCall(
             function=self.function,
-            inputs=first_state(request.problem.scene.bodies, number),
+            inputs=first_state(request.problem.scene.bodies, body),
             clock=steps_to_samples(request),
             outputs=(np.empty((count, 4)), np.empty((count, 3))),
             steps=steps_of(request),
@@ -86,9 +86,9 @@ class SteppedFreeBodies(FreeBodies):
 
 def spinning(bodies: Bodies) -> list[int]:
     """Indices of the bodies with an angular velocity."""
-    return [int(number) for number in np.flatnonzero(bodies.omega.any(axis=1))]
+    return [int(body) for body in np.flatnonzero(bodies.omega.any(axis=1))]
 
 
-def first_state(bodies: Bodies, number: int) -> tuple[Array, Array, Array]:
+def first_state(bodies: Bodies, body: int) -> tuple[Array, Array, Array]:
     """Principal moments of inertia (3,), attitude (4,) and omega (3,) of one body at the start."""
-    return bodies.inertia[number], bodies.attitude[number], bodies.omega[number]
+    return bodies.inertia[body], bodies.attitude[body], bodies.omega[body]

@@ -32,14 +32,14 @@ class ExactFreeBody(FreeBodies):
         """None: every free body is supported, rotating or not."""
         return None
 
-    def turn(self, request: Request, number: int) -> KernelCall:
+    def turn(self, request: Request, body: int) -> KernelCall:
         """The call that fills attitude (T, 4) and omega (T, 3) at the samples; errors of a few
         ulp.
         """
         t = request.problem.times
         return KernelCall(
             function="refdem_free_body",
-            inputs=first_state(request.problem.scene.bodies, number),
+            inputs=first_state(request.problem.scene.bodies, body),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 4)), np.empty((len(t), 3))),
         )
