@@ -1,5 +1,13 @@
-"""Certified events of a scene, and how fast what vanishes at each of them goes through zero: by the
-scene's own laws at certified times.
+"""Certified events of a scene (stick, slip, stop, contact, release) and the rate of their event
+functions.
+
+An event is a zero of a function g(t) of the state. If the state is off by E, in units of its
+scales, the zero moves by about E/|g'|; so the check `event-times` needs |g'| and a bound on |g''|
+at each certified time. Both follow from the scene's own force laws:
+
+  slip      g = mu0 N - |P|      P is the pull that friction must balance (class `Belt`)
+  stick     g = x' - belt        the velocity relative to the belt
+  release   g = d, or k d + c d' where the contact law ends at zero force (d is the overlap)
 """
 
 from collections.abc import Iterator
@@ -21,23 +29,26 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.elements.wedge import Wedge
 
 TOUCHING = 8 * 2.0**-53
-"""Part of places and radii by which shapes in touch may be apart: these are rounded."""
-MOST = 16
-"""Bodies of which every pair is looked at; truth knows collisions of three at most."""
-ALIKE = 1e-9
-"""Part of a speed by which pairs that touch together may close differently, and still have one time
-of parting.
+"""Relative error of positions and radii, 8 roundings in binary64: overlaps below it count as zero.
 """
+MOST = 16
+"""Largest number of bodies whose pairs are all searched; truth knows collisions of three at most.
+"""
+ALIKE = 1e-9
+"""Relative difference of closing speeds below which contacts that begin together end together."""
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """An event at `time` [s], certified to `radius` [s], where a function g of the state vanishes.
+    """A certified zero of an event function g(state).
 
-    g is in units of the most that it changes by when every quantity is off by its scale. `rate`
-    [1/s] is |dg/dt| at the event, on the side on which it is slower, and `bend` [1/s^2] how fast
-    that may change: nothing changes in less than tau, the shortest time.
-    `growth` [1/s] bounds how fast errors grow from one sample to the next.
+    g is scaled so that |g| changes by at most 1 when every quantity of the state changes by its
+    scale.
+
+    - `time` +- `radius` [s] is the certified event time.
+    - `rate` [1/s] is |g'| at the event, on the side on which it is smaller.
+    - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
+    - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
     """
 
     time: float
@@ -48,20 +59,20 @@ class Crossing:
 
 
 Crossings = dict[str, list[Crossing]]
-"""All crossings of a kind, in order; of a kind that never happens none."""
+"""Crossings by kind of event, in order of time. A kind that truth knows to be absent has none."""
 Pair = tuple[float, float, float, int]
-"""Overlap [m], closing and relative speed [m/s], and number of free bodies."""
+"""Overlap [m], closing speed [m/s], relative speed [m/s], number of free bodies (1 or 2)."""
 
 
 def has_crossings(scene: Scene) -> bool:
-    """Truth may tell when something sticks, slips, stops, touches or parts."""
+    """True if truth may certify event times of the scene: of a point on a belt, or of shapes in
+    contact.
+    """
     return is_belt(scene) or bool(touches(scene))
 
 
 def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
-    """What is certified of the events of a scene, by kind; nothing where truth has no times of
-    them.
-    """
+    """The certified crossings by kind; empty where truth has no event times."""
     if is_belt(subject.instance.scene):
         return rubbing(subject, truth)
     if "max_overlap" in truth.scalars:
@@ -70,7 +81,7 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
 
 
 def is_belt(scene: Scene) -> bool:
-    """One point on a linear spring along x and on a slider, driven or not."""
+    """True for one point on a linear spring along x and on a slider along x, driven or not."""
     springs = scene.all(Spring)
     sliders = scene.all(Slider)
     if (
@@ -88,39 +99,43 @@ def is_belt(scene: Scene) -> bool:
 
 
 class Belt:
-    """Forces on a point that rubs: its pull P [N] is all but friction, which holds up to `limit`
-    [N].
+    """Forces on a point of mass m on a spring and a belt: m x'' = P - F, with friction F.
+
+    P(t, x) = drive + weight - k (x - x_anchor) is the pull. While the point sticks F = P, which
+    needs |P| <= `limit` = mu0 N.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.spring, self.slider, self.drives = (
-            scene.all(Spring)[0],
-            scene.all(Slider)[0],
-            scene.all(Force),
-        )
+        self.spring = scene.all(Spring)[0]
+        self.slider = scene.all(Slider)[0]
+        self.drives = scene.all(Force)
         self.mass = float(scene.bodies.mass[0])
         self.weight = self.mass * sum(gravity.g[0] for gravity in scene.all(UniformGravity))
         self.limit = float(self.slider.coefficient(0.0)) * self.slider.normal_force
 
     @property
     def weakening(self) -> float:
-        """Largest fall of the friction with the speed, per mass [1/s]: that of Stribeck's law at
-        speed 0.
+        """Largest decrease of the friction force with sliding speed, per mass [1/s].
+
+        Stribeck's law mu(u) = (mu0 - mu1)/(1 + lambda0 |u|) + mu1 + ... falls fastest at u = 0,
+        with slope -(mu0 - mu1) lambda0. Errors of a velocity grow at this rate at most.
         """
         slider = self.slider
         if slider.law != "coulomb":
-            falls = (slider.mu0 - slider.mu1) * slider.lambda0
+            slope = (slider.mu0 - slider.mu1) * slider.lambda0
         else:
-            falls = 0.0
-        return max(0.0, falls) * slider.normal_force / self.mass
+            slope = 0.0
+        return max(0.0, slope) * slider.normal_force / self.mass
 
     def pull(self, t: float, x: float) -> float:
-        """The force P [N] that friction must balance, at a time and a position."""
+        """The pull P [N] at time t [s] and position x [m]."""
         driven = sum(float(drive.strength(np.array(t))) * drive.axis[0] for drive in self.drives)
         return driven + self.weight - self.spring.stiffness * (x - self.spring.anchor_b[0])
 
     def growth(self, t: float) -> float:
-        """dP/dt [N/s] while the belt carries the point."""
+        """The rate dP/dt [N/s] at time t [s] while the belt carries the point, so x' is the belt
+        velocity.
+        """
         driven = sum(
             -d.amplitude * d.frequency * sin(d.frequency * t + d.phase) * d.axis[0]
             for d in self.drives
@@ -128,113 +143,103 @@ class Belt:
         return driven - self.spring.stiffness * self.slider.belt_velocity
 
     def released_at(self, t: float) -> float:
-        """The place [m] at which it is let go at t: where P passes the limit."""
+        """The position [m] at which the point starts to slip at time t: |P(t, x)| = limit with P
+        growing.
+        """
+        # P(t, x) = P(t, 0) - k x = limit sgn(P').
         return (self.pull(t, 0.0) - copysign(self.limit, self.growth(t))) / self.spring.stiffness
 
 
 def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
-    """Sticks and slips of a point on a belt, or its stop.
+    """Crossings of a point on a belt: its sticks and slips, or its final stop.
 
-    At a slip g = limit - |P|, which only the place can falsify; at a stick g is the velocity
-    against the belt. A stop is a stick for ever, and may be called so.
+    At a slip g = limit - |P|: of the state only x enters, with |g'| = |P'| and scale k L. At a
+    stick g is the velocity relative to the belt, with |g'| = |x''|. A stop is a stick for ever, and
+    a run may report it as either.
     """
     belt = Belt(subject.instance.scene)
     scales = subject.instance.scales
     bend = scales.tau**-2
     growth = 1 / scales.tau + belt.weakening
+    # The scalars stick_1, slip_1, cross_1, ... of truth hold (time, radius).
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]
-    told = sorted((*value, kind) for kind, value in named if kind in ("stick", "slip", "cross"))
-    if told:
-        found: Crossings = {"stick": [], "slip": []}
+    events = sorted((*value, kind) for kind, value in named if kind in ("stick", "slip", "cross"))
+    if events:
+        known: Crossings = {"stick": [], "slip": []}
     else:
-        found = {}
-    for number, (time, radius, kind) in enumerate(told):
+        known = {}
+    for index, (time, radius, kind) in enumerate(events):
         if kind == "slip":
-            found[kind].append(
-                Crossing(
-                    time,
-                    radius,
-                    abs(belt.growth(time)) / (belt.spring.stiffness * scales.length),
-                    bend,
-                    growth,
-                )
-            )
+            rate = abs(belt.growth(time)) / (belt.spring.stiffness * scales.length)
+            known[kind].append(Crossing(time, radius, rate, bend, growth))
         elif kind == "stick":
-            if number + 1 < len(told):
-                following = told[number + 1][0]
+            if index + 1 < len(events):
+                following = events[index + 1][0]
             else:
                 following = inf
-            place = carried(belt, truth, time, following)
-            if number:
-                since = told[number - 1][0]
+            position = carried(belt, truth, time, following)
+            if index:
+                previous = events[index - 1][0]
             else:
-                since = 0.0
-            found[kind].append(
-                Crossing(
-                    time,
-                    radius,
-                    braking(belt, truth, time, place, since) / scales.speed,
-                    bend,
-                    growth,
-                )
-            )
+                previous = 0.0
+            rate = braking(belt, truth, time, position, previous) / scales.speed
+            known[kind].append(Crossing(time, radius, rate, bend, growth))
     if "stop_time" in truth.scalars:
         (time, radius) = truth.scalars["stop_time"]
-        (place, _) = truth.scalars["stop_position"]
-        half = np.pi * sqrt(belt.mass / belt.spring.stiffness)
-        found["stop"] = found["stick"] = [
-            Crossing(
-                time,
-                radius,
-                braking(belt, truth, time, place, time - half) / scales.speed,
-                bend,
-                growth,
-            )
-        ]
-    return found
+        (position, _) = truth.scalars["stop_position"]
+        # The slip before the stop lasts half a period, pi sqrt(m/k).
+        half_period = np.pi * sqrt(belt.mass / belt.spring.stiffness)
+        rate = braking(belt, truth, time, position, time - half_period) / scales.speed
+        stop = [Crossing(time, radius, rate, bend, growth)]
+        known["stop"] = stop
+        known["stick"] = stop
+    return known
 
 
 def carried(belt: Belt, truth: SampledTruth, time: float, following: float) -> float:
-    """Where [m] the belt takes the point up: from where it lets it go again, or else from the last
-    certified sample.
+    """Position [m] at the stick at `time`, found backwards along the belt's uniform motion.
+
+    x(time) = x(until) - belt (until - time). The end is the next slip, at `following` [s], where
+    `Belt.released_at` gives x; without one (infinity) it is the last certified sample.
     """
     if following < inf:
         until = following
     else:
         until = truth.t[truth.until - 1]
     if following < inf:
-        place = belt.released_at(until)
+        end = belt.released_at(until)
     else:
-        place = truth.value("x")[-1]
-    return float(place - belt.slider.belt_velocity * (until - time))
+        end = truth.value("x")[-1]
+    return float(end - belt.slider.belt_velocity * (until - time))
 
 
-def braking(belt: Belt, truth: SampledTruth, time: float, place: float, since: float) -> float:
-    """Size of the acceleration [m/s^2] with which the slip ends at a time and place; `since` [s] it
-    has kept its direction.
+def braking(belt: Belt, truth: SampledTruth, time: float, position: float, since: float) -> float:
+    """Deceleration |x''| [m/s^2] relative to the belt just before a stick, at least 0.
 
-    The direction is that of a certified sample; where none lies in between, the smaller of both is
-    taken.
+    m |x''| = limit - P sgn(u), where u is the slip velocity. Its sign is that of the last certified
+    sample between `since`, when this slip began, and `time` [s]; where no sample lies in between,
+    the smaller deceleration of both signs is returned.
     """
-    pull = belt.pull(time, place)
-    sampled = np.flatnonzero(
-        (np.array(truth.t[: truth.until]) > since) & (np.array(truth.t[: truth.until]) < time)
-    )
-    if len(sampled):
-        slip = truth.value("v")[sampled[-1]] - belt.slider.belt_velocity
+    pull = belt.pull(time, position)
+    certified_times = np.array(truth.t[: truth.until])
+    samples = np.flatnonzero((certified_times > since) & (certified_times < time))
+    if len(samples):
+        slip = truth.value("v")[samples[-1]] - belt.slider.belt_velocity
     else:
         slip = 0.0
+    # The component of the pull along the slip, P sgn(u); |P| where the sign is unknown.
     if slip:
-        driving = copysign(pull, pull * slip)
+        along_slip = copysign(pull, pull * slip)
     else:
-        driving = abs(pull)
-    against = belt.limit - driving
-    return max(0.0, float(against)) / belt.mass
+        along_slip = abs(pull)
+    net = belt.limit - along_slip
+    return max(0.0, float(net)) / belt.mass
 
 
 def touches(scene: Scene) -> list[tuple[float, float, int]]:
-    """Closing and relative speed [m/s] and number of free bodies of each pair in touch at the
-    start, where only contacts act.
+    """Pairs in touch and closing at the start, of scenes in which only contacts act.
+
+    Each is (closing speed [m/s], relative speed [m/s], number of free bodies).
     """
     if {element.kind for element in scene.elements} == {"wedge"} and len(scene.bodies) == 1:
         wall = scene.all(Wedge)[0]
@@ -270,16 +275,16 @@ def rounding(scene: Scene) -> float:
 
 
 def _met(scene: Scene) -> Iterator[Pair]:
-    """Every pair of spheres, and every sphere and plane."""
+    """Every pair of spheres, then every sphere and plane, with overlap and speeds at the start."""
     bodies = scene.bodies
     spheres = [int(i) for i in np.flatnonzero(bodies.radius > 0)]
     for i, j in combinations(spheres, 2):
-        apart: Array = bodies.position[j] - bodies.position[i]
-        distance = float(np.linalg.norm(apart))
+        branch: Array = bodies.position[j] - bodies.position[i]
+        distance = float(np.linalg.norm(branch))
         relative = bodies.velocity[i] - bodies.velocity[j]
         free = int(2 - bodies.fixed[[i, j]].sum())
         overlap = float(bodies.radius[i] + bodies.radius[j]) - distance
-        closing = float(relative @ apart) / distance
+        closing = float(relative @ branch) / distance
         yield overlap, closing, float(np.linalg.norm(relative)), free
     for i in spheres:
         for plane in scene.all(Plane):
@@ -296,44 +301,49 @@ def _met(scene: Scene) -> Iterator[Pair]:
 
 
 def parting(subject: Subject, truth: SampledTruth) -> Crossings:
-    """The touch at the start, which no error moves, and the parting after the certified duration,
-    if there is one.
+    """Contact at the start and release after the certified duration, of bodies in touch at the
+    start.
 
-    g is the overlap d, or the force k d + c d' where the contact ends with that: there d'' is 0, or
-    below it where the normal turns, so that |g'| >= k |d'|.
+    The contact is at the initial time exactly: no error of the state moves it. At the release g =
+    d, the overlap, or g = k d + c d' where the contact law ends at zero force. There d'' = 0, or
+    d'' < 0 where the normal turns, so that |g'| >= k |d'|. Dividing g by the most that one scale of
+    every quantity changes it by gives rate = |d'| / (reach (1 + c/(k tau))).
     """
     scene = subject.instance.scene
     scales = subject.instance.scales
     scalars = truth.scalars
-    met = touches(scene)
-    closing, speed, free = met[0]
-    if any(abs(other - closing) > ALIKE * closing for other, *_ in met):
+    pairs = touches(scene)
+    closing, speed, free = pairs[0]
+    if any(abs(other - closing) > ALIKE * closing for other, *_ in pairs):
         return {}
-    dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    # One scale of every coordinate of every free body changes d by up to free sqrt(n) L.
+    n_dimensions = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     if "overlap" in subject.instance.quantities:
         reach = scales.length
     else:
-        reach = scales.length * (free * sqrt(dimension))
+        reach = scales.length * (free * sqrt(n_dimensions))
     touch = Crossing(float(subject.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
-    found: Crossings = {"contact": [touch], "release": []}
+    known: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:
-        return found
+        return known
     laws = scene.all(Contact)
-    softened = 1.0
+    damping_share = 1.0
     if laws and laws[0].cutoff == "zero_force" and laws[0].law == "linear":
-        softened = 1.0 + laws[0].damping / (laws[0].stiffness * scales.tau)
+        damping_share = 1.0 + laws[0].damping / (laws[0].stiffness * scales.tau)
     time, radius = scalars["duration"]
     parting_speed = closing * given_back(subject, truth, closing)
-    unit = reach * softened
-    found["release"].append(
+    unit = reach * damping_share
+    known["release"].append(
         Crossing(time, radius, parting_speed / unit, speed / (unit * scales.tau), 1 / scales.tau)
     )
-    return found
+    return known
 
 
 def given_back(subject: Subject, truth: SampledTruth, closing: float) -> float:
-    """Speed at parting over that at touch: certified, or from the certified change of energy, or 1
-    where nothing brakes.
+    """Ratio of the speed at release to that at contact (a lower bound).
+
+    It is the certified restitution e; or sqrt(1 + dE/E) from the certified change of energy; or 1
+    where nothing dissipates; else 0.
     """
     if "restitution" in truth.scalars:
         return truth.scalars["restitution"][0]

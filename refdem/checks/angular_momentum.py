@@ -1,5 +1,7 @@
-"""Angular momentum about the origin: orbital, spin and total; where a contact law itself changes
-it, against truth.
+"""Angular momentum about the origin: orbital sum m r x v, spin sum J omega, and their total.
+
+Where the contact law itself changes the total, because its lever arms do not add up to the distance
+of the centres, the total is compared with truth.
 """
 
 from collections.abc import Mapping
@@ -19,7 +21,9 @@ from refdem.scene.elements.contact import Contact
 
 
 class AngularMomentum(Check):
-    """Constant to round-off where the method claims it, else to its truncation error."""
+    """Angular momentum is constant to round-off where the method claims it, else to truncation
+    error.
+    """
 
     name = "angular-momentum"
     title = "Angular momentum"
@@ -35,49 +39,59 @@ class AngularMomentum(Check):
         return torque_reason(subject.instance.scene)
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, where it is kept to round-off; the finest, where it is compared with
-        truth; both, where it must fall.
+        """The coarsest level, where L is kept to round-off; the finest, where it is compared with
+        truth; both, where its error must fall with the step.
         """
         if _law_turns(subject):
             return (subject.finest,)
         return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The total; for bodies on which nothing acts also orbital and spin part by itself."""
+        """One finding for the total; where no element acts, also one each for orbital and spin
+        part.
+        """
         if _law_turns(subject):
             return [self._against_truth(subject, runs[subject.finest].trajectory)]
         return [self._kept(subject, runs, name) for name in _parts(subject.instance.scene)]
 
     def _kept(self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str) -> Finding:
-        """One part, at the coarsest level if it is held to round-off, else at the finest."""
-        free = name == "orbital"
-        if free:
+        """The finding that one part, `name`, is constant: at the coarsest level to round-off, else
+        at the finest.
+
+        Free motion keeps the orbital part exactly with every method. Elsewhere the bound is that of
+        the method's claim, and at the finest level it is also what the coarsest level's change
+        implies with the claimed order.
+        """
+        is_free_motion = name == "orbital"
+        if is_free_motion:
             variant = Variant(subject.levels[0])
         else:
             variant = _judged_level(subject)
         allowed: Array | float
-        if free:
+        if is_free_motion:
             allowed = subject.noise(variant.level)
-            moved = "nothing acts on the bodies, and every method integrates free motion exactly"
-            basis = f"{moved}: only round-off, c u sqrt(n) plus u n for equal terms, may change it"
+            reason = "nothing acts on the bodies, and every method integrates free motion exactly"
+            basis = f"{reason}: only round-off, c u sqrt(n) plus u n for equal terms, may change it"
         else:
             allowed, basis = subject.kept("angular-momentum", variant.level)
-            sweeps = subject.round_off(variant.level) * (
+            sweep_rounding = subject.round_off(variant.level) * (
                 sweeping(subject.instance, subject.method) - 1.0
             )
-            allowed = allowed + sweeps + turning(subject.instance, subject.method, variant.level)
+            allowed = (
+                allowed + sweep_rounding + turning(subject.instance, subject.method, variant.level)
+            )
         if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
             coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
             rounding = subject.round_off(variant.level) + turning(
                 subject.instance, subject.method, variant.level
             )
-            fallen = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
-            if np.any(fallen < allowed):
+            extrapolated = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
+            if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"
                 )
-            allowed = np.minimum(allowed, fallen)
-        size = float(
+            allowed = np.minimum(allowed, extrapolated)
+        initial = float(
             np.linalg.norm(angular(subject.instance.scene, runs[variant].trajectory)[name][0])
         )
         return worst(
@@ -86,7 +100,7 @@ class AngularMomentum(Check):
             t=subject.instance.times,
             values=self._changes(subject, runs[variant], name),
             allowed=allowed,
-            signal=size / angular_scale(subject.instance),
+            signal=initial / angular_scale(subject.instance),
             unit="1",
             basis=basis,
             what=(
@@ -96,35 +110,38 @@ class AngularMomentum(Check):
         )
 
     def _changes(self, subject: Subject, run: CompletedRun, name: str) -> Array:
-        """The change of one part since the start (T,), in units of the scale."""
+        """|L(t) - L(0)| of one part (T,), in units of the initial sum of m |r| |v| + |J omega|."""
         part = angular(subject.instance.scene, run.trajectory)[name]
         changes: Array = np.linalg.norm(part - part[0], axis=1) / angular_scale(subject.instance)
         return changes
 
     def _against_truth(self, subject: Subject, run: Trajectory) -> Finding:
-        """Levers that do not sum to the centre distance change the total by the integral of overlap
-        times friction: that of truth.
+        """The finding that total angular momentum follows truth, where the contact law changes it.
+
+        Lever arms R - d of two spheres do not add up to the centre distance, so the total changes
+        by the time integral of overlap times friction. An error E of the state, in units of the
+        scales of r, v and omega, changes it by at most E times sum m (|r| v_scale + |v| r_scale) +
+        J omega_scale.
         """
         truth = certified(subject)
         scene = subject.instance.scene
         level = subject.levels[-1]
         if truth is None:
             return undecided(self.name, "law", no_truth(subject))
-        found = angular(scene, run)["total"][: truth.until]
+        measured = angular(scene, run)["total"][: truth.until]
         expected = angular(scene, _as_trajectory(truth))["total"]
-        sizes = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
-        place = np.linalg.norm(scene.bodies.position, axis=1)
+        scales = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
+        distance = np.linalg.norm(scene.bodies.position, axis=1)
         speed = np.linalg.norm(scene.bodies.velocity, axis=1)
-        spun = scene.bodies.inertia.max(axis=1).sum() * sizes["omega"]
-        share = (
-            scene.bodies.mass @ (place * sizes["v"] + speed * sizes["r"]) + spun
-        ) / angular_scale(subject.instance)
+        spin_error = scene.bodies.inertia.max(axis=1).sum() * scales["omega"]
+        orbital_error = scene.bodies.mass @ (distance * scales["v"] + speed * scales["r"])
+        sensitivity = (orbital_error + spin_error) / angular_scale(subject.instance)
         return worst(
             check=self.name,
             quantity="law",
             t=subject.instance.times[: truth.until],
-            values=np.linalg.norm(found - expected, axis=1) / angular_scale(subject.instance),
-            allowed=float(share) * subject.bound(level),
+            values=np.linalg.norm(measured - expected, axis=1) / angular_scale(subject.instance),
+            allowed=float(sensitivity) * subject.bound(level),
             unit="1",
             basis=(
                 "error bounds on position, velocity and angular velocity, propagated to"
@@ -138,11 +155,12 @@ class AngularMomentum(Check):
 
 
 KINDS = ("r", "v", "omega")
+"""Prefixes of the names of the truth's quantities: r1.x, v2.y, omega1.z, ..."""
 
 
 def _parts(scene: Scene) -> tuple[str, ...]:
-    """The total; of bodies on which nothing acts the orbital and the spin part by themselves
-    too.
+    """Names of the parts that are conserved: the total; where no element acts, also each part by
+    itself.
     """
     if scene.elements or "rotation" not in scene.features:
         return ("total",)
@@ -150,8 +168,8 @@ def _parts(scene: Scene) -> tuple[str, ...]:
 
 
 def _judged_level(subject: Subject) -> Variant:
-    """The coarsest, where nothing is hidden by a small step, if the method claims it to round-off;
-    else the finest.
+    """The coarsest level if the method claims conservation to round-off (a small step hides nothing
+    there), else the finest.
     """
     keeps = subject.method.keeps("angular-momentum", subject.instance.problem.features)
     if keeps:
@@ -160,8 +178,10 @@ def _judged_level(subject: Subject) -> Variant:
 
 
 def _law_turns(subject: Subject) -> bool:
-    """Two spheres under a law that changes their total angular momentum, and a case that says where
-    they are.
+    """True for two spheres whose contact law changes total angular momentum, in a case that has
+    truth for r, v, omega of both.
+
+    Friction acts on lever arms that add up to the centre distance only for the branch R - d/2.
     """
     laws = subject.instance.scene.all(Contact)
     known = all(
@@ -178,7 +198,9 @@ def _law_turns(subject: Subject) -> bool:
 
 
 def _as_trajectory(truth: SampledTruth) -> Trajectory:
-    """The certified states of two spheres; their attitudes make no difference."""
+    """The certified states of two spheres as a trajectory; attitudes, which L does not depend on,
+    are 1.
+    """
 
     def vector(kind: str, body: int) -> Array:
         components = [truth.value(f"{kind}{body}.{axis}") for axis in "xyz"]

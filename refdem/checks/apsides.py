@@ -1,10 +1,11 @@
-"""The shape of an orbit that does not turn: Laplace's vector of Kepler's problem, Fradkin's tensor
-of a spring in space.
+"""The apsides of an orbit: Laplace's vector for Kepler's problem, Fradkin's tensor for a spring.
 
-A = v x (r x v)/gm - r/|r| points to periapsis and is as long as the eccentricity; T = (m v v^T + k
-r r^T)/(2 E0) has the axes of the ellipse (Fradkin 1967). Both stay in these two fields and in no
-other (Bertrand), so that what gives an orbit its right period and keeps its energy and its angular
-momentum may still turn it. Errors along the orbit do not count: long after the horizon these do.
+  A = v x (r x v)/gm - r/|r|               points to periapsis, |A| is the eccentricity
+  T = (m v v^T + k r r^T)/(2 E0)           has the principal axes of the ellipse (Fradkin 1967)
+
+They are constant in these two fields and in no other (Bertrand's theorem), so an error that keeps
+period, energy and angular momentum may still turn the orbit. Errors of position along the orbit do
+not change them: they can be judged long after the predictability horizon of the state.
 """
 
 from collections.abc import Mapping
@@ -22,9 +23,7 @@ from refdem.scene.elements.spring import Spring
 
 
 class Apsides(Check):
-    """The change of the vector or of the tensor at the finest level, and by what angle the apsides
-    have turned.
-    """
+    """The change of A or T at the finest level, with the angle by which the apsides have turned."""
 
     name = "apsides"
     title = "Apsides"
@@ -35,8 +34,8 @@ class Apsides(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """One point under one Newtonian attraction, or one linear spring of no length to a fixed
-        point, off a straight line.
+        """One point in a Newtonian field, or on a linear spring of natural length 0 to a fixed
+        point, that does not move on a straight line.
         """
         scene = subject.instance.scene
         if (
@@ -54,7 +53,12 @@ class Apsides(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Against what errors of place and velocity, each within its bound, change it by."""
+        """One finding: |A - A0| or |T - T0| against the error bounds of r and v, propagated to
+        first order.
+
+        |dA| <= (2 |v| |r| dv + |v|^2 dr)/gm + dr/|r|, and |dT| <= 2 (k |r| dr + m |v| dv)/(2 E0),
+        where dr and dv are the bound times the scales of length and speed.
+        """
         run = runs[subject.finest].trajectory
         scene = subject.instance.scene
         scales = subject.instance.scales
@@ -64,26 +68,28 @@ class Apsides(Check):
         speed = np.linalg.norm(v, axis=1)
         field = _attraction(scene)
         if field:
-            kept = laplace(r, v, field.gm)
+            invariant = laplace(r, v, field.gm)
             name = "Laplace vector"
-            share = (
+            # |dA| per unit of the scaled error: (2 |v| |r| dv + |v|^2 dr)/gm + dr/|r|.
+            sensitivity = (
                 2 * speed * distance * scales.speed + speed**2 * scales.length
             ) / field.gm + scales.length / distance
         else:
             spring = scene.all(Spring)[0]
-            place = r - np.asarray(spring.anchor_b)
+            arm = r - np.asarray(spring.anchor_b)
             mass = float(scene.bodies.mass[0])
-            kept = fradkin(place, v, mass, spring.stiffness)
+            invariant = fradkin(arm, v, mass, spring.stiffness)
             name = "Fradkin tensor"
-            arms = (
-                spring.stiffness * np.linalg.norm(place, axis=1) * scales.length
+            # |dT| per unit of the scaled error: 2 (k |r| dr + m |v| dv)/(2 E0).
+            terms = (
+                spring.stiffness * np.linalg.norm(arm, axis=1) * scales.length
                 + mass * speed * scales.speed
             )
-            share = 2 * arms / (mass * speed[0] ** 2 + spring.stiffness * (place[0] @ place[0]))
+            sensitivity = 2 * terms / (mass * speed[0] ** 2 + spring.stiffness * (arm[0] @ arm[0]))
         allowed, basis = subject.kept("apsides", subject.levels[-1])
         quantity = name.split()[0].lower()
-        count = scored(share * allowed)
-        if count < min(2, len(share)):
+        count = scored(sensitivity * allowed)
+        if count < min(2, len(sensitivity)):
             return [
                 undecided(
                     self.name,
@@ -91,19 +97,19 @@ class Apsides(Check):
                     "the bound exceeds a tenth of the orbit before the second sample",
                 )
             ]
-        change = np.linalg.norm((kept - kept[0]).reshape(len(kept), -1), axis=1)
+        change = np.linalg.norm((invariant - invariant[0]).reshape(len(invariant), -1), axis=1)
         return [
             worst(
                 check=self.name,
                 quantity=quantity,
                 t=subject.instance.times[:count],
                 values=change[:count],
-                allowed=(share * allowed)[:count],
+                allowed=(sensitivity * allowed)[:count],
                 signal=1.0,
                 unit="1",
                 basis=f"{basis}, propagated from position and velocity",
                 what=(
-                    f"The change of the {name} (the apsides precess by {turned(kept):.2g} rad"
+                    f"The change of the {name} (the apsides precess by {turned(invariant):.2g} rad"
                     " over the run)"
                 ),
             )
@@ -111,7 +117,7 @@ class Apsides(Check):
 
 
 def laplace(r: Array, v: Array, gm: float) -> Array:
-    """Laplace's vector (T, 3), of the length of the eccentricity, of places and velocities (T,
+    """Laplace's vector A = v x (r x v)/gm - r/|r| (T, 3) of positions r and velocities v (T,
     3).
     """
     vector: Array = np.cross(v, np.cross(r, v)) / gm - r / np.linalg.norm(r, axis=1)[:, None]
@@ -119,43 +125,51 @@ def laplace(r: Array, v: Array, gm: float) -> Array:
 
 
 def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
-    """Fradkin's tensor (T, 3, 3) over the energy at the start, so that its trace is 1."""
+    """Fradkin's tensor (m v v^T + k r r^T)/(2 E0) (T, 3, 3), with E0 the initial energy: trace
+    1.
+    """
     tensor: Array = mass * v[:, :, None] * v[:, None] + stiffness * r[:, :, None] * r[:, None]
     scaled: Array = tensor / np.trace(tensor[0])
     return scaled
 
 
-def turned(kept: Array) -> float:
-    """Angle [rad] between the first and the last long axis; 0 where a circle has none."""
-    if kept.ndim == 2:
-        first = kept[0]
-        last = kept[-1]
-        along = float(first @ last)
+def turned(invariant: Array) -> float:
+    """Angle [rad] between the first and the last apsidal line.
+
+    Of vectors (T, 3) it is that of their directions; of tensors (T, 3, 3) that of the axes of the
+    largest eigenvalue. A circle has no apsides: 0.
+    """
+    if invariant.ndim == 2:
+        first = invariant[0]
+        last = invariant[-1]
+        cosine = float(first @ last)
     else:
-        # An eigenvector has no sense: the angle is that of two lines.
-        first = np.linalg.eigh(kept[0])[1][:, -1]
-        last = np.linalg.eigh(kept[-1])[1][:, -1]
-        along = abs(float(first @ last))
-    across = np.linalg.norm(np.cross(first, last))
-    return float(np.arctan2(across, along))
+        # The sign of an eigenvector is arbitrary, so the angle is that between two lines.
+        first = np.linalg.eigh(invariant[0])[1][:, -1]
+        last = np.linalg.eigh(invariant[-1])[1][:, -1]
+        cosine = abs(float(first @ last))
+    sine = np.linalg.norm(np.cross(first, last))
+    return float(np.arctan2(sine, cosine))
 
 
 def _attraction(scene: Scene) -> CentralField | None:
-    """The attraction, if nothing else acts."""
-    found = scene.all(CentralField)
-    if len(scene.elements) == len(found) == 1:
-        return found[0]
+    """The central field, if it is the only element; else None."""
+    fields = scene.all(CentralField)
+    if len(scene.elements) == len(fields) == 1:
+        return fields[0]
     return None
 
 
 def _spring(scene: Scene) -> bool:
-    """One linear spring of no length between the point and the world, and nothing else."""
-    found = scene.all(Spring)
-    if not len(scene.elements) == len(found) == 1:
+    """True if the only element is a linear spring of natural length 0 between the body's centre and
+    the world.
+    """
+    springs = scene.all(Spring)
+    if not len(scene.elements) == len(springs) == 1:
         return False
-    law = found[0]
-    linear = law.length == 0 and law.exponent == 1 and not (law.quadratic or law.cubic)
-    return linear and law.stiffness > 0 and law.b < 0 and not any(law.anchor_a)
+    spring = springs[0]
+    linear = spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic)
+    return linear and spring.stiffness > 0 and spring.b < 0 and not any(spring.anchor_a)
 
 
 CHECK = Apsides()

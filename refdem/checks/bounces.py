@@ -1,5 +1,7 @@
-"""Bounces of a billiard: the speed is kept and each of them lies on the wall, for ever, whatever
-chaos does to the rest.
+"""Bounces of a billiard: speed is conserved, each bounce lies on the wall, and each new direction
+points inwards.
+
+Each bounce is tested by itself, so chaos does not matter: all of the run is judged.
 """
 
 from collections.abc import Mapping
@@ -15,7 +17,9 @@ from refdem.core.refinement import ROUND_OFF_FACTOR
 from refdem.core.variant import Variant
 
 CORNER = 1e-12
-"""Part of the table's size: a place after many bounces is not known better."""
+"""Distance from a corner, relative to the table, below which either wall may be the one that was
+hit.
+"""
 BASIS = (
     "each bounce is tested from the previous one alone, so errors do not"
     " accumulate: a few roundings are allowed"
@@ -23,7 +27,7 @@ BASIS = (
 
 
 class Bounces(Check):
-    """Judged at every sample, beyond the predictability horizon too."""
+    """Local properties of every bounce, also beyond the predictability horizon."""
 
     name = "bounces"
     title = "Bounces"
@@ -45,21 +49,23 @@ class Bounces(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Speed, distance from the wall, and directions that point out of the table."""
+        """Three findings: |direction| = 1, distance of the bounce from the wall, and direction .
+        normal <= 0.
+        """
         problem = subject.instance.problem
         run = runs[subject.finest].trajectory
         assert isinstance(problem, Iteration)
         assert isinstance(problem.map, Billiard)
-        place = run.values["position"][1:]
+        position = run.values["position"][1:]
         direction = run.values["direction"][1:]
-        off, normal = wall(problem.map, place)
-        sizes = {
+        distance, normal = wall(problem.map, position)
+        measured = {
             "speed": (
                 np.abs(np.hypot(*direction.T) - 1),
                 "The relative change of the speed",
             ),
             "wall": (
-                np.abs(off) / subject.instance.scales.length,
+                np.abs(distance) / subject.instance.scales.length,
                 "The distance of a bounce from the wall, relative to the size of the table,",
             ),
             "inward": (
@@ -78,28 +84,32 @@ class Bounces(Check):
                 basis=BASIS,
                 what=what,
             )
-            for name, (values, what) in sizes.items()
+            for name, (values, what) in measured.items()
         ]
 
 
-def wall(table: Billiard, place: Array) -> tuple[Array, Array]:
-    """Distance (T,) [m] of places (T, 2) from the wall, positive outside, and the unit normal (T,
-    2) out of the table there.
+def wall(table: Billiard, position: Array) -> tuple[Array, Array]:
+    """Signed distance (T,) [m] of points (T, 2) from the wall, positive outside, and the outward
+    unit normal there (T, 2).
 
-    In the corner of a rectangle, to rounding, two walls are met one after the other and either may
-    be meant: the normal is 0.
+    A stadium is all points within a radius (half its height) of a segment on the x axis. In the
+    corner of a rectangle, up to rounding, two walls are hit one after the other and either may be
+    the one recorded: the normal is 0.
     """
     half = np.array([table.width, table.height]) / 2
     if isinstance(table, StadiumBilliard):
-        ahead = np.maximum(np.abs(place[:, 0]) - (half[0] - half[1]), 0.0)
-        from_line = np.column_stack((np.copysign(ahead, place[:, 0]), place[:, 1]))
-        size = np.hypot(*from_line.T)
-        return size - half[1], from_line / np.maximum(size, np.finfo(float).tiny)[:, None]
-    beyond = np.abs(place) - half
-    across = beyond[:, 0] > beyond[:, 1]
-    cornered = beyond.min(axis=1) > -CORNER * half.max()
-    normal = np.where(across[:, None], [1.0, 0.0], [0.0, 1.0]) * np.sign(place) * ~cornered[:, None]
-    return np.where(across, beyond[:, 0], beyond[:, 1]), normal
+        past_end = np.maximum(np.abs(position[:, 0]) - (half[0] - half[1]), 0.0)
+        # The vector from the nearest point of the segment |x| <= half width - radius, y = 0.
+        offset = np.column_stack((np.copysign(past_end, position[:, 0]), position[:, 1]))
+        distance = np.hypot(*offset.T)
+        return distance - half[1], offset / np.maximum(distance, np.finfo(float).tiny)[:, None]
+    beyond = np.abs(position) - half
+    is_side = beyond[:, 0] > beyond[:, 1]
+    is_corner = beyond.min(axis=1) > -CORNER * half.max()
+    normal = (
+        np.where(is_side[:, None], [1.0, 0.0], [0.0, 1.0]) * np.sign(position) * ~is_corner[:, None]
+    )
+    return np.where(is_side, beyond[:, 0], beyond[:, 1]), normal
 
 
 CHECK = Bounces()

@@ -1,4 +1,4 @@
-"""What a hook has caught goes round it: v = r omega, and J = m r^2 is what makes L = J omega."""
+"""Circular motion after a capture: v = r omega, and J = m r^2 relates L = J omega."""
 
 from collections.abc import Mapping
 
@@ -12,8 +12,8 @@ from refdem.scene.elements.catch import Catch
 
 
 class Capture(Check):
-    """Between the samples after the catch: the rate of turning from the places, against v/r and
-    against L/(m r^2).
+    """After the capture, omega from the positions agrees with truth, with v/r and with L/(m
+    r^2).
     """
 
     name = "capture"
@@ -25,7 +25,7 @@ class Capture(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with a hook of the world that truth says catches something."""
+        """Scenes with a hook fixed to the world, where truth says that it catches something."""
         if not any(hook.b < 0 for hook in subject.instance.scene.all(Catch)):
             return "the scene has no catch"
         if subject.truth is None or "omega" in subject.truth.scalars:
@@ -37,9 +37,7 @@ class Capture(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Rate of turning, v/omega against the distance, and L/omega against the moment of
-        inertia.
-        """
+        """Three findings: omega against truth, v/(r omega) against 1, and L/omega against m r^2."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "omega", no_truth(subject))]
@@ -49,10 +47,10 @@ class Capture(Check):
         arm = run.position[:, hook.a] - np.array(hook.anchor_b)
         velocity = run.velocity[:, hook.a]
         distance = np.linalg.norm(arm, axis=1)
-        caught = np.flatnonzero(
-            np.abs(np.sum(arm * velocity, axis=1))
-            < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
-        )
+        # On the circle r . v = 0; on the straight line before the capture it is not.
+        radial = np.abs(np.sum(arm * velocity, axis=1))
+        is_circling = radial < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
+        caught = np.flatnonzero(is_circling)
         if len(caught) < 3 or len(caught) < len(run.t) - caught[0]:
             return [
                 undecided(
@@ -63,24 +61,26 @@ class Capture(Check):
             ]
         first = caught[0] + 1
         bound = float(subject.bound(subject.levels[-1])[-1])
-        rate = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
+        omega_run = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
         omega = truth.scalars["omega"][0]
         inertia = truth.scalars["inertia"][0]
-        spin = scene.bodies.mass[hook.a] * np.linalg.norm(np.cross(arm[-1], velocity[-1]))
-        values = {
+        angular_momentum = scene.bodies.mass[hook.a] * np.linalg.norm(
+            np.cross(arm[-1], velocity[-1])
+        )
+        errors = {
             "omega": (
-                rate / omega - 1,
+                omega_run / omega - 1,
                 (
                     "The relative error of the angular velocity after the catch, compared"
                     " with v/r at the catch,"
                 ),
             ),
             "speed": (
-                np.linalg.norm(velocity[-1]) / (rate * distance[-1]) - 1,
+                np.linalg.norm(velocity[-1]) / (omega_run * distance[-1]) - 1,
                 "The deviation of the final v/(r omega) from 1",
             ),
             "inertia": (
-                spin / rate / inertia - 1,
+                angular_momentum / omega_run / inertia - 1,
                 "The relative error of L/omega, compared with m r^2,",
             ),
         }
@@ -95,15 +95,16 @@ class Capture(Check):
                 basis="the error bound of the state at the end of the run",
                 what=what,
             )
-            for name, (value, what) in values.items()
+            for name, (value, what) in errors.items()
         ]
 
 
 def _rate(arm: Array, velocity: Array, t: Array) -> float:
-    """Angle turned from the first to the last sample over the time [rad/s].
+    """Mean angular velocity [rad/s]: the angle turned from the first to the last sample over the
+    time.
 
-    What remains of each step beyond whole turns comes from the places alone; how many whole turns a
-    coarse sampling hides, from v/r.
+    Positions give the angle between two samples modulo 2 pi; v/r gives how many whole turns a
+    coarse sampling leaves out.
     """
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
@@ -111,9 +112,8 @@ def _rate(arm: Array, velocity: Array, t: Array) -> float:
     cosine = np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
-    return float(
-        np.sum(angle + 2 * np.pi * np.round((expected - angle) / (2 * np.pi))) / (t[-1] - t[0])
-    )
+    whole_turns = 2 * np.pi * np.round((expected - angle) / (2 * np.pi))
+    return float(np.sum(angle + whole_turns) / (t[-1] - t[0]))
 
 
 CHECK = Capture()

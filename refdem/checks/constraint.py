@@ -1,4 +1,4 @@
-"""Constraint drift: rods keep their length, and their ends no relative speed along them."""
+"""Constraint drift: a rod keeps its length, and its ends have no relative velocity along it."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,7 @@ from refdem.scene.elements.rod import Rod
 
 
 class Constraint(Check):
-    """Length to round-off where the method claims it, else to its truncation error."""
+    """Rod lengths are kept to round-off where the method claims it, else to truncation error."""
 
     name = "constraint"
     title = "Constraint drift"
@@ -25,42 +25,44 @@ class Constraint(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with rods between points, and methods that do not make places of the rods'
-        angles.
+        """Scenes with rods, and methods that integrate positions (those that compute them from
+        angles hold every length by construction).
         """
         if subject.instance.scene.all(Rod):
             return subject.method.derived.get("rod")
         return "the scene has no constraint"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, and the finest where lengths are held to the order only and must fall
-        with it.
+        """The coarsest level; and the finest, where lengths are kept only to the order of the
+        method.
         """
         return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding each for the drift of length and of velocity."""
+        """Two findings: the largest drift of length and of relative velocity along any rod."""
         variant = _judged_level(subject)
         coarsest = Variant(subject.levels[0])
         allowed, basis = subject.kept("constraint", variant.level)
+        # Positions far from the origin are rounded in proportion to their distance.
         rounding = subject.round_off(variant.level) * _farthest(subject)
         allowed = allowed + rounding - subject.round_off(variant.level)
         drifts = _drifts(subject, runs[variant].trajectory)
-        coarse = _drifts(subject, runs[coarsest].trajectory)
-        found = []
+        coarse_drifts = _drifts(subject, runs[coarsest].trajectory)
+        findings = []
         for quantity, drift in drifts.items():
             bound = allowed
             if variant != coarsest and len(subject.levels) > 2:
                 bound = np.minimum(
-                    allowed, left_at_finest(subject, coarse[quantity]) + COUNTING_FLOOR * rounding
+                    allowed,
+                    left_at_finest(subject, coarse_drifts[quantity]) + COUNTING_FLOOR * rounding,
                 )
-            reason = basis
+            drift_basis = basis
             if bound is not allowed:
-                reason = (
+                drift_basis = (
                     f"{basis}, and truncation error extrapolated from the coarsest step with the"
                     " claimed order"
                 )
-            found.append(
+            findings.append(
                 worst(
                     check=self.name,
                     quantity=quantity,
@@ -68,16 +70,16 @@ class Constraint(Check):
                     values=drift,
                     allowed=bound,
                     unit="1",
-                    basis=reason,
+                    basis=drift_basis,
                     what=f"The constraint drift of the rods ({quantity}), relative to its scale,",
                 )
             )
-        return found
+        return findings
 
 
 def _judged_level(subject: Subject) -> Variant:
-    """The coarsest, where nothing is hidden by a small step, if the method claims lengths to
-    round-off; else the finest.
+    """The coarsest level if the method claims rod lengths to round-off (a small step hides nothing
+    there), else the finest.
     """
     keeps = subject.method.keeps("constraint", subject.instance.problem.features)
     if keeps:
@@ -86,34 +88,45 @@ def _judged_level(subject: Subject) -> Variant:
 
 
 def _farthest(subject: Subject) -> float:
-    """How many times the scale the places are, at least 1: no state that is written in such numbers
-    holds a length more exactly.
+    """Largest distance of a rod's end from the origin over the length scale, at least 1.
+
+    A length is a difference of positions, so it is rounded in proportion to their size.
     """
-    ends = [end for rod in subject.instance.scene.all(Rod) for end in rod.ends(*_start(subject))]
-    return max(1.0, *(float(np.linalg.norm(end)) / subject.instance.scales.length for end in ends))
+    position, attitude = _start(subject)
+    farthest = 1.0
+    for rod in subject.instance.scene.all(Rod):
+        for end in rod.ends(position, attitude):
+            farthest = max(farthest, float(np.linalg.norm(end)) / subject.instance.scales.length)
+    return farthest
 
 
 def _start(subject: Subject) -> tuple[Array, Array]:
-    """Places and attitudes (1, N, 3 and 4) at the start."""
+    """Initial positions (1, N, 3) and attitudes (1, N, 4)."""
     bodies = subject.instance.scene.bodies
     return bodies.position[None], bodies.attitude[None]
 
 
 def _drifts(subject: Subject, run: Trajectory) -> dict[str, Array]:
-    """Largest drift (T,) of any rod: length over L, and relative speed along the rod over L/tau."""
+    """Largest drift (T,) over all rods: | |d| - l | / L, and |d . v_rel| / |d| over the speed
+    scale.
+
+    d is the vector between the ends of a rod of length l, v_rel their relative velocity.
+    """
     length = np.zeros(len(run.t))
     speed = np.zeros(len(run.t))
     for rod in subject.instance.scene.all(Rod):
         first, second = rod.ends(run.position, run.attitude)
-        apart = first - second
-        distance = np.linalg.norm(apart, axis=1)
+        separation = first - second
+        distance = np.linalg.norm(separation, axis=1)
         relative = run.velocity[:, rod.a]
         if rod.b >= 0:
             relative = relative - run.velocity[:, rod.b]
         length = np.maximum(length, np.abs(distance - rod.length) / subject.instance.scales.length)
         speed = np.maximum(
             speed,
-            np.abs(np.sum(apart * relative, axis=1)) / distance / subject.instance.scales.speed,
+            np.abs(np.sum(separation * relative, axis=1))
+            / distance
+            / subject.instance.scales.speed,
         )
     return {"length": length, "velocity": speed}
 

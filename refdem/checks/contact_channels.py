@@ -1,5 +1,7 @@
-"""Overlap and contact force, where a run writes them, are those of the places and velocities of the
-same row.
+"""The channels overlap and contact_force, where a run writes them, agree with the state in the same
+row.
+
+The law is F = k d^e + c d', with the overlap d = R + R' - |r' - r| of two spheres.
 """
 
 from collections.abc import Mapping
@@ -17,12 +19,13 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 MOST = 64
-"""Spheres of which every pair is looked at."""
+"""Largest number of spheres whose pairs are all computed."""
 
 
 class ContactChannels(Check):
-    """The largest of all pairs of spheres, at the finest level; a run that writes neither is not
-    judged.
+    """The largest overlap and the largest force over all pairs, at the finest level.
+
+    A run that writes neither channel is not judged.
     """
 
     name = "contact-channels"
@@ -34,16 +37,18 @@ class ContactChannels(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """A few spheres that meet each other and nothing else, under a law with an overlap."""
+        """Two to 64 spheres that interact by one contact law with an overlap and with nothing
+        else.
+        """
         scene = subject.instance.scene
         laws = subject.instance.scene.all(Contact)
         if len(laws) != 1 or laws[0].law == "rigid" or {"plane", "periodic_box"} & scene.features:
             return "sphere-sphere contact with overlap is not the only interaction"
-        alone = (
+        is_few_spheres = (
             all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
             and 2 <= len(scene.bodies) <= MOST
         )
-        if alone:
+        if is_few_spheres:
             return None
         return f"the scene does not have between 2 and {MOST} spheres"
 
@@ -52,29 +57,44 @@ class ContactChannels(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Each channel against the state, in units of the length of the scene and of the largest
-        force.
+        """One finding for each channel that the run writes: its difference from the state's value,
+        relative to the length scale and to the largest force.
         """
         run = runs[subject.finest].trajectory
         meeting = _of_states(subject.instance.scene, run)
         length = subject.instance.scales.length
         rounded = _rounded_overlap(subject, run)
         peak = float(np.max(meeting.force))
-        found = []
+        compared = []
         if "overlap" in run.channels:
-            off = np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
+            difference = (
+                np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
+            )
             basis = "the channel must follow from the positions in the same row, to round-off"
-            found.append(("overlap", run.t, off, np.full(len(off), rounded), basis))
-        # At the touch rounding says whether a dashpot acts.
-        told = np.abs(meeting.overlap) > rounded * length
-        if "contact_force" in run.channels and peak > 0 and told.any():
-            off, apart = _off_force(subject, run, meeting)
-            allowed = np.full(len(off), _rounded_force(subject, run, meeting) + apart / peak)
+            compared.append(
+                ("overlap", run.t, difference, np.full(len(difference), rounded), basis)
+            )
+        # Where the overlap is within rounding of 0, rounding decides whether a dashpot acts.
+        is_resolved = np.abs(meeting.overlap) > rounded * length
+        # The extra tolerance is the change of the dashpot's force in half a step.
+        if "contact_force" in run.channels and peak > 0 and is_resolved.any():
+            difference, tolerance = _off_force(subject, run, meeting)
+            allowed = np.full(
+                len(difference), _rounded_force(subject, run, meeting) + tolerance / peak
+            )
             basis = (
                 "the channel must follow from positions and velocities in the same row"
                 " (or half a step earlier), to round-off"
             )
-            found.append(("contact_force", run.t[told], off[told] / peak, allowed[told], basis))
+            compared.append(
+                (
+                    "contact_force",
+                    run.t[is_resolved],
+                    difference[is_resolved] / peak,
+                    allowed[is_resolved],
+                    basis,
+                )
+            )
         return [
             worst(
                 check=self.name,
@@ -89,22 +109,24 @@ class ContactChannels(Check):
                     " computed from the state, relative to its scale,"
                 ),
             )
-            for name, t, values, allowed, basis in found
+            for name, t, values, allowed, basis in compared
         ]
 
 
 def _largest(run: Trajectory, channel: str) -> Array:
-    """The largest value of a channel at every sample (T,); pulls count as none."""
+    """The largest value of a channel at every sample (T,); negative ones (pulling forces) count as
+    0.
+    """
     largest: Array = np.maximum(run.channels[channel].reshape(len(run.t), -1).max(axis=1), 0.0)
     return largest
 
 
 @dataclass(frozen=True)
 class _Meeting:
-    """What the rows say: the largest overlap (T,) [m], negative where none meet, and the largest
-    forces (T,) [N] that press.
+    """Overlaps and normal forces that the states of a run imply, for every pair of spheres.
 
-    `force` has the velocities of its row, `of_half_step(h)` those of half a step h before it.
+    The contact law is F = k d^e + c d', with overlap d and closing speed d'; forces that pull count
+    as 0.
     """
 
     law: Contact
@@ -124,17 +146,18 @@ class _Meeting:
         return self._pressing(np.ones_like(self.effective))
 
     def of_half_step(self, h: float) -> Array:
-        """The largest force (T,) [N] with the velocities of half a step before, as a leapfrog has
+        """The largest force (T,) [N] with velocities half a step h/2 earlier, as a leapfrog has
         them.
 
-        The pair closes faster then, by F h/2 over its effective mass: F = k d^e + c (v + F h/(2
-        m)).
+        Over half a step the force slows the pair by F h/(2 m_eff), so the earlier closing speed is
+        v + F h/(2 m_eff). F = k d^e + c (v + F h/(2 m_eff)) gives F = (k d^e + c v)/(1 - c h/(2
+        m_eff)).
         """
         return self._pressing(1.0 - self.law.damping * h / (2 * self.effective))
 
     def _pressing(self, part: Array) -> Array:
-        """The largest of the forces (T,) [N] of the law over a part (P,) of each, pulls counting as
-        none.
+        """The largest (T,) [N] of max(0, (k d^e + c d')/part) over all pairs, with `part` (P,) of
+        each pair.
         """
         depth = np.maximum(self.overlaps, 0.0)
         pressing = (
@@ -145,12 +168,14 @@ class _Meeting:
 
 
 def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
-    """What spheres do to each other as places and velocities say."""
+    """Overlaps, closing speeds and effective masses of all pairs of spheres, from positions and
+    velocities.
+    """
     law = scene.all(Contact)[0]
     i, j = np.triu_indices(len(scene.bodies), 1)
-    apart = run.position[:, j] - run.position[:, i]
+    branch = run.position[:, j] - run.position[:, i]
     relative = run.velocity[:, i] - run.velocity[:, j]
-    distance = np.linalg.norm(apart, axis=-1)
+    distance = np.linalg.norm(branch, axis=-1)
     radius = scene.bodies.radius
     inverse = np.where(scene.bodies.fixed, 0.0, 1.0 / scene.bodies.mass)
     with np.errstate(divide="ignore"):
@@ -159,36 +184,38 @@ def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
         law,
         effective,
         radius[i] + radius[j] - distance,
-        np.sum(relative * apart, axis=-1) / distance,
+        np.sum(relative * branch, axis=-1) / distance,
     )
 
 
 def _off_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> tuple[Array, float]:
-    """How far (T,) [N] the force told is from that of the row, and by how much more [N] it may be
-    off.
+    """Difference (T,) [N] between the reported force and the one from the state, and an extra
+    tolerance [N].
 
-    A leapfrog takes the dashpot's velocities half a step before the row. Where two spheres meet and
-    nothing else pulls them apart that is another number of the same row, and the nearer counts; in
-    a crowd it is known to what half a step changes velocities by.
+    A leapfrog evaluates the dashpot with velocities of half a step earlier. For two spheres with no
+    force but contact and gravity that force is known exactly (`of_half_step`), and the smaller of
+    both differences counts. With more bodies or forces it is known only up to the change of the
+    dashpot force in half a step, at most c h/m_eff of the largest force: the extra tolerance.
     """
-    told = _largest(run, "contact_force")
-    off = np.abs(told - meeting.force)
+    reported = _largest(run, "contact_force")
+    difference = np.abs(reported - meeting.force)
     if meeting.law.damping == 0 or subject.method.control != "step":
-        return off, 0.0
+        return difference, 0.0
     scene = subject.instance.scene
     level = subject.levels[-1]
-    late = meeting.law.damping * level / float(np.min(meeting.effective))
-    alone = all(isinstance(element, Contact | UniformGravity) for element in scene.elements)
-    if len(scene.bodies) > 2 or not alone or late > 1.0:
-        return off, late * float(np.max(meeting.force))
-    return np.minimum(off, np.abs(told - meeting.of_half_step(level))), 0.0
+    half_step_share = meeting.law.damping * level / float(np.min(meeting.effective))
+    is_contact_only = all(
+        isinstance(element, Contact | UniformGravity) for element in scene.elements
+    )
+    if len(scene.bodies) > 2 or not is_contact_only or half_step_share > 1.0:
+        return difference, half_step_share * float(np.max(meeting.force))
+    return np.minimum(difference, np.abs(reported - meeting.of_half_step(level))), 0.0
 
 
 def _rounded_overlap(subject: Subject, run: Trajectory) -> float:
-    """Rounding of an overlap, in units of the length.
+    """Rounding of an overlap R + R' - |r' - r|, in units of the length scale.
 
-    R + R' - |d| is a difference of numbers as large as places and radii, each rounded, here and in
-    the run.
+    It is a difference of numbers as large as positions and radii, each rounded here and in the run.
     """
     reach = float(np.max(np.abs(run.position))) + 2 * float(
         np.max(subject.instance.scene.bodies.radius)
@@ -200,8 +227,8 @@ def _rounded_overlap(subject: Subject, run: Trajectory) -> float:
 
 
 def _rounded_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> float:
-    """Rounding of the force, in units of the largest: that of an overlap over the largest, and that
-    of a dashpot's velocities.
+    """Rounding of a force, relative to the largest: of k d^e (e times that of d, relative to the
+    largest d), and of the dashpot's velocities.
     """
     length = subject.instance.scales.length
     of_overlap = (

@@ -1,5 +1,9 @@
-"""What two spheres, or a sphere and a wall, do to each other between samples: an impulse in the
-friction cone, of the size that the contact law says.
+"""Impulses between samples of two spheres, or of a sphere and a wall: inside the friction cone, and
+of the size that the contact law gives.
+
+Each step adds forces that obey the law at some state near the step. So the impulse J = m dv of an
+interval between two samples is a positive sum of such forces, whatever the method; J_n is its part
+along the mean normal, J_t the part across.
 """
 
 from collections.abc import Mapping
@@ -17,40 +21,43 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 
 STEPS_A_SAMPLE = 4
-"""Steps from sample to sample: so few that the normal hardly turns between them, and more than any
-method has stages.
+"""Smallest number of steps between samples: the normal hardly turns in so few, and no method has
+more stages.
 """
 MOST_DENSE = 64
-"""Samples in place of one, at most."""
+"""Largest number of samples in place of one."""
 TERMS = 8.0
-"""Roundings of a difference of two velocities: of both, in three coordinates, and of the normals.
+"""Roundings in a difference of two velocities: two vectors of three coordinates, and the
+normals.
 """
 
 
 SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
-"""The part of the overlap that the lever arm of friction is short of the radius, by `branch`."""
+"""Share of the overlap by which the lever arm of friction is shorter than the radius, by
+`branch`.
+"""
 
 
 class ContactImpulse(Check):
-    """Two spheres alone, or one and a wall: between samples each gains an impulse that is a sum of
-    forces which obey the law.
+    """Impulses between samples, for two spheres alone or for one and a wall: a sum of forces, each
+    of which obeys the law.
 
     cone: each force obeys |Ft| <= mu Fn, so it lies in the cone of half angle arctan(mu) about its
-    own normal. A cone is convex: whatever the weights of the method, their sum lies in the cone of
-    half angle arctan(mu) + a about the mean normal, where a is the angle by which normals turn
-    between the samples. That is twice what samples within the interval need; stages that look a
-    step ahead need no more. So the law has no truncation error. A tangential spring at its limit
-    may be carried on through a step as one that slides along, and pass the limit within the order
-    of the method: sliding friction alone has no memory.
+    own normal. A cone is convex, so the sum, whatever the weights of the method, lies in the cone
+    of half angle arctan(mu) + a about the mean normal, where a is the angle by which normals turn
+    between the samples. That is twice what samples within the interval need, and covers stages that
+    look a step ahead. The statement has no truncation error. It is not made for tangential springs:
+    a spring at its limit may be extrapolated through a step and pass the limit within the order of
+    the method.
 
     normal: the mean normal force lies between the smallest and the largest that the law gives at
-    the four samples around the interval. They are several steps apart, so that forces of the step
-    before or after are among them, and only what the force bends between samples is allowed for. An
-    error that no step removes is seen at the coarsest one.
+    the four samples around the interval. They are several steps apart, so forces of the step before
+    or after are covered, and only the curvature of the force between samples is allowed for. An
+    error that does not depend on the step is visible at the coarsest one.
 
-    sliding: where a sphere slides along a wall without a tangential spring, each force obeys
-    |Ft| = mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys
-    it too, to round-off.
+    sliding: where a sphere slides along a wall without a tangential spring, each force obeys |Ft| =
+    mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys it
+    too, to round-off.
     """
 
     name = "contact-impulse"
@@ -63,8 +70,8 @@ class ContactImpulse(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Two free spheres, or one and a wall, under a law with an overlap, on which nothing else
-        acts, in steps.
+        """Two free spheres, or one and a wall, under a contact law with an overlap and no other
+        force, integrated with fixed steps.
         """
         scene = subject.instance.scene
         laws = scene.all(Contact)
@@ -80,23 +87,25 @@ class ContactImpulse(Check):
         return "the scene is neither two free spheres nor one sphere and a wall"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, at which what is late is furthest off, with a sample every few
-        steps.
+        """The coarsest level, where a force that is late by a step is furthest off, with a sample
+        every few steps.
         """
         return (_dense(subject),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """How far the impulses of intervals are outside, in units of mass times speed."""
+        """Findings `normal`, `cone` and `sliding`, where they apply, in units of mass times speed
+        scale.
+        """
         run = runs[_dense(subject)].trajectory
         scene = subject.instance.scene
         law = scene.all(Contact)[0]
         unit = scene.bodies.mass[0] * subject.instance.scales.speed
         fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
         rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
-        found = [self._normal(subject, run, unit, rounding)]
+        findings = [self._normal(subject, run, unit, rounding)]
         presses = _presses(scene, run)
         if law.friction > 0 and law.tangential_stiffness == 0 and presses.any():
-            found.append(
+            findings.append(
                 worst(
                     check=self.name,
                     quantity="cone",
@@ -115,31 +124,35 @@ class ContactImpulse(Check):
                 )
             )
         if law.friction > 0 and law.tangential_stiffness == 0 and scene.all(Plane):
-            found += self._sliding(scene, run, unit, rounding)
-        return found
+            findings += self._sliding(scene, run, unit, rounding)
+        return findings
 
     def _sliding(
         self, scene: Scene, run: Trajectory, unit: float, rounding: float
     ) -> list[Finding]:
-        """Friction over normal impulse of a sphere that slides along a wall; nothing if it does
-        not.
+        """The finding | |J_t| - mu J_n | = 0 of the intervals in which a sphere slides along a
+        wall; none if it never does.
         """
         law = scene.all(Contact)[0]
         _, _, normal = _meeting(scene, run)
-        pressing, across, _ = _impulses(scene, run, normal)
-        slides, turned = _slides(scene, run)
-        counts = np.logical_and(_presses(scene, run), slides)
-        if not counts.any():
+        normal_impulse, tangential_impulse, _ = _impulses(scene, run, normal)
+        slides, slip_turn = _slides(scene, run)
+        is_judged = np.logical_and(_presses(scene, run), slides)
+        if not is_judged.any():
             return []
-        # Forces whose directions differ by up to `turned` add up to less, by no more than that.
-        allowed = rounding * (1 + law.friction) + law.friction * np.abs(pressing) * turned / unit
+        # Forces whose directions differ by up to `slip_turn` add up to less, by no more than that.
+        allowed = (
+            rounding * (1 + law.friction) + law.friction * np.abs(normal_impulse) * slip_turn / unit
+        )
         return [
             worst(
                 check=self.name,
                 quantity="sliding",
-                t=run.t[1:][counts],
-                values=(np.abs(across - law.friction * pressing) / unit)[counts],
-                allowed=allowed[counts],
+                t=run.t[1:][is_judged],
+                values=(np.abs(tangential_impulse - law.friction * normal_impulse) / unit)[
+                    is_judged
+                ],
+                allowed=allowed[is_judged],
                 unit="1",
                 basis=(
                     "every force of a sliding contact satisfies |Ft| = mu Fn, hence so does"
@@ -153,31 +166,38 @@ class ContactImpulse(Check):
         ]
 
     def _normal(self, subject: Subject, run: Trajectory, unit: float, rounding: float) -> Finding:
+        """The finding that J_n of every interval lies between those of the smallest and largest
+        force of the law nearby.
+        """
         scene = subject.instance.scene
         law = scene.all(Contact)[0]
         overlap, rate, normal = _meeting(scene, run)
         interval = np.diff(run.t)
         force = _forces(law, overlap, rate)
-        at_touch = _at_touch(law, overlap, rate)
-        low = _around(np.minimum(force, at_touch), np.minimum)
-        high = _around(np.maximum(force, at_touch), np.maximum)
-        pressing, across, turned = _impulses(scene, run, normal)
-        below = np.maximum(0.0, low * interval - pressing)
-        above = np.maximum(0.0, pressing - high * interval)
-        # Between samples a force bends by F'' dt^2 / 8, with F'' of a few F / tau^2. What it is at
-        # a touch between two samples is told by their velocities to F' dt, with F' about F / tau.
-        # Friction tilts by the turn of the normal.
+        touch_force = _at_touch(law, overlap, rate)
+        low = _around(np.minimum(force, touch_force), np.minimum)
+        high = _around(np.maximum(force, touch_force), np.maximum)
+        normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
+        below = np.maximum(0.0, low * interval - normal_impulse)
+        above = np.maximum(0.0, normal_impulse - high * interval)
+        # Within a contact the force leaves its chord by F'' dt^2 / 8, with F'' of a few F / tau^2.
+        # At a contact that begins or ends between two samples the force is known from their
+        # velocities up to F' dt, with F' about F / tau. Friction across one normal has a component
+        # along another, in proportion to the angle between them.
         largest = float(np.max(np.abs(force)))
-        part = interval / subject.instance.scales.tau
-        touches = _around(overlap > 0, np.logical_or) & ~_around(overlap > 0, np.logical_and)
-        bends = largest * interval * np.where(touches, part, part**2 / 2.0)
-        tilts = across * turned
+        interval_share = interval / subject.instance.scales.tau
+        touches_near = _around(overlap > 0, np.logical_or)
+        touches_throughout = _around(overlap > 0, np.logical_and)
+        begins_or_ends = touches_near & ~touches_throughout
+        relative_change = np.where(begins_or_ends, interval_share, interval_share**2 / 2.0)
+        curvature = largest * interval * relative_change
+        tilt = tangential_impulse * normal_turn
         return worst(
             check=self.name,
             quantity="normal",
             t=run.t[1:],
             values=np.maximum(below, above) / unit,
-            allowed=(bends + tilts) / unit + rounding,
+            allowed=(curvature + tilt) / unit + rounding,
             unit="1",
             basis=(
                 "the impulse must lie between those of the smallest and largest forces"
@@ -191,7 +211,9 @@ class ContactImpulse(Check):
 
 
 def _dense(subject: Subject) -> Variant:
-    """The coarsest level, with samples at every few steps."""
+    """The coarsest level with 2^k samples in place of one, as many as leave STEPS_A_SAMPLE steps
+    between them.
+    """
     level = subject.levels[0]
     stride = round(subject.instance.problem.interval / level)
     dense = 1
@@ -207,10 +229,10 @@ def _dense(subject: Subject) -> Variant:
 
 
 def _presses(scene: Scene, run: Trajectory) -> Array:
-    """Intervals (T - 1,) with a contact in which no force can pull: friction has no limit there
-    that all codes share.
+    """Intervals (T - 1,) with a contact in which every force pushes.
 
-    A dashpot pulls at the end of a contact, from where the force at a sample is no longer positive.
+    Codes agree on the friction limit mu Fn there; not at the end of a contact, where a dashpot may
+    pull and the force at a sample is no longer positive.
     """
     law = scene.all(Contact)[0]
     overlap, rate, _ = _meeting(scene, run)
@@ -223,25 +245,31 @@ def _presses(scene: Scene, run: Trajectory) -> Array:
 
 
 def _slides(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
-    """Intervals (T - 1,) at whose ends a sphere slips along its wall so fast that friction does not
-    end it between them, and by how much the direction of slip turns [rad].
+    """Intervals (T - 1,) in which a sphere slips along its wall throughout, and the turn of the
+    slip direction [rad].
+
+    The slip is the tangential part of v + omega x arm. It lasts if it is larger at both ends of the
+    interval than its change between them.
     """
     law = scene.all(Contact)[0]
     overlap, _, normal = _meeting(scene, run)
-    lever = scene.bodies.radius[0] - SHORT_OF_RADIUS[law.branch] * np.maximum(overlap, 0.0)
-    velocity = run.velocity[:, 0] + np.cross(run.omega[:, 0], lever[:, None] * normal)
-    slip = velocity - np.sum(velocity * normal, axis=-1)[:, None] * normal
+    arm_length = scene.bodies.radius[0] - SHORT_OF_RADIUS[law.branch] * np.maximum(overlap, 0.0)
+    contact_velocity = run.velocity[:, 0] + np.cross(run.omega[:, 0], arm_length[:, None] * normal)
+    slip = contact_velocity - np.sum(contact_velocity * normal, axis=-1)[:, None] * normal
     speed = np.linalg.norm(slip, axis=-1)
     change = np.linalg.norm(np.diff(slip, axis=0), axis=-1)
-    lasts: Array = np.minimum(speed[1:], speed[:-1]) > change
-    unit = slip / np.maximum(speed, np.finfo(float).tiny)[:, None]
-    chord = np.linalg.norm(np.diff(unit, axis=0), axis=-1)
-    turned: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
-    return lasts, turned
+    is_sliding: Array = np.minimum(speed[1:], speed[:-1]) > change
+    direction = slip / np.maximum(speed, np.finfo(float).tiny)[:, None]
+    # The angle between unit vectors u, w is 2 arcsin(|u - w|/2).
+    chord = np.linalg.norm(np.diff(direction, axis=0), axis=-1)
+    turn: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
+    return is_sliding, turn
 
 
 def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
-    """The normal force (T,) [N] of the law, positive where it presses."""
+    """The normal force F = k d^e + c d' (T,) [N], positive where it pushes; 0 without overlap
+    d.
+    """
     pushes = law.stiffness * np.maximum(overlap, 0.0) ** law.exponent + law.damping * rate
     if law.cutoff == "zero_force":
         pushes = np.maximum(pushes, 0.0)
@@ -250,8 +278,8 @@ def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
 
 
 def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
-    """The force (T,) [N] at a touch next to each sample, where only a dashpot acts; that of the
-    sample far from any touch.
+    """The limit of the force (T,) [N] for overlap 0, c d', at samples next to the begin or end of a
+    contact; elsewhere the force itself.
     """
     touches = overlap > 0
     pushes = law.damping * rate
@@ -264,8 +292,8 @@ def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
 
 
 def _around(values: Any, extreme: Any) -> Any:
-    """The extreme (T - 1,) of the values at the ends of each interval and one sample further to
-    either side.
+    """The extreme (T - 1,) of the values at the four samples around each interval: its ends, and
+    one further on either side.
     """
     padded = np.concatenate([values[:1], values, values[-1:]])
     inner = extreme(padded[1:-2], padded[2:-1])
@@ -274,46 +302,49 @@ def _around(values: Any, extreme: Any) -> Any:
 
 
 def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Array, Array]:
-    """Impulses (T - 1,) [kg m/s] on the first sphere along the mean normal, away from the other,
-    and across it; the turn [rad].
+    """Impulses (T - 1,) [kg m/s] on the first sphere: the push along the mean normal, and the size
+    of the part across; and the turn of the normal [rad].
     """
     impulse = scene.bodies.mass[0] * np.diff(run.velocity[:, 0], axis=0)
-    middle = normal[1:] + normal[:-1]
-    middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
-    pressing: Array = -np.sum(impulse * middle, axis=-1)
-    across: Array = np.linalg.norm(impulse + pressing[:, None] * middle, axis=-1)
+    mean_normal = normal[1:] + normal[:-1]
+    mean_normal /= np.linalg.norm(mean_normal, axis=-1, keepdims=True)
+    normal_impulse: Array = -np.sum(impulse * mean_normal, axis=-1)
+    tangential_impulse: Array = np.linalg.norm(
+        impulse + normal_impulse[:, None] * mean_normal, axis=-1
+    )
     # The angle between two unit vectors, from the length of their difference: its cosine would lose
     # half of the digits.
     chord = np.linalg.norm(np.diff(normal, axis=0), axis=-1)
-    turned: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
-    return pressing, across, turned
+    turn: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
+    return normal_impulse, tangential_impulse, turn
 
 
 def _outside_cone(scene: Scene, run: Trajectory) -> Array:
-    """The impulse (T - 1,) [kg m/s] on the first sphere in excess of the cone about the mean
-    normal; 0 within.
+    """Distance (T - 1,) [kg m/s] of the impulse on the first sphere from the cone about the mean
+    normal; 0 inside.
     """
     law = scene.all(Contact)[0]
     _, _, normal = _meeting(scene, run)
-    pressing, across, turned = _impulses(scene, run, normal)
-    half_angle = np.minimum(np.arctan(law.friction) + turned, np.pi / 2)
-    # Distance from the cone |across| <= tan(a) pressing, measured at right angles to its side.
-    beyond: Array = across * np.cos(half_angle) - pressing * np.sin(half_angle)
+    normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
+    half_angle = np.minimum(np.arctan(law.friction) + normal_turn, np.pi / 2)
+    # Distance from the cone J_t <= tan(a) J_n, measured at right angles to its side:
+    # J_t cos(a) - J_n sin(a).
+    beyond: Array = tangential_impulse * np.cos(half_angle) - normal_impulse * np.sin(half_angle)
     return np.maximum(0.0, beyond)
 
 
 def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
     """Overlap (T,) [m], its rate (T,) [m/s], and the unit normal (T, 3) from the first sphere to
-    the second, or to the wall.
+    the second, or into the wall.
     """
     for wall in scene.all(Plane):
-        away = np.array(wall.normal)
-        height = (run.position[:, 0] - np.array(wall.point)) @ away
-        towards: Array = np.broadcast_to(-away, run.position[:, 0].shape)
-        return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ away, towards
-    apart = run.position[:, 1] - run.position[:, 0]
-    distance = np.linalg.norm(apart, axis=-1)
-    normal: Array = apart / distance[:, None]
+        outward = np.array(wall.normal)
+        height = (run.position[:, 0] - np.array(wall.point)) @ outward
+        normals: Array = np.broadcast_to(-outward, run.position[:, 0].shape)
+        return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ outward, normals
+    branch = run.position[:, 1] - run.position[:, 0]
+    distance = np.linalg.norm(branch, axis=-1)
+    normal: Array = branch / distance[:, None]
     closing = np.sum((run.velocity[:, 0] - run.velocity[:, 1]) * normal, axis=-1)
     overlap = scene.bodies.radius.sum() - distance
     return overlap, closing, normal

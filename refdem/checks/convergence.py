@@ -1,5 +1,8 @@
-"""Convergence without truth: from level to level a run changes by 2^p less, whatever it converges
-to.
+"""Self-convergence, without truth: halving the step changes a run by 2^p less than the halving
+before.
+
+With an error C h^p, runs at h and h/2 differ by C h^p (1 - 2^-p), so that the order p is log2 of
+the ratio of two successive changes.
 """
 
 from collections.abc import Mapping
@@ -14,14 +17,14 @@ from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
 FURTHER = 2.0
-"""Changes between three levels are as far from the limit as errors one level coarser: the order
-lacks twice as much there.
+"""Factor on the tolerance of an observed order: successive changes converge as errors do one level
+coarser, so their order deviates twice as much.
 """
 
 
 class Convergence(Check):
-    """The finest three levels, where truth does not reach to the end of the run and so cannot show
-    the order.
+    """The order from the finest three levels, where truth ends before the run and the check `order`
+    cannot judge all of it.
     """
 
     name = "convergence"
@@ -42,9 +45,10 @@ class Convergence(Check):
         return f"only {len(subject.levels)} refinement levels are planned; 3 are needed"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain runs of the finest three levels, and two that show how errors grow: the
-        coarsest one, and moved a little.
+        """The plain runs of the finest three levels; and the coarsest level with its start
+        perturbed, which shows how errors grow.
         """
+        # `judge` takes the last two, the plain and the perturbed run, from the end of this tuple.
         coarsest = subject.levels[0]
         return (
             *subject.plain[-3:],
@@ -53,17 +57,21 @@ class Convergence(Check):
         )
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """What the order lacks that two changes show; undecided where they are round-off or too
-        large to show one.
+        """The deficit p - log2(change/next change) against its tolerance.
+
+        Undecided where the finest change is too large to show an order. A change within round-off
+        counts as the claimed order.
         """
-        coarse, fine = (_change(subject, runs[a], runs[b]) for a, b in pairwise(subject.plain[-3:]))
+        finest_three = [runs[variant] for variant in subject.plain[-3:]]
+        coarse, fine = (_change(subject, run, finer) for run, finer in pairwise(finest_three))
         *_, plain, perturbed = self.needs(subject)
-        base = runs[plain].trajectory  # a code may refuse the moved start
+        base = runs[plain].trajectory
+        # An engine may refuse the perturbed start; then no growth is shown.
+        neighbour = base
         if perturbed in runs:
-            moved = runs[perturbed].trajectory
-        else:
-            moved = base
-        growth = float(growth_shown(subject.instance, subject.method, moved, base)[-1])
+            neighbour = runs[perturbed].trajectory
+        growth = float(growth_shown(subject.instance, subject.method, neighbour, base)[-1])
+        # Round-off of the finest run, grown to the end.
         floor = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth
         if fine > HORIZON:
             why = (
@@ -72,37 +80,42 @@ class Convergence(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         if fine > floor:
-            seen = float(np.log2(coarse / fine))
+            observed = float(np.log2(coarse / fine))
         else:
-            seen = float(order)
-        if kinked(subject.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
-            return [self._within(subject, fine, growth, seen)]
+            observed = float(order)
+        deficit = max(0.0, order - observed)
+        tolerance = FURTHER * max(0.15, 0.05 * order)
+        if kinked(subject.instance) and order - observed > tolerance:
+            return [self._within(subject, fine, growth, observed)]
         return [
             judged(
                 check=self.name,
                 quantity="state",
-                value=max(0.0, order - seen),
-                bound=FURTHER * max(0.15, 0.05 * order),
+                value=deficit,
+                bound=tolerance,
                 unit="1",
                 basis=(
                     f"order {order} is claimed, so successive changes must fall with it,"
                     " within 2 max(0.15, 0.05 p)"
                 ),
                 statement=order_statement(
-                    seen,
+                    observed,
                     order,
-                    max(0.0, order - seen),
-                    FURTHER * max(0.15, 0.05 * order),
+                    deficit,
+                    tolerance,
                     f"successive changes {coarse:.2g} and {fine:.2g} of the scale",
                 ),
-                order_seen=seen,
+                order_seen=observed,
                 order_claimed=float(order),
             )
         ]
 
-    def _within(self, subject: Subject, fine: float, growth: float, seen: float) -> Finding:
-        """Where kinks scatter the changes a pair shows no order; the finest change is still no
-        larger than the errors allowed.
+    def _within(self, subject: Subject, fine: float, growth: float, observed: float) -> Finding:
+        """The finest change against the error bounds of both levels, for motions with kinks.
+
+        Kinks (contacts, stick-slip) scatter the error constant from step to step, so that the ratio
+        of two changes is no order. The triangle inequality still holds: a change is at most the sum
+        of both errors.
         """
         allowed = growth * sum(
             float(subject.truncation(h)[-1]) + subject.noise(h) for h in subject.levels[-2:]
@@ -113,7 +126,7 @@ class Convergence(Check):
                 "state",
                 (
                     "kinks scatter the changes from level to level, so one pair of levels"
-                    f" (observed order {seen:.2f}) is not conclusive"
+                    f" (observed order {observed:.2f}) is not conclusive"
                 ),
             )
         return judged(
@@ -128,18 +141,20 @@ class Convergence(Check):
 
 
 def _change(subject: Subject, coarse: CompletedRun, fine: CompletedRun) -> float:
-    """Largest scaled difference of any quantity at any sample between two levels."""
+    """Largest difference of any quantity at any sample between two levels, in units of its
+    scale.
+    """
     instance = subject.instance
-    first = instance.observe(coarse.trajectory)
-    second = instance.observe(fine.trajectory)
-    found = 0.0
+    coarse_values = instance.observe(coarse.trajectory)
+    fine_values = instance.observe(fine.trajectory)
+    largest = 0.0
     for name, quantity in instance.quantities.items():
-        if name in first and name in second and not quantity.group:
-            difference = second[name] - first[name]
+        if name in coarse_values and name in fine_values and not quantity.group:
+            difference = fine_values[name] - coarse_values[name]
             if quantity.angle:
                 difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-            found = max(found, float(np.max(np.abs(difference))) / quantity.scale)
-    return found
+            largest = max(largest, float(np.max(np.abs(difference))) / quantity.scale)
+    return largest
 
 
 CHECK = Convergence()

@@ -1,5 +1,11 @@
-"""How a gas cools: Haff's law, how often spheres meet and what a meeting costs, and Maxwell's
-velocities of an elastic one.
+"""Cooling of a granular gas against kinetic theory.
+
+  T(t) = T0/(1 + t/tau)^2         Haff's law, tau from truth
+  w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi      collision frequency of one sphere
+  (1 - e^2) T                     mean energy lost in a collision
+
+A sample of collisions scatters, so every mean is judged by its standard error. Velocities of an
+elastic gas obey Maxwell's distribution.
 """
 
 from collections.abc import Mapping
@@ -25,27 +31,29 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 
 ERRORS = 4.0
-"""Standard errors allowed: of 1e4 right gases one is beyond."""
+"""Standard errors allowed: one correct gas in 1e4 is further off."""
 THEORY = 0.01
-"""What the theory leaves out: velocities that are not quite Maxwell's (3/16 a2), and chi."""
-DILUTE = 0.1
-SHORT = 0.05
-ROUGHEST = 0.5
-"""The theory holds below this packing fraction, contact time times w_c, and above this restitution
-(a2 then stays below 0.06).
+"""Relative error of kinetic theory: velocities deviate from Maxwell's by 3/16 a2, and chi is
+approximate.
 """
+DILUTE = 0.1
+"""Largest packing fraction for which the theory holds."""
+SHORT = 0.05
+"""Largest contact time times w_c for which collisions are binary."""
+ROUGHEST = 0.5
+"""Smallest restitution for which the theory holds: a2 stays below 0.06."""
 UNIFORM = 2.0
-"""In units of tau: velocities that vary in space fall slower than thermal ones, by 1 + t/tau, and
-at last make clusters.
+"""Time, in units of tau, up to which the gas stays uniform: fluctuations of the flow decay more
+slowly than thermal velocities, by 1 + t/tau, and end in clusters.
 """
 FEWEST = 30
-"""Collisions from which a mean is taken."""
+"""Smallest number of collisions from which a mean is taken."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gas:
-    """What the scene says of the gas: number, restitution, contact time [s], packing fraction, and
-    w_c [1/s] at the start from truth.
+    """Parameters of the gas from its scene: number n, restitution, contact time `lasts` [s],
+    packing fraction, and initial w_c [1/s] from truth.
     """
 
     n: int
@@ -60,7 +68,7 @@ class Gas:
         return self.lasts * self.frequency
 
     def doubt(self) -> str | None:
-        """None where the theory holds, else the assumption that does not."""
+        """The assumption of kinetic theory that the gas violates, or None."""
         if self.packing > DILUTE:
             return (
                 f"the gas is not dilute: its packing fraction is {self.packing:.2g}, and"
@@ -80,7 +88,9 @@ class Gas:
 
 
 class Cooling(Check):
-    """A mean over many collisions, judged by its standard error: no two gases cool alike."""
+    """Means over many collisions, each judged by its standard error, since no two samples of a gas
+    cool alike.
+    """
 
     name = "cooling"
     title = "Cooling of a gas"
@@ -91,7 +101,7 @@ class Cooling(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Equal smooth spheres in a periodic box."""
+        """Equal frictionless spheres with a linear contact law in a periodic box."""
         scene = subject.instance.scene
         laws = subject.instance.scene.all(Contact)
         if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
@@ -107,8 +117,8 @@ class Cooling(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Temperature, number of collisions, energy lost in one, shape of the distribution: what
-        the run shows of them.
+        """Findings for the temperature, the kurtosis of the velocities, the number of collisions
+        and the energy lost in each.
         """
         if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
             return [undecided(self.name, "temperature", "the collision frequency is not certified")]
@@ -118,24 +128,36 @@ class Cooling(Check):
             return [undecided(self.name, "temperature", doubt)]
         temperature = subject.instance.observe(run)["temperature"]
         haff = subject.truth.scalars.get("haff_time", (np.inf, 0.0))[0]
+        # Samples while the gas is still uniform.
         count = int(np.searchsorted(run.t - run.t[0], UNIFORM * haff, side="right"))
-        found = [self._temperature(gas, run.t[:count] - run.t[0], temperature[:count], haff)]
+        elapsed = run.t[:count] - run.t[0]
+        findings = [self._temperature(gas, elapsed, temperature[:count], haff)]
         if gas.restitution == 1:
-            found.append(self._distribution(gas, run))
-        begins = [event.time for event in run.events if event.kind == "contact"]
-        if not begins or count < len(run.t):
-            return found
-        return found + self._meetings(gas, run, temperature, len(begins))
+            findings.append(self._distribution(gas, run))
+        contact_times = [event.time for event in run.events if event.kind == "contact"]
+        if not contact_times or count < len(run.t):
+            return findings
+        return findings + self._meetings(gas, run, temperature, len(contact_times))
 
     def _temperature(self, gas: Gas, t: Array, temperature: Array, haff: float) -> Finding:
-        """ln T against Haff's law: its scatter is that of the sum of the losses in the collisions
-        so far.
+        """ln T against Haff's law.
+
+        ln T is a sum of the losses in all collisions so far, so its scatter is `loss_error` of
+        their number. A relative error THEORY of tau shifts ln T by THEORY times
+
+          d ln T / d ln tau = 2 (t/tau)/(1 + t/tau).
+
+        Contacts in progress store a part w_c t_c of the energy, which also scatters.
         """
         law = haff_temperature(t, temperature[0], haff)
-        met = collisions(t, law, gas.frequency / np.sqrt(temperature[0]), gas.n)
-        grown = 2 * (t / haff) / (1 + t / haff)
+        n_collisions = collisions(t, law, gas.frequency / np.sqrt(temperature[0]), gas.n)
+        tau_sensitivity = 2 * (t / haff) / (1 + t / haff)
         stored = gas.softness + ERRORS * np.sqrt(gas.softness / gas.n)
-        allowed = ERRORS * loss_error(gas.restitution, gas.n, met) + THEORY * grown + stored
+        allowed = (
+            ERRORS * loss_error(gas.restitution, gas.n, n_collisions)
+            + THEORY * tau_sensitivity
+            + stored
+        )
         if np.isinf(haff):
             compared = "its initial value"
         else:
@@ -156,7 +178,7 @@ class Cooling(Check):
         )
 
     def _distribution(self, gas: Gas, run: Trajectory) -> Finding:
-        """The excess of the fourth moment, which Maxwell's distribution does not have."""
+        """The excess kurtosis of the final velocities, 0 for Maxwell's distribution."""
         return judged(
             check=self.name,
             quantity="kurtosis",
@@ -167,11 +189,17 @@ class Cooling(Check):
             what="The excess kurtosis of the velocities at the end",
         )
 
-    def _meetings(self, gas: Gas, run: Trajectory, temperature: Array, seen: int) -> list[Finding]:
-        """How many collisions, and what each has cost in units of (1 - e^2) T."""
-        met = collisions(run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n)
-        expected = float(met[-1])
-        given = 1 - gas.restitution**2
+    def _meetings(
+        self, gas: Gas, run: Trajectory, temperature: Array, observed: int
+    ) -> list[Finding]:
+        """Number of collisions against the integral of w_c; and the mean energy loss of a
+        collision, in units of (1 - e^2) T.
+        """
+        expected_so_far = collisions(
+            run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n
+        )
+        expected = float(expected_so_far[-1])
+        inelasticity = 1 - gas.restitution**2
         if expected < FEWEST:
             return [
                 undecided(
@@ -184,64 +212,72 @@ class Cooling(Check):
                 )
             ]
         allowed = ERRORS / np.sqrt(expected) + THEORY + gas.softness
-        counted = (
-            f"The relative error of the number of collisions ({seen}, expected {expected:.5g})"
+        what = (
+            f"The relative error of the number of collisions ({observed}, expected {expected:.5g})"
         )
-        of = f"{ERRORS:g} standard errors of the count, and {THEORY:.0%} for kinetic theory"
-        more: dict[str, Any] = {
+        basis = f"{ERRORS:g} standard errors of the count, and {THEORY:.0%} for kinetic theory"
+        common: dict[str, Any] = {
             "check": self.name,
             "unit": "1",
             "bound": float(allowed),
-            "basis": of,
+            "basis": basis,
         }
-        found = [
+        findings = [
             judged(
                 quantity="collisions",
-                value=abs(seen / expected - 1),
-                what=f"{counted}",
-                **more,
+                value=abs(observed / expected - 1),
+                what=f"{what}",
+                **common,
             )
         ]
         work = run.channels.get("dissipated_work")
-        if work is not None and given > 0:
-            mean = (
-                float(np.sum(np.diff(met) * np.sqrt(temperature[1:] * temperature[:-1]))) / expected
+        if work is not None and inelasticity > 0:
+            # The mean of T over collisions: each interval counts as often as spheres collide in it.
+            in_interval = np.diff(expected_so_far)
+            interval_temperature = np.sqrt(temperature[1:] * temperature[:-1])
+            mean_temperature = float(np.sum(in_interval * interval_temperature)) / expected
+            loss_ratio = float(np.sum(work[-1])) / (observed * inelasticity * mean_temperature)
+            loss_what = (
+                "The relative error of the energy lost per collision, compared with (1 - e^2) T,"
             )
-            lost = float(np.sum(work[-1])) / (seen * given * mean)
-            what = "The relative error of the energy lost per collision, compared with (1 - e^2) T,"
-            more |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
-            more |= {"basis": f"{of}, and the collisions still in progress at the end"}
-            found.append(judged(quantity="loss", value=abs(lost - 1), what=what, **more))
-        return found
+            common |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
+            common |= {"basis": f"{basis}, and the collisions still in progress at the end"}
+            findings.append(
+                judged(quantity="loss", value=abs(loss_ratio - 1), what=loss_what, **common)
+            )
+        return findings
 
 
 def are_alike(scene: Scene) -> bool:
-    """All bodies have the mass and the radius of the first."""
+    """True if all bodies have the mass and the radius of the first."""
     bodies = scene.bodies
     return bool(np.all(bodies.mass == bodies.mass[0]) and np.all(bodies.radius == bodies.radius[0]))
 
 
 def _gas(scene: Scene, frequency: float) -> Gas:
-    """Restitution exp(-pi b/w) and duration pi/w of the linear law, b = c/m, w^2 = 2 k/m - b^2, for
-    equal masses.
+    """Parameters of a gas of equal spheres under the linear law.
+
+    For two equal masses m the overlap d obeys d'' + 2 b d' + (2 k/m) d = 0 with b = c/m, so that
+
+      w^2 = 2 k/m - b^2,   contact time = pi/w,   restitution = exp(-pi b/w).
     """
     law = scene.all(Contact)[0]
     mass = float(scene.bodies.mass[0])
     n = len(scene.bodies)
-    damping = law.damping / mass
-    swing = float(np.sqrt(max(2 * law.stiffness / mass - damping**2, 0.0)))
-    if swing:
-        lasts = np.pi / swing
+    b = law.damping / mass
+    w = float(np.sqrt(max(2 * law.stiffness / mass - b**2, 0.0)))
+    if w:
+        duration = np.pi / w
     else:
-        lasts = np.inf
+        duration = np.inf
     # The volume of the spheres over that of the box.
     volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
     (box,) = scene.all(PeriodicBox)
     packing = volume / box.size**3
     restitution = 1.0
-    if damping:
-        restitution = float(np.exp(-damping * lasts))
-    return Gas(n, restitution, float(lasts), float(packing), frequency)
+    if b:
+        restitution = float(np.exp(-b * duration))
+    return Gas(n, restitution, float(duration), float(packing), frequency)
 
 
 CHECK = Cooling()

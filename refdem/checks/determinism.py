@@ -34,8 +34,8 @@ class Determinism(Check):
         return "the method does not claim to be deterministic"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level that is not coarser than the denser output, again, and with denser
-        output.
+        """The coarsest level whose steps fit the denser output; the same request again; and the
+        same with denser output.
         """
         level = self._level(subject)
         asked = (Variant(level), Variant(level, "repeated"))
@@ -44,6 +44,9 @@ class Determinism(Check):
         return (*asked, Variant(level, "denser_output", DENSER))
 
     def _level(self, subject: Subject) -> float:
+        """The coarsest level with at least DENSER steps a sample, or the finest if none has so
+        many.
+        """
         interval = subject.instance.problem.interval
         fitting = [
             level
@@ -55,10 +58,12 @@ class Determinism(Check):
         return subject.levels[-1]
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest difference of any number, twice."""
+        """The largest difference of any number between runs of one request, and between outputs of
+        different density.
+        """
         base, again, *denser = (runs[variant].trajectory for variant in self.needs(subject))
-        step = subject.method.control == "step"
-        found = [
+        is_fixed_step = subject.method.control == "step"
+        findings = [
             judged(
                 check=self.name,
                 quantity="repeated",
@@ -69,8 +74,12 @@ class Determinism(Check):
                 what="The largest difference between two runs of the same request",
             )
         ]
-        if denser and step and subject.levels[-1] <= subject.instance.problem.interval / DENSER:
-            found.append(
+        if (
+            denser
+            and is_fixed_step
+            and subject.levels[-1] <= subject.instance.problem.interval / DENSER
+        ):
+            findings.append(
                 judged(
                     check=self.name,
                     quantity="output-rate",
@@ -81,7 +90,7 @@ class Determinism(Check):
                     what=f"The largest difference at {DENSER} times as many samples",
                 )
             )
-        return found
+        return findings
 
 
 def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:

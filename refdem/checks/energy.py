@@ -1,4 +1,6 @@
-"""Energy, or the work-energy balance where something dissipates."""
+"""Energy conservation, or the work-energy balance E(t) + W(t) = E(0) where work W is
+dissipated.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,6 +30,9 @@ SPRINGS = (
     "The rise of energy above its initial value (the tangential contact"
     " springs store an unreported part)"
 )
+"""Subject of the finding where tangential springs of contacts hold energy that no channel
+reports.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +50,7 @@ class Imbalance:
 
 
 class Energy(Check):
-    """What goes in comes out, at the coarsest and the finest level; a symplectic method has no
+    """The energy balance at the coarsest and at the finest level; a symplectic method also has no
     secular drift.
     """
 
@@ -58,8 +63,8 @@ class Energy(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Where the potential energy is known at every sample, and a closed form keeps count of
-        what a drive brings in.
+        """Scenes whose potential energy is known at every sample; closed forms of driven motions
+        only where they claim to count the work of the drive.
         """
         method = subject.method
         if (
@@ -75,29 +80,31 @@ class Energy(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest and the finest level; all of them where the coarsest may have a bound that
-        is too wide to see anything.
+        """The coarsest and the finest level; all levels where the bound at the coarsest may be too
+        wide to decide anything.
         """
         if subject.method.keeps("energy", subject.instance.problem.features):
             return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
         return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Balance at each level; drift at the finest one if the method claims to have none."""
-        found = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
+        """The balance at two levels; that dissipated work never decreases; and the secular drift of
+        symplectic methods.
+        """
+        findings = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
         if len(subject.levels) > 1:
-            found.append(self._balance(subject, subject.finest, runs, "finest"))
-        shown = _work(subject, runs[subject.finest]) is not None
+            findings.append(self._balance(subject, subject.finest, runs, "finest"))
+        reports_work = _work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
-        if shown and not scene.is_driven() and not _stiffens(scene):
-            found.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
+        if reports_work and not scene.is_driven() and not _stiffens(scene):
+            findings.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
         if (
             subject.method.symplectic
             and subject.method.control == "step"
             and subject.instance.scene.is_conservative()
         ):
-            found.append(self._drift(subject, runs[subject.finest]))
-        return found
+            findings.append(self._drift(subject, runs[subject.finest]))
+        return findings
 
     def _balance(
         self,
@@ -106,19 +113,21 @@ class Energy(Check):
         runs: Mapping[Variant, CompletedRun],
         quantity: str,
     ) -> Finding:
-        """The imbalance at one level; at the finest it must have fallen with the order from what
-        the coarsest shows.
+        """The finding on the imbalance at one level.
+
+        At the finest level the bound is also what the imbalance at the coarsest implies with the
+        claimed order.
         """
         measured = self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
-        kept, basis = subject.kept("energy", variant.level)
-        rounding = subject.round_off(variant.level) * _of_positions(subject) + _of_falling(
-            subject, variant.level
-        )
+        claimed, basis = subject.kept("energy", variant.level)
+        of_places = subject.round_off(variant.level) * _of_positions(subject)
+        rounding = of_places + _of_falling(subject, variant.level)
         of_rods = _of_rods(subject)
-        allowed = TERMS * (np.maximum(kept, rounding) + of_rods)
+        allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
+        # A rise above an earlier value is often 0 by chance, and does not fall with the order.
         if (
             variant == subject.finest
             and len(subject.levels) > 2
@@ -126,15 +135,15 @@ class Energy(Check):
             and not isinstance(coarse, str)
         ):
             # Equal terms that are added up step by step, as in free flight, round alike.
-            alike = flight(subject.instance, subject.method, variant.level)
-            fallen = left_at_finest(subject, coarse.change) + TERMS * COUNTING_FLOOR * (
-                rounding + of_rods + alike
+            summation = flight(subject.instance, subject.method, variant.level)
+            extrapolated = left_at_finest(subject, coarse.change) + TERMS * COUNTING_FLOOR * (
+                rounding + of_rods + summation
             )
-            if np.any(fallen < allowed):
+            if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"
                 )
-            allowed = np.minimum(allowed, fallen)
+            allowed = np.minimum(allowed, extrapolated)
         return worst(
             check=self.name,
             quantity=quantity,
@@ -148,13 +157,19 @@ class Energy(Check):
         )
 
     def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:
-        """What changes that should not, or why nobody can say."""
+        """The imbalance, or the reason why it is unknown.
+
+        - conservative scene: |E - E0|
+        - tangential contact springs: max(0, E - E0), as they hold an unreported part of the energy
+        - work W against dissipation reported: |E + W - E0|
+        - drives and dashpots: |E - W - E0| with their work W integrated between samples
+        - other dissipation: the rise of E above its minimum so far
+        """
         scene = subject.instance.scene
         scale = energy_scale(subject.instance)
         energy = mechanical(scene, run.trajectory)
-        with np.errstate(
-            invalid="ignore"
-        ):  # a body in the centre of attraction has no finite energy: not a number fails
+        # A body in the centre of attraction has infinite energy: the difference is NaN and fails.
+        with np.errstate(invalid="ignore"):
             change = np.abs(energy - energy[0]) / scale
         work = _work(subject, run)
         if work is None and _stiffens(scene):
@@ -203,7 +218,7 @@ class Energy(Check):
         )
 
     def _dissipation(self, subject: Subject, variant: Variant, run: CompletedRun) -> Finding:
-        """Work done against friction and damping is lost: it never comes back."""
+        """The finding that dissipated work never decreases: W(t) >= W(s) for all s < t."""
         work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(
             axis=1
         ) / energy_scale(subject.instance)
@@ -226,7 +241,11 @@ class Energy(Check):
         )
 
     def _drift(self, subject: Subject, run: CompletedRun) -> Finding:
-        """Secular drift: the mean over the last quarter against the mean over the first."""
+        """The secular drift: mean energy of the last quarter of the run less that of the first.
+
+        The energy error of a symplectic method of order p stays at C (h/tau)^p for all times
+        (Hairer, Lubich and Wanner 2006, chapter IX).
+        """
         energy = mechanical(subject.instance.scene, run.trajectory) / energy_scale(subject.instance)
         quarter = max(1, len(energy) // 4)
         drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
@@ -260,33 +279,36 @@ def _of_samples(measured: Imbalance) -> str:
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:
-    """How much the kinetic energy has changed since the start (T,), in units of the energy at the
-    start: what there is to balance.
+    """Change of the kinetic energy since the start (T,), in units of the initial energy; 0 if all
+    of it is round-off.
+
+    It is the signal against which the sharpness of a bound on the balance is measured.
     """
-    moving = kinetic(subject.instance.scene, run.trajectory)
-    away: Array = np.abs(moving - moving[0]) / energy_scale(subject.instance)
+    kinetic_energy = kinetic(subject.instance.scene, run.trajectory)
+    change: Array = np.abs(kinetic_energy - kinetic_energy[0]) / energy_scale(subject.instance)
     rounding = subject.round_off(subject.levels[0])
-    if np.any(away > rounding):
-        return away
-    return np.zeros_like(away)
+    if np.any(change > rounding):
+        return change
+    return np.zeros_like(change)
 
 
 def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Variant:
-    """The coarsest level whose bound is no more than a tenth of the energy that is exchanged; the
-    coarsest of all if none is.
+    """The coarsest level whose bound is at most a tenth of the exchanged energy; if there is none,
+    the coarsest.
     """
     exchanged = _exchanged(subject, runs[subject.finest])
     for variant in subject.plain:
-        kept, _ = subject.kept("energy", variant.level)
-        if variant in runs and not sharpest(TERMS * kept, exchanged).is_blind:
+        claimed, _ = subject.kept("energy", variant.level)
+        if variant in runs and not sharpest(TERMS * claimed, exchanged).is_blind:
             return variant
     return Variant(subject.levels[0])
 
 
 def _work(subject: Subject, run: CompletedRun) -> Array | None:
-    """The dissipated work [J] that a run shows.
+    """The dissipated work [J] that a run reports; None if it reports none.
 
-    None of a method that tells what the energy lacks, for then any balance holds.
+    None also for a method that computes it as the missing energy, since the balance then holds by
+    construction.
     """
     if "dissipated_work" in subject.method.derived:
         return None
@@ -294,22 +316,24 @@ def _work(subject: Subject, run: CompletedRun) -> Array | None:
 
 
 def _rubs_by_springs(scene: Scene) -> bool:
-    """Friction acts through tangential springs."""
+    """True if friction acts through tangential springs."""
     return any(law.tangential_stiffness > 0 and law.friction > 0 for law in scene.all(Contact))
 
 
 def _stiffens(scene: Scene) -> bool:
-    """True if tangential springs grow stiffer with the load (Hertz's law): what they take is not
-    what they give, and no potential keeps account of it.
+    """True if tangential springs stiffen with the normal load (Hertz's law).
+
+    Such a spring does not return the work that stretched it, so it has no potential energy.
     """
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
 def _of_rods(subject: Subject) -> Array | float:
-    """Round-off (T,) where only their force holds rods: what rounds their ends' speed along them
-    goes on as length, c u sqrt(n) t/tau.
+    """Round-off (T,) of rod lengths, c u sqrt(n) t/tau, where methods with a tolerance integrate
+    rods as forces.
 
-    A method that claims the constraint brings them back at every step.
+    Rounding leaves a relative velocity of the ends along the rod, which changes the length linearly
+    in time. Methods that claim the constraint restore it at every step; elsewhere the bound is 0.
     """
     method = subject.method
     scales = subject.instance.scales
@@ -328,30 +352,31 @@ def _of_rods(subject: Subject) -> Array | float:
 
 
 def _of_falling(subject: Subject, level: float) -> float:
-    """Round-off of velocities to which constant gravity adds the same at every step, and of the
-    places they carry.
+    """Round-off of velocities that constant gravity increases by the same amount at every step, and
+    of the positions they carry.
     """
-    falls = "uniform_gravity" in subject.instance.scene.features
-    if falls:
+    has_gravity = "uniform_gravity" in subject.instance.scene.features
+    if has_gravity:
         return flight(subject.instance, subject.method, level)
     return 0.0
 
 
 def _of_positions(subject: Subject) -> float:
-    """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where
-    the motion fills its scale.
+    """Round-off of positions as energy, relative to the initial energy E0: force sqrt(2 k E0) times
+    u L, over E0.
 
-    With E_s = m (L/tau)^2 = k L^2 it is sqrt(E_s / (2 E0)); large where bodies that are far apart
-    in units of the way they go meet slowly, as in a stiff contact. Overlaps are differences of
-    places, so that it is u |r| that counts where |r| > L.
+    With the energy scale E_s = m (L/tau)^2 = k L^2 this is u sqrt(E_s/(2 E0)). The factor on u is
+    returned, at least 1 times the distance from the origin: it is large where bodies meet slowly in
+    stiff contacts. Overlaps are differences of positions r, so that u |r| replaces u L where |r| >
+    L.
     """
-    far = (
+    distance = (
         float(np.linalg.norm(subject.instance.scene.bodies.position, axis=1).max())
         / subject.instance.scales.length
     )
     if "contact" not in subject.instance.scene.features:
-        far = 1.0
-    return max(1.0, far) * float(
+        distance = 1.0
+    return max(1.0, distance) * float(
         np.sqrt(subject.instance.scales.energy / (2 * energy_scale(subject.instance)))
     )
 

@@ -1,5 +1,5 @@
-"""Kinetic energy that appears going forward disappears coming back, where forces depend on place
-and orientation alone.
+"""Kinetic energy gained forward is lost on the way back, where forces depend on position and
+orientation only.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,9 @@ TERMS = 2.0
 
 
 class EnergyReturn(Check):
-    """The gain of a run, against truth, and the gain of its way back, which undoes it."""
+    """The gain of kinetic energy in a run against truth, and its sum with the change on the way
+    back: 0.
+    """
 
     name = "energy-return"
     title = "Gained energy is returned on the way back"
@@ -27,8 +29,8 @@ class EnergyReturn(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes in which a field or a turn changes the kinetic energy, and methods whose end state
-        is complete.
+        """Scenes with an asymmetric field or contact, and methods whose final state is
+        complete.
         """
         scene = subject.instance.scene
         if not scene.all(PiecewiseField) and not scene.all(Wedge):
@@ -42,32 +44,36 @@ class EnergyReturn(Check):
         return (subject.finest, Variant(subject.levels[-1], "reversed"))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Gain against truth; gain and loss against each other."""
+        """Two findings: the gain against m (v_T^2 - v_0^2)/2 of truth, and gain plus change on the
+        way back against 0.
+        """
         truth = certified(subject)
         if truth is None or truth.until < len(subject.instance.times):
             return [undecided(self.name, "gain", no_truth(subject))]
         instance = subject.instance
         scene = subject.instance.scene
-        there, back = (kinetic(scene, runs[variant].trajectory) for variant in self.needs(subject))
+        forward, backward = (
+            kinetic(scene, runs[variant].trajectory) for variant in self.needs(subject)
+        )
         speeds = truth.value("v")[[0, -1]]
-        true = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
+        true_gain = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
         unit = instance.scales.energy * fastest**2
-        gained = there[-1] - there[0]
-        lost = back[-1] - back[0]
+        gain = forward[-1] - forward[0]
+        return_gain = backward[-1] - backward[0]
         allowed = float(subject.bound(subject.levels[-1])[-1])
         growth = float(truth.growth()[-1])
-        exact = subject.method.reversible or subject.method.control == "exact"
-        if exact:
-            back_off = 2 * subject.round_off(subject.levels[-1]) * growth**2
-            reason = "round-off of the forward and the backward run"
+        is_exact = subject.method.reversible or subject.method.control == "exact"
+        if is_exact:
+            velocity_error = 2 * subject.round_off(subject.levels[-1]) * growth**2
+            return_basis = "round-off of the forward and the backward run"
         else:
-            back_off = 2 * allowed * growth
-            reason = "twice the error bound of the velocity, forward and backward"
+            velocity_error = 2 * allowed * growth
+            return_basis = "twice the error bound of the velocity, forward and backward"
         gain_error = judged(
             check=self.name,
             quantity="gain",
-            value=abs(gained - true) / unit,
+            value=abs(gain - true_gain) / unit,
             bound=TERMS * allowed,
             unit="1",
             basis="twice the error bound of the velocity",
@@ -76,10 +82,10 @@ class EnergyReturn(Check):
         return_defect = judged(
             check=self.name,
             quantity="return",
-            value=abs(gained + lost) / unit,
-            bound=TERMS * back_off,
+            value=abs(gain + return_gain) / unit,
+            bound=TERMS * velocity_error,
             unit="1",
-            basis=reason,
+            basis=return_basis,
             what=(
                 "The net gain in kinetic energy after running forward and backward,"
                 " relative to m v^2,"

@@ -1,5 +1,7 @@
-"""Next to an equilibrium of a pendulum: bounded at the bottom, delta cosh(w0 t) to first order from
-the top.
+"""A pendulum that starts next to an equilibrium: theta stays below delta at the bottom and grows as
+delta cosh(w0 t) at the top, to first order.
+
+delta is the initial angle from the vertical, w0^2 = g/l.
 """
 
 from collections.abc import Mapping
@@ -15,12 +17,12 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SMALL = 0.05
-"""Angle [rad] up to which the first order is looked at."""
+"""Largest angle [rad] at which the series in delta is used."""
 
 
 class Equilibrium(Check):
-    """One point let go at rest on a rod within 0.05 rad of the vertical; exactly on it, it must not
-    move at all.
+    """One point on a rod, released at rest within 0.05 rad of the vertical; exactly on it, it must
+    not move at all.
     """
 
     name = "equilibrium"
@@ -31,7 +33,7 @@ class Equilibrium(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """One rod to the world, gravity, a start at rest next to the vertical."""
+        """One rod to the world, gravity, and a start at rest next to the vertical."""
         scene = subject.instance.scene
         kinds = sorted(element.kind for element in scene.elements)
         if (
@@ -51,36 +53,41 @@ class Equilibrium(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far
-        beyond delta it goes.
+        """At the top: theta against delta cosh(w0 t) while that is small. At the bottom: theta
+        against delta cos(w0 t), and |theta| against delta.
         """
         run = runs[subject.finest].trajectory
         scene = subject.instance.scene
         rod = scene.all(Rod)[0]
-        seen = _angles(scene, run.position[:, rod.a])
+        theta = _angles(scene, run.position[:, rod.a])
         w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
         delta = float(_angles(scene, scene.bodies.position)[0])
         if _is_top(scene):
-            return [self._departure(subject, run.t, seen, w0, delta)]
-        return self._at_bottom(subject, run.t, seen, w0, delta)
+            return [self._departure(subject, run.t, theta, w0, delta)]
+        return self._at_bottom(subject, run.t, theta, w0, delta)
 
     def _departure(
-        self, subject: Subject, t: Array, seen: Array, w0: float, delta: float
+        self, subject: Subject, t: Array, theta: Array, w0: float, delta: float
     ) -> Finding:
-        """The finding about a start near the top, up to SMALL: the third-order term of the series
-        is what is left of the true motion.
+        """The finding on theta(t) from near the top, as long as delta cosh(w0 t) <= SMALL.
+
+        theta'' = w0^2 sin(theta) = w0^2 (theta - theta^3/6 + ...) has the solution delta cosh(s) -
+        delta^3 c3(s) + ... with s = w0 t. The third-order term satisfies c3'' - c3 = cosh^3(s)/6,
+        and is bounded by (cosh^3(s)/8 + 3 s sinh(s)/8)/6. Higher terms are covered by the factor
+        1.1.
         """
         phase = w0 * (t - t[0])
-        small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
-        phase = phase[small]
+        # cosh overflows beyond 710.
+        is_small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
+        phase = phase[is_small]
         first = delta * np.cosh(phase)
         third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
-        allowed = _in_proportion(subject, delta)[small]
+        allowed = _in_proportion(subject, delta)[is_small]
         return worst(
             check=self.name,
             quantity="departure",
-            t=t[small],
-            values=np.abs(seen[small] - first),
+            t=t[is_small],
+            values=np.abs(theta[is_small] - first),
             allowed=1.1 * third + allowed * np.cosh(phase) * (1 + phase),
             signal=np.abs(first - delta),
             unit="1",
@@ -92,10 +99,16 @@ class Equilibrium(Check):
         )
 
     def _at_bottom(
-        self, subject: Subject, t: Array, seen: Array, w0: float, delta: float
+        self, subject: Subject, t: Array, theta: Array, w0: float, delta: float
     ) -> list[Finding]:
-        """theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt) with w = w0 (1 - delta^2/16), to
-        third order (Lindstedt).
+        """Two findings on theta(t) near the bottom: it never exceeds delta, and follows delta
+        cos(w0 t).
+
+        Lindstedt's series to third order, with w = w0 (1 - delta^2/16), is
+
+          theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt),
+
+        so theta differs from delta cos(w0 t) by at most delta^3 (w0 t/16 + 1/96).
         """
         phase = w0 * np.abs(t - t[0])
         allowed = _in_proportion(subject, delta) * (1 + phase)
@@ -105,7 +118,7 @@ class Equilibrium(Check):
             check=self.name,
             quantity="bounded",
             t=t,
-            values=np.maximum(0.0, np.abs(seen) - abs(delta)),
+            values=np.maximum(0.0, np.abs(theta) - abs(delta)),
             allowed=allowed,
             signal=abs(delta),
             unit="1",
@@ -116,7 +129,7 @@ class Equilibrium(Check):
             check=self.name,
             quantity="swing",
             t=t,
-            values=np.abs(seen - first),
+            values=np.abs(theta - first),
             allowed=1.1 * third + allowed,
             signal=np.abs(first - delta),
             unit="1",
@@ -129,19 +142,20 @@ class Equilibrium(Check):
 def _in_proportion(subject: Subject, delta: float) -> Array:
     """Truncation and round-off (T,) [rad].
 
-    Next to an equilibrium the equation is linear, so the error of fixed steps is in proportion to
-    delta; a tolerance is absolute.
+    Next to an equilibrium the equation is linear, so the truncation error of fixed steps is
+    proportional to delta; a tolerance is absolute.
     """
     level = subject.levels[-1]
     if subject.method.control == "step":
-        size = abs(delta)
+        amplitude = abs(delta)
     else:
-        size = 1.0
-    found: Array = subject.truncation(level) * size + subject.round_off(level)
-    return found
+        amplitude = 1.0
+    error: Array = subject.truncation(level) * amplitude + subject.round_off(level)
+    return error
 
 
 def _arms(scene: Scene, position: Array) -> Array:
+    """Vectors [m] from the pivot to positions."""
     arms: Array = position - np.array(scene.all(Rod)[0].anchor_b)
     return arms
 
@@ -154,22 +168,22 @@ def _is_top(scene: Scene) -> bool:
 
 
 def _angles(scene: Scene, position: Array) -> Array:
-    """Angle (T,) [rad] from the vertical on the side of the start, positive to the side to which it
-    starts.
+    """Angle (T,) [rad] from the vertical through the equilibrium next to the start, positive to the
+    side of the start.
     """
     gravity = np.array(scene.all(UniformGravity)[0].g)
-    up = gravity / np.linalg.norm(gravity)
+    vertical = gravity / np.linalg.norm(gravity)
     if _is_top(scene):
-        up = -up
+        vertical = -vertical
     arm = _arms(scene, position)
     start = _arms(scene, scene.bodies.position[0])
-    across = start - (start @ up) * up
-    size = float(np.linalg.norm(across))
-    if size > 0:
-        side = arm @ across / size
+    across = start - (start @ vertical) * vertical
+    across_length = float(np.linalg.norm(across))
+    if across_length > 0:
+        horizontal = arm @ across / across_length
     else:
-        side = np.linalg.norm(arm - np.outer(arm @ up, up), axis=-1)
-    angle: Array = np.arctan2(side, arm @ up)
+        horizontal = np.linalg.norm(arm - np.outer(arm @ vertical, vertical), axis=-1)
+    angle: Array = np.arctan2(horizontal, arm @ vertical)
     return angle
 
 

@@ -32,13 +32,13 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 COURSE = 10.0
-"""A bound above this many scales says that the motion may have taken another course, in which steps
-may agree by chance.
+"""Bound, in scales, beyond which the motion may have changed its course; runs with different steps
+may then agree by chance.
 """
 
 
 class Error(Check):
-    """Every quantity stays within its bound at every level."""
+    """Every quantity of every level stays within its bound."""
 
     name = "error"
     title = "Error against truth"
@@ -46,7 +46,7 @@ class Error(Check):
     kills = "any error of the motion beyond the truncation error of the method"
 
     def applies(self, subject: Subject) -> str | None:
-        """Everywhere: without truth it says undecided."""
+        """Always: without truth the finding is undecided."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -54,45 +54,47 @@ class Error(Check):
         return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding for each quantity with certified truth."""
+        """One finding for each quantity with certified truth, and one for quantities that the
+        engine does not report.
+        """
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
-        seen = {
-            level: errors(
-                subject.instance,
-                runs[Variant(level)].trajectory,
-                truth,
-                subject.method.delay(level),
-            )
-            for level in subject.levels
-        }
-        if not (names := seen[subject.levels[0]]):
+        # Scaled errors (until,) by level and quantity.
+        errors_at: dict[float, dict[str, Array]] = {}
+        for level in subject.levels:
+            run = runs[Variant(level)].trajectory
+            errors_at[level] = errors(subject.instance, run, truth, subject.method.delay(level))
+        names = list(errors_at[subject.levels[0]])
+        if not names:
             return [undecided(self.name, "state", MIXED)]
-        moved = _signals(subject, truth)
+        signals = _signals(subject, truth)
         bounds = _bounds(subject, runs)
-        found = [
-            self._finding(
-                subject, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds
-            )
-            for name in names
-        ]
-        return found + self._unsaid(subject, names)
+        findings = []
+        for name in names:
+            by_level = {level: of_level[name] for level, of_level in errors_at.items()}
+            findings.append(self._finding(subject, runs, name, by_level, signals[name], bounds))
+        return findings + self._unsaid(subject, names)
 
     def _unsaid(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
-        """One finding for what the engine left out of a question without time: its parts are asked
-        for one by one.
+        """One finding on the quantities of a static question that the engine does not report.
+
+        A static question (mass properties, identities) asks for each number by itself, so an answer
+        may be incomplete.
         """
-        left = [name for name in subject.instance.quantities if name not in set(names)]
-        if not left or not isinstance(subject.instance.problem, Static):
+        reported = set(names)
+        missing = [name for name in subject.instance.quantities if name not in reported]
+        if not missing or not isinstance(subject.instance.problem, Static):
             return []
-        of = ", ".join(dict.fromkeys(name.partition(".")[0] for name in left))
+        listed = ", ".join(dict.fromkeys(name.partition(".")[0] for name in missing))
         return [
             Finding(
                 check=self.name,
                 quantity="unsaid",
                 outcome="unsupported",
-                sentence=f"The engine does not report {len(left)} of the requested numbers: {of}.",
+                sentence=(
+                    f"The engine does not report {len(missing)} of the requested numbers: {listed}."
+                ),
             )
         ]
 
@@ -101,38 +103,44 @@ class Error(Check):
         subject: Subject,
         runs: Mapping[Variant, CompletedRun],
         quantity: str,
-        seen: dict[float, Array],
-        moved: Array,
+        errors_by_level: dict[float, Array],
+        signal: Array,
         bounds: dict[float, Array],
     ) -> Finding:
-        """The level that comes nearest to its bound, of those whose bound is sharp; one that is
-        beyond its bound always counts.
+        """The finding on one quantity: its error at the level where it is the largest share of its
+        bound.
+
+        Only levels with a sharp bound (at most a tenth of the signal) count; a level beyond its
+        bound always counts. `errors_by_level` and `bounds` hold arrays (count,) by level, up to
+        each level's horizon; `signal` (until,) is how far the true quantity moves. All are in units
+        of the quantity's scale.
         """
         sights: dict[float, Sight] = {}
-        ratios: dict[float, float] = {}
+        shares: dict[float, float] = {}
         for level, allowed in bounds.items():
             count = len(allowed)
-            sights[level] = sharpest(allowed, moved[:count])
-            ratios[level] = float(np.max(seen[level][:count] / allowed))
+            sights[level] = sharpest(allowed, signal[:count])
+            shares[level] = float(np.max(errors_by_level[level][:count] / allowed))
         if not bounds:
             return undecided(
                 self.name,
                 quantity,
                 "at every level the bound exceeds a tenth of the scale before the second sample",
             )
-        telling = [
-            level for level in bounds if not sights[level].is_blind or not ratios[level] <= 1
+        # NaN counts as beyond its bound: `not share <= 1`.
+        decisive = [
+            level for level in bounds if not sights[level].is_blind or not shares[level] <= 1
         ]
-        at = _worst_level(telling or list(bounds), ratios)
-        count = len(bounds[at])
-        error = seen[at][:count]
-        allowed = bounds[at]
+        worst_level = _worst_level(decisive or list(bounds), shares)
+        count = len(bounds[worst_level])
+        error = errors_by_level[worst_level][:count]
+        allowed = bounds[worst_level]
         point = int(np.argmax(error / allowed))
         levels = [
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
-            for level, error in seen.items()
+            for level, error in errors_by_level.items()
         ]
-        has_settled = bool(allowed[point] < subject.bound(at)[point])
+        has_settled = bool(allowed[point] < subject.bound(worst_level)[point])
         order_claimed = None
         if subject.method.control == "step":
             order_claimed = float(subject.order)
@@ -142,8 +150,8 @@ class Error(Check):
             value=float(error[point]),
             bound=float(allowed[point]),
             unit="1",
-            basis=_basis(subject, at, settled=has_settled),
-            what=_what(subject, quantity, at, point, count),
+            basis=_basis(subject, worst_level, settled=has_settled),
+            what=_what(subject, quantity, worst_level, point, count),
             sight=min(sights.values(), key=_part),
             levels=tuple(levels),
             series=curve(subject.instance.times[:count], error, allowed),
@@ -154,51 +162,54 @@ class Error(Check):
 
 
 def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[float, Array]:
-    """The bound of every level that can be judged (count,), up to the horizon; of the finest the
-    smaller of two.
+    """The bound (count,) of every level up to its horizon; levels with fewer than two samples below
+    it are left out.
 
-    The bound on the state multiplies the largest error constant that is allowed by S, and soon
-    passes the horizon where the order is 1 and contacts are stiff. What the last halvings of the
-    step leave is measured, and goes on beyond it.
+    The bound on the state is the largest error constant allowed times S; where the order is 1 and
+    contacts are stiff it soon passes the horizon. At the finest level the error is also estimated
+    from the last halvings of the step, and the smaller of both bounds counts.
     """
-    found: dict[float, Array] = {}
+    bounds: dict[float, Array] = {}
     for level in subject.levels:
         allowed = subject.bound(level)
         if level == subject.levels[-1]:
             allowed = _sharpened(allowed, _settling(subject, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
-            found[level] = allowed[:count]
-    return found
+            bounds[level] = allowed[:count]
+    return bounds
 
 
-def _sharpened(allowed: Array, settled: Array | None) -> Array:
-    """The smaller of the bound on the state and of what has settled (count,), as long as the motion
-    cannot have changed its course.
+def _sharpened(allowed: Array, estimate: Array | None) -> Array:
+    """The smaller of the bound on the state and of the estimated error `estimate` (count,), until
+    the bound exceeds COURSE.
     """
-    if settled is None:
+    if estimate is None:
         return allowed
-    beyond = np.flatnonzero(allowed > COURSE)
-    if len(beyond):
-        course = int(beyond[0])
+    off_course = np.flatnonzero(allowed > COURSE)
+    if len(off_course):
+        course = int(off_course[0])
     else:
         course = len(allowed)
-    known = min(course, len(settled))
-    found: Array = np.concatenate([np.minimum(allowed[:known], settled[:known]), allowed[known:]])
-    return found
+    known = min(course, len(estimate))
+    bound: Array = np.concatenate([np.minimum(allowed[:known], estimate[:known]), allowed[known:]])
+    return bound
 
 
 def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
-    """What the last halvings of the step leave of the error at the finest level (count,), in units
-    of the scales; None if unknown.
+    """Bound (count,) on the error at the finest level from the change at the last halvings, in
+    units of the scales; None if unknown.
 
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
-    most ROOM times the change over 2^p - 1, whatever C is, or 2^-p of that of the pair before,
-    where terms of the last pair cancel. Where kinks scatter C from step to step, an error is still
-    part of the change to either side of it, but may be nearly the same at both steps.
+    most ROOM times that change over 2^p - 1, whatever C is. Where terms of the last change cancel,
+    2^-p times the change before may be larger, and is taken.
 
-    An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where
-    samples leave no room for longer steps, it says nothing.
+    Where kinks scatter C from step to step, an error is still part of the change to either side of
+    it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, and what a
+    step that straddles a kink is off by is added.
+
+    An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
+    where samples are closer than any step, the change says nothing: None.
     """
     method = subject.method
     instance = subject.instance
@@ -214,36 +225,35 @@ def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array |
     coarse, middle, fine = (
         instance.observe(runs[Variant(level)].trajectory) for level in subject.levels[-3:]
     )
-    before = _changes(instance, coarse, middle, count)
-    last = _changes(instance, middle, fine, count)
+    earlier_change = _changes(instance, coarse, middle, count)
+    last_change = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
     room = room_of(subject)
-    falls = 2.0**order
+    ratio = 2.0**order
     if method.control == "tolerance":
-        falls = subject.levels[-2] / subject.levels[-1]
-        if not np.any(before > rounding):
+        ratio = subject.levels[-2] / subject.levels[-1]
+        if not np.any(earlier_change > rounding):
             return None
     elif not kinked(instance):
-        room /= falls - 1.0
-    change = np.maximum.accumulate(np.maximum(before / falls, last))
+        room /= ratio - 1.0
+    change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
     if method.control == "tolerance":
-        change = np.full(
-            count, change[-1]
-        )  # where orders are chosen as well, that of a few steps says little
-    is_cut = method.control == "step" and kinked(instance) and not method.locates_events
+        # A few steps with chosen orders say little, so the change of the whole run counts.
+        change = np.full(count, change[-1])
+    may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = room * change + rounding
-    if is_cut:
+    if may_straddle:
         allowed = allowed + ROOM * (_straddled(instance, fine, count) * subject.levels[-1])
     return allowed
 
 
 def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
-    """The fastest that any quantity has changed so far [1/s] (count,), in its scale, from sample to
-    sample to either side.
+    """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
+    each sample.
 
-    A step that straddles a kink goes on for the rest of it with the force of before, and is off by
-    that much a second. Halved steps end where the long ones do, so that every one that is longer
-    than this rest is off by the same.
+    A step that straddles a kink uses the force from before the kink for its remainder, and is off
+    by that rate times the remainder. Halved steps end at the same times, so every step longer than
+    the remainder is off by the same: halvings do not show this error.
     """
     fastest = np.zeros(len(instance.times) - 1)
     for name, quantity in instance.quantities.items():
@@ -257,7 +267,7 @@ def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Arra
 def _changes(
     instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int
 ) -> Array:
-    """Largest scaled difference of any quantity between two levels (count,)."""
+    """Largest difference (count,) of any quantity between two levels, in units of its scale."""
     largest = np.zeros(count)
     for name, quantity in instance.quantities.items():
         if name not in coarse or name not in fine:
@@ -276,16 +286,16 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
     rounding = subject.noise(subject.levels[-1]) * truth.growth()
     moved = movements(subject.instance, truth)
     signals = {}
-    for name, away in moved.items():
-        if np.any(away > rounding):
-            signals[name] = away
+    for name, movement in moved.items():
+        if np.any(movement > rounding):
+            signals[name] = movement
         else:
-            signals[name] = np.zeros_like(away)
+            signals[name] = np.zeros_like(movement)
     return signals
 
 
 def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
-    """The level whose error is the largest part of its bound; one whose error is not a number comes
+    """The level with the largest error relative to its bound; a level whose error is NaN comes
     first.
     """
     broken = [level for level in levels if np.isnan(ratios[level])]
@@ -302,7 +312,10 @@ def _part(sight: Sight) -> float:
 
 
 def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds: float) -> Level:
-    """What the tolerance table and the order need of one level."""
+    """The entry of one level: error, bound, cost, and whether the order is observed from it.
+
+    A level counts for the order if its bound stays below the horizon and above 20 x round-off.
+    """
     assert subject.truth is not None
     counts = (
         subject.method.control == "step"
@@ -319,39 +332,46 @@ def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds
 
 
 def _floor(subject: Subject, level: float) -> float:
-    """Below 20 x round-off times the sensitivity there is no truncation error to see."""
+    """20 x round-off times the sensitivity S at the end: smaller errors show no truncation."""
     assert subject.truth is not None
     return COUNTING_FLOOR * subject.noise(level) * float(subject.truth.growth()[-1])
 
 
 def _order_seen(subject: Subject, levels: list[Level]) -> float | None:
-    """The order of the last pair of counting levels whose errors are truncation errors."""
-    seen = [
+    """The order log2(e(h)/e(h/2)) of the finest pair of counting levels above round-off; None
+    without one.
+    """
+    pairs = [
         (a, b)
         for a, b in pairwise(levels)
         if a.counts and b.counts and b.error > _floor(subject, b.level)
     ]
-    if seen and seen[-1][0].error > 0:
-        return float(np.log2(seen[-1][0].error / seen[-1][1].error))
+    if not pairs:
+        return None
+    coarse, fine = pairs[-1]
+    if coarse.error > 0:
+        return float(np.log2(coarse.error / fine.error))
     return None
 
 
 def _constant_seen(subject: Subject, levels: list[Level]) -> float | None:
-    """The largest error over (T/tau) (h/tau)^p S among the levels that count: the measured C."""
+    """The measured constant C of |error| <= C (T/tau) (h/tau)^p S: the largest over the counting
+    levels; None without one.
+    """
     assert subject.truth is not None
     growth = subject.truth.growth()[-1]
-    sizes = [
+    ratios = [
         level.error / float(subject.truncation(level.level)[-1] * growth)
         for level in levels
         if level.counts
     ]
-    if sizes:
-        return max(sizes) * subject.method.constant
+    if ratios:
+        return max(ratios) * subject.method.constant
     return None
 
 
 def _basis(subject: Subject, level: float, *, settled: bool) -> str:
-    """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
+    """The basis of the bound in words; `settled` if it was estimated from the last change."""
     if settled and subject.method.control == "tolerance":
         return (
             "error implied by the last change of tolerance, if the error falls in proportion to it"

@@ -1,6 +1,4 @@
-"""Times of events that a run reports, sticks, slips, stops, touches and partings, against the
-certified ones.
-"""
+"""Times of reported events (stick, slip, stop, contact, release) against the certified times."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,22 +24,22 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 KINDS = ("contact", "release", "stick", "slip", "stop")
-"""Words for events that truth may tell; others are not judged."""
+"""Kinds of events that truth may certify; others are not judged."""
 MOST_GROWTH = 100.0
-"""Powers of e beyond which nothing is predictable."""
+"""Largest exponent of an error's growth, exp(100): nothing is predictable beyond."""
 Judged = list[tuple[Crossing, float]]
-"""Crossings with the time [s] by which an event may be told off them."""
+"""Crossings, each with the time [s] by which a reported event may differ from it."""
 
 
 class EventTimes(Check):
-    """At the finest level: every certified event is told, and every event told is certified, each
-    within its bound.
+    """At the finest level every certified event is reported, and every reported event is certified,
+    each within its bound.
 
     An error E of the state, in units of its scales, moves a zero of g by E/|g'|, and a little more
-    where g'' bends g back: the time t is bounded by |g'| t - |g''| t^2/2 = E, and an event with
-    g'^2 <= 2 |g''| E, which grazes, need not happen at all. E is what the claims allow, or what the
-    run is seen to be off by where that is less; then a code may still tell where a chord between
-    two steps crosses zero. Runs that report no events are not judged.
+    where g'' bends g back: the time t is bounded by |g'| t - |g''| t^2/2 = E. An event with g'^2 <=
+    2 |g''| E grazes and need not happen at all. E is the smaller of what the claims allow and of
+    what the run is observed to be off by; with the latter, the error of locating a zero between two
+    steps is added. Runs that report no events are not judged.
     """
 
     name = "event-times"
@@ -52,7 +50,9 @@ class EventTimes(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Points that rub on a belt, shapes in touch that part, where truth has the times."""
+        """Points that slide on a belt and shapes in contact that separate, where truth has event
+        times.
+        """
         if not has_crossings(subject.instance.scene):
             return "no event times are certified for such scenes"
         if (
@@ -69,64 +69,77 @@ class EventTimes(Check):
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each kind of event that the run reports."""
-        told: dict[str, list[float]] = {}
+        reported: dict[str, list[float]] = {}
         run = runs[subject.finest].trajectory
         for event in run.events:
-            told.setdefault(event.kind, []).append(event.time)
+            reported.setdefault(event.kind, []).append(event.time)
         truth = certified(subject)
         if truth is None:
-            return [undecided(self.name, kind, no_truth(subject)) for kind in KINDS if kind in told]
-        scored = predicted(subject, truth, crossings(subject, truth), run)
+            return [
+                undecided(self.name, kind, no_truth(subject)) for kind in KINDS if kind in reported
+            ]
+        predictions = predicted(subject, truth, crossings(subject, truth), run)
         return [
-            self._finding(subject, kind, np.array(told[kind]), scored)
+            self._finding(subject, kind, np.array(reported[kind]), predictions)
             for kind in KINDS
-            if kind in told and kind in scored.events
+            if kind in reported and kind in predictions.events
         ]
 
-    def _finding(self, subject: Subject, kind: str, told: Array, scored: "Predicted") -> Finding:
-        """The pair that comes nearest to its bound."""
+    def _finding(
+        self, subject: Subject, kind: str, reported: Array, predictions: "Predicted"
+    ) -> Finding:
+        """The finding on one kind of event: the pair of reported and certified time that is nearest
+        to its bound.
+
+        `reported` holds the reported times [s].
+        """
         start = float(subject.instance.times[0])
         tau = subject.instance.scales.tau
-        known = scored.events[kind]
+        known = predictions.events[kind]
         due = [
-            (one, allowed)
-            for one, allowed in known
-            if one.time - allowed > start and one.time + allowed <= scored.due
+            (crossing, allowed)
+            for crossing, allowed in known
+            if crossing.time - allowed > start and crossing.time + allowed <= predictions.due
         ]
-        seen = told[told <= scored.told]
-        if not due and not len(seen):
+        judged_times = reported[reported <= predictions.told]
+        if not due and not len(judged_times):
             return undecided(
-                self.name, kind, scored.why or "no event is due before the predictability horizon"
+                self.name,
+                kind,
+                predictions.why or "no event is due before the predictability horizon",
             )
+        # Each certified event with the nearest reported one, then the reverse.
         pairs = [
-            (float(np.min(np.abs(told - one.time))), allowed, one.time) for one, allowed in due
+            (float(np.min(np.abs(reported - crossing.time))), allowed, crossing.time)
+            for crossing, allowed in due
         ]
-        pairs += [nearest(float(time), known, scored.told - start) for time in seen]
-        off, allowed, time = max(pairs, key=_share_of_bound)
+        pairs += [nearest(float(time), known, predictions.told - start) for time in judged_times]
+        distance, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
-            stepped = ""
+            detection = ""
         else:
-            stepped = ", plus one step, since the method detects events at the end of a step"
+            detection = ", plus one step, since the method detects events at the end of a step"
         return judged(
             check=self.name,
             quantity=kind,
-            value=off / tau,
+            value=distance / tau,
             bound=allowed / tau,
+            # The signal is the time since the start.
             sight=Sight(allowed / tau, (time - start) / tau),
             unit="1",
             basis=(
                 "the error bound of the state divided by the certified rate of the event"
-                f" function{stepped}"
+                f" function{detection}"
             ),
             what=(
-                f"The error of a reported {kind} time ({len(seen)} reported, {len(due)}"
+                f"The error of a reported {kind} time ({len(judged_times)} reported, {len(due)}"
                 f" expected; at t = {time:.6g} s), in units of tau,"
             ),
         )
 
 
 def _share_of_bound(pair: tuple[float, float, float]) -> float:
-    """The distance of a pair over its bound; infinite where the bound is zero."""
+    """Distance over bound of a pair (distance, bound, time); infinite where the bound is zero."""
     distance, allowed, _ = pair
     if allowed == 0:
         return inf
@@ -135,11 +148,11 @@ def _share_of_bound(pair: tuple[float, float, float]) -> float:
 
 @dataclass(frozen=True)
 class Predicted:
-    """Events of each kind with the time [s] by which each may be told off, as far as the motion is
-    predictable.
+    """Crossings of each kind with the time [s] by which an event may differ from each, as far as
+    the motion is predictable.
 
-    Those that end before `due` [s] must be told, and those told before `told` [s] must be one of
-    them; `why` says what ends both.
+    Crossings that end before `due` [s] must be reported. Events reported before `told` [s] must be
+    one of them. `why` is the reason why predictions end.
     """
 
     events: Mapping[str, Judged]
@@ -149,112 +162,127 @@ class Predicted:
 
 
 def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, float]:
-    """Distance from the nearest certified event, its bound, and the time told; all of the stretch
-    judged where there is none.
+    """(distance, bound, time) of a reported time to the nearest certified event; without any, the
+    distance is `whole` and the bound 0.
     """
-    found = min(
-        ((abs(time - one.time), allowed, time) for one, allowed in known),
+    pair = min(
+        ((abs(time - crossing.time), allowed, time) for crossing, allowed in known),
         default=(whole, 0.0, time),
     )
-    return found
+    return pair
 
 
 def predicted(
     subject: Subject, truth: SampledTruth, known: Crossings, run: Trajectory
 ) -> Predicted:
-    """Events up to the horizon of the motion, or up to the first that comes too slowly.
+    """Crossings with their bounds, up to the predictability horizon or the first ill-conditioned
+    one.
 
-    Of a belt nothing is known of what comes after the last event, which may be told too early; all
-    else parts or stops once.
+    The bound on an event's time is `shift` of the state's error, plus the radius of the certified
+    time and the rounding of the clock. On a belt nothing is known about events after the last
+    certified one, and that one may be reported early; contacts end only once.
     """
     bound = subject.bound(subject.levels[-1])
     times = subject.instance.times[: truth.until]
     tau = subject.instance.scales.tau
     end = float(times[max(0, scored(bound) - 1)])
     last = float(times[0])
-    seen = seen_bound(subject, truth, run)
+    observed_bound = seen_bound(subject, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
-    for one, kind in sorted(
-        ((one, name) for name, ones in known.items() for one in ones), key=lambda pair: pair[0].time
-    ):
-        error = error_at(one, bound, times)
-        moved = shift(error, one)
-        if moved > HORIZON * tau:
-            slow = (
-                f"event time is ill-conditioned: at t = {one.time:.6g} s a state error of"
+    by_time: list[tuple[Crossing, str]] = []
+    for name, crossings_of_kind in known.items():
+        by_time += [(crossing, name) for crossing in crossings_of_kind]
+    by_time.sort(key=lambda pair: pair[0].time)
+    for crossing, kind in by_time:
+        error = error_at(crossing, bound, times)
+        shift_by_claims = shift(error, crossing)
+        if shift_by_claims > HORIZON * tau:
+            reason = (
+                f"event time is ill-conditioned: at t = {crossing.time:.6g} s a state error of"
                 f" {error:.2g} shifts it by more than tau/10"
             )
-            return Predicted(events, last, last, slow)
-        moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(subject, one)
-        allowed = min(moved, moved_as_seen) + one.radius + ticks(subject, one.time)
-        if one.time > end:
-            return Predicted(events, end, min(end, one.time - allowed), truth.reason)
-        events[kind].append((one, allowed))
-        last = max(last, one.time + allowed)
+            return Predicted(events, last, last, reason)
+        shift_as_observed = shift(
+            error_at(crossing, observed_bound, times), crossing
+        ) + interpolated(subject, crossing)
+        allowed = (
+            min(shift_by_claims, shift_as_observed)
+            + crossing.radius
+            + ticks(subject, crossing.time)
+        )
+        if crossing.time > end:
+            return Predicted(events, end, min(end, crossing.time - allowed), truth.reason)
+        events[kind].append((crossing, allowed))
+        last = max(last, crossing.time + allowed)
     if "slip" in known:
         return Predicted(events, end, last, truth.reason)
     return Predicted(events, end, end, truth.reason)
 
 
-def error_at(one: Crossing, bound: Array, times: Array) -> float:
-    """The bound on the state at an event: that of the next sample, and what an error may grow by
-    since the last one.
+def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
+    """The bound on the state at an event, E(t) = bound(next sample) exp(growth (t - last sample)).
+
+    The bound of the next sample covers errors at samples only, so growth since the sample before is
+    added.
     """
-    following = min(int(np.searchsorted(times, one.time)), len(bound) - 1)
-    return float(bound[following]) * exp(
-        min(one.growth * max(0.0, one.time - float(times[max(0, following - 1)])), MOST_GROWTH)
-    )
+    following = min(int(np.searchsorted(times, crossing.time)), len(bound) - 1)
+    last_sample = float(times[max(0, following - 1)])
+    elapsed = max(0.0, crossing.time - last_sample)
+    return float(bound[following]) * exp(min(crossing.growth * elapsed, MOST_GROWTH))
 
 
 def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
-    """What the run may be off by at each sample (until,) and since the last: what it is seen to be
-    off by so far, with room.
+    """Observed error bound (until,): the largest error of the run so far times ROOM, plus round-off
+    times S.
     """
     level = subject.levels[-1]
     rounding: Array = COUNTING_FLOOR * subject.noise(level) * truth.growth()
     return room_of(subject) * largest_so_far(subject, level, run, truth) + rounding
 
 
-def interpolated(subject: Subject, one: Crossing) -> float:
-    """How far [s] the zero of g between two steps may be from its own: of a chord |g''| h^2/8 over
-    |g'|, less for higher orders.
+def interpolated(subject: Subject, crossing: Crossing) -> float:
+    """Error [s] of locating a zero of g between two steps: |g''| h^2/(8 |g'|) for a chord, smaller
+    for higher orders.
 
-    A method of order p that claims to tell events at their own times finds them between its steps
-    to that order too.
+    A method of order p that reports events at their own times interpolates its steps to order p,
+    which adds the factor (h/tau)^(p - 2).
     """
     if subject.method.control != "step":
         return 0.0
-    if one.rate == 0:
+    if crossing.rate == 0:
         return inf
     level = subject.levels[-1]
-    of_chord = one.bend * level**2 / (8 * one.rate)
-    further = max(0.0, subject.order - 2.0)
-    return of_chord * float((level / subject.instance.scales.tau) ** further)
+    of_chord = crossing.bend * level**2 / (8 * crossing.rate)
+    extra_order = max(0.0, subject.order - 2.0)
+    return of_chord * float((level / subject.instance.scales.tau) ** extra_order)
 
 
-def shift(error: float, one: Crossing) -> float:
-    """The least t > 0 [s] with rate t - bend t^2/2 = error; infinity where there is none."""
-    left = one.rate * one.rate - 2 * one.bend * error
-    if left > 0:
-        return 2 * error / (one.rate + sqrt(left))
+def shift(error: float, crossing: Crossing) -> float:
+    """The smallest t > 0 [s] with rate t - bend t^2/2 = error; infinity without one.
+
+    It is 2 error/(rate + sqrt(rate^2 - 2 bend error)), the root in a form without cancellation.
+    """
+    discriminant = crossing.rate * crossing.rate - 2 * crossing.bend * error
+    if discriminant > 0:
+        return 2 * error / (crossing.rate + sqrt(discriminant))
     return inf
 
 
 def located(subject: Subject) -> bool:
-    """Events are told at their own times, not at the end of a step."""
+    """True if events are reported at their own times, not at the end of a step."""
     return subject.method.control != "step" or subject.method.locates_events
 
 
 def ticks(subject: Subject, time: float) -> float:
-    """Rounding [s] of a clock that is written, or summed step by step, and the step of a method
-    that sees events at its end.
+    """Rounding [s] of a clock that is written, or summed step by step; plus one step for methods
+    that detect events at its end.
     """
     level = subject.levels[-1]
     if subject.method.control == "step":
-        summed = steps_at(subject.instance, subject.method, level)
+        roundings = steps_at(subject.instance, subject.method, level)
     else:
-        summed = 0.0
-    rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
+        roundings = 0.0
+    rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, roundings) * abs(time)
     if located(subject):
         return rounding
     return rounding + level

@@ -1,5 +1,5 @@
-"""Free flight: a body whose velocity has not changed from one sample to the next has gone the way v
-dt, whatever the step.
+"""Free flight: a body whose velocity is the same at two samples has moved by v dt between them,
+whatever the step.
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 class Flight(Check):
     """Positions follow from velocities to round-off, at the finest level.
 
-    It needs no truth, and sees a gas of which nobody can predict the motion stand still.
+    It needs no truth, so it detects a gas that stands still although its motion is unpredictable.
     """
 
     name = "flight"
@@ -34,8 +34,8 @@ class Flight(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Bodies that meet each other or walls under a law with an overlap, and on which nothing
-        else acts.
+        """Bodies that interact with each other and with walls by a contact law with an overlap, and
+        by nothing else.
         """
         scene = subject.instance.scene
         if (
@@ -54,35 +54,35 @@ class Flight(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest distance of any such body from where v dt takes it; none where every body was
-        hit in every interval.
+        """One finding: the largest |r(t + dt) - r(t) - v dt| of bodies in free flight; none if
+        every body was hit in every interval.
         """
         run = runs[subject.finest].trajectory
         scene = subject.instance.scene
         scales = subject.instance.scales
         rounding = subject.round_off(subject.levels[-1])
-        way = run.velocity[:-1] * np.diff(run.t)[:, None, None]
-        alone = _is_alone(scene, run, way, rounding)
-        if not alone.any():
+        displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
+        is_free = _is_alone(scene, run, displacement, rounding)
+        if not is_free.any():
             return []
-        off = _off(scene, run.position[1:] - run.position[:-1] - way)
-        far = np.max(np.abs(run.position)) / scales.length
-        fast = np.max(np.abs(run.velocity)) * scales.duration / scales.length
+        deviation = _off(scene, run.position[1:] - run.position[:-1] - displacement)
+        distance_scales = np.max(np.abs(run.position)) / scales.length
+        path_scales = np.max(np.abs(run.velocity)) * scales.duration / scales.length
         # r + v h is rounded the same way at every step while r keeps its exponent, so that these
         # roundings do add up.
         steps = steps_at(subject.instance, subject.method, subject.levels[-1]) / (len(run.t) - 1)
-        adding = 2.0 * subject.method.round_off * steps * far
+        summation = 2.0 * subject.method.round_off * steps * distance_scales
         # |r(t + dt) - r(t) - v dt| and |v dt| of the bodies in free flight, the largest of each.
-        distances = np.max(np.linalg.norm(off, axis=-1) * alone, axis=1)
-        ways = np.max(np.linalg.norm(way, axis=-1) * alone, axis=1)
+        distances = np.max(np.linalg.norm(deviation, axis=-1) * is_free, axis=1)
+        lengths = np.max(np.linalg.norm(displacement, axis=-1) * is_free, axis=1)
         return [
             worst(
                 check=self.name,
                 quantity="way",
                 t=run.t[1:],
                 values=distances / scales.length,
-                allowed=rounding * (1.0 + far + fast) + adding,
-                signal=ways / scales.length,
+                allowed=rounding * (1.0 + distance_scales + path_scales) + summation,
+                signal=lengths / scales.length,
                 unit="1",
                 basis=(
                     "no force acts between contacts, so only round-off, at most n u |r|,"
@@ -96,26 +96,26 @@ class Flight(Check):
         ]
 
 
-def _is_alone(scene: Scene, run: Trajectory, way: Array, rounding: float) -> Array:
-    """Whether a body was hit by nothing in an interval (T - 1, N): it has kept its velocity, and
-    its straight way stays inside walls.
+def _is_alone(scene: Scene, run: Trajectory, displacement: Array, rounding: float) -> Array:
+    """True (T - 1, N) where a body is in free flight: its velocity is unchanged, and its straight
+    path ends inside every wall.
 
-    A body that comes back to its velocity by two walls, one after the other, has left by the first
-    of them on its straight way.
+    A body that two walls hit in one interval may regain its velocity, but its straight path would
+    leave through the first of them.
     """
     fastest = np.max(np.abs(run.velocity))
     change = np.linalg.norm(np.diff(run.velocity, axis=0), axis=-1)
     # A graze changes v by so little that v dt is off by no more than half of what is allowed.
-    alone = change <= rounding * fastest / 2
-    end = run.position[:-1] + way
+    is_free = change <= rounding * fastest / 2
+    end = run.position[:-1] + displacement
     for plane in scene.all(Plane):
-        alone &= (end - np.array(plane.point)) @ np.array(plane.normal) > scene.bodies.radius
-    found: Array = alone
-    return found
+        is_free &= (end - np.array(plane.point)) @ np.array(plane.normal) > scene.bodies.radius
+    result: Array = is_free
+    return result
 
 
 def _off(scene: Scene, difference: Array) -> Array:
-    """Differences of places (T - 1, N, 3) [m], in a periodic box those to the nearest image."""
+    """Differences of positions (T - 1, N, 3) [m]; in a periodic box those to the nearest image."""
     for box in scene.all(PeriodicBox):
         difference = box.nearest(difference)
     return difference

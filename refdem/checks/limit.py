@@ -1,6 +1,4 @@
-"""The limit of small steps: what errors at several steps extrapolate to at no step at all must be
-nothing.
-"""
+"""The limit of small steps: errors at several steps, extrapolated to step 0, must vanish."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -14,19 +12,20 @@ from refdem.core.refinement import kinked, scored
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
-"""What an order may lack for the errors to be taken as a power of the step: the check `order`
-allows half of it.
+"""Largest deficit of the observed order at which errors count as a power of the step; twice the
+tolerance of the check `order`.
 """
 
 
 class Limit(Check):
-    """Errors at h and h/2 extrapolate to E(h) = (2^p e(h/2) - e(h)) / (2^p - 1), which falls faster
-    than e (Richardson 1911).
+    """Richardson's extrapolation of the error to step 0 (1911) is below its own last change.
 
-    If E falls by a factor f from one pair to the next, what is left is 1/(f - 1) of its fall: at
-    most all of it, for f is 2^(p+1) or more and never below 4. Measured on a hundred motions of
-    correct methods: 1/3, 1/15 and 1/31 for orders 1, 2 and 4. An error that no step removes, as of
-    a stiffness or a clock that is wrong by 1e-7, does not fall and is seen far below truncation.
+    From errors e(h) and e(h/2) of order p, E(h) = (2^p e(h/2) - e(h))/(2^p - 1) removes the term
+    h^p. E falls by a factor f = 2^(p+1) or more from one pair of levels to the next, and never by
+    less than 4, so the remaining E is 1/(f - 1) of its last change: less than all of it. Measured
+    on a hundred motions of correct methods: 1/3, 1/15 and 1/31 of it for orders 1, 2 and 4. An
+    error that does not depend on the step, as of a stiffness or a clock wrong by 1e-7, does not
+    fall, and is seen far below the truncation error.
     """
 
     name = "limit"
@@ -37,7 +36,9 @@ class Limit(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Smooth motions in steps of three sizes, with places and velocities of one time."""
+        """Smooth motions integrated with at least three fixed steps, with positions and velocities
+        at the same times.
+        """
         if subject.method.control != "step":
             return f"the step control of the method is {subject.method.control}, not a fixed step"
         if kinked(subject.instance):
@@ -53,9 +54,7 @@ class Limit(Check):
         return tuple(Variant(level) for level in subject.levels[-3:])
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding for the state: the largest extrapolated error of any quantity, in its
-        scale.
-        """
+        """One finding: the largest extrapolated error of any quantity, in units of its scale."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
@@ -75,8 +74,8 @@ class Limit(Check):
         order = subject.order
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
         floor = 3 * float(np.max(subject.noise(subject.levels[-1]) * truth.growth()[:count]))
-        sizes = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
-        if sizes[1] > floor and np.log2(sizes[0] / sizes[1]) < order - SETTLED:
+        largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
+        if largest[1] > floor and np.log2(largest[0] / largest[1]) < order - SETTLED:
             return [
                 undecided(
                     self.name,
@@ -84,13 +83,16 @@ class Limit(Check):
                     f"errors do not yet fall with order {order}; see the check `order`",
                 )
             ]
-        first, last = ((2**order * b - a) / (2**order - 1) for a, b in pairwise(errors))
+        # E(h) = (2^p e(h/2) - e(h))/(2^p - 1) of both pairs of neighbouring levels.
+        coarse_limit, fine_limit = (
+            (2**order * b - a) / (2**order - 1) for a, b in pairwise(errors)
+        )
         return [
             judged(
                 check=self.name,
                 quantity="state",
-                value=float(np.max(np.abs(last), initial=0.0)),
-                bound=float(np.max(np.abs(first - last), initial=0.0)) + floor,
+                value=float(np.max(np.abs(fine_limit), initial=0.0)),
+                bound=float(np.max(np.abs(coarse_limit - fine_limit), initial=0.0)) + floor,
                 unit="1",
                 basis=(
                     "extrapolated errors fall by a factor of 4 or more per level, so the rest"

@@ -1,5 +1,7 @@
-"""Lyapunov exponents (1.131)-(1.133): neighbours part exponentially where the motion is chaotic,
-and as a power of time where not.
+"""Lyapunov exponents (1.131)-(1.133) of two neighbouring runs.
+
+Their distance grows as exp(lambda t) in a chaotic motion, and as a power of t in a regular one.
+`mechanics.stability.growth` fits both to the distance at samples.
 """
 
 from collections.abc import Mapping
@@ -14,47 +16,50 @@ from refdem.core.variant import Variant
 from refdem.mechanics.stability import LARGEST_POWER, Growth, growth
 
 APART = 2**26
-"""Units in the last place, 1.5e-8, by which the neighbour starts off: far more than round-off, and
-13 e-folds below SATURATED.
+"""Units in the last place, 1.5e-8 of the state, by which the neighbour's start differs: far above
+round-off, and 13 e-folds below SATURATED.
 """
 SATURATED = 0.01
-"""Neighbours further apart than this part of the scale no longer follow the linearised motion."""
+"""Distance, relative to the scale, beyond which neighbours no longer follow the linearised
+motion.
+"""
 LONG = 100.0
-"""In units of tau: in a shorter time a regular motion cannot be told from a chaotic one."""
+"""Duration in tau below which a regular motion cannot be told from a chaotic one."""
 FEWEST = 9
-"""Samples from which an exponent can be taken."""
+"""Smallest number of samples from which an exponent is fitted."""
 CLEAR = 1.5
-"""Times by which truth must pass the limits of the classifier before a run is held to them: chaos
-has its quiet times.
+"""Factor by which truth must exceed the limits of the classifier before a run is held to them:
+chaotic motions have quiet times.
 """
 ERRORS = 2.0
-"""Standard errors by which an exponent must be positive; of truth CLEAR times as many."""
+"""Standard errors by which an exponent must be positive; for truth CLEAR times as many."""
 FACTOR = 10.0
-"""The neighbour starts off in one direction, S is the growth of the worst: in the mean over the
-window they part by such a factor.
+"""Ratio of S, the growth of the worst perturbation, to that of the neighbour's, in the mean over
+the fitted window.
 """
 FASTER = 2.0
-"""S bounds what any start grows by on the same trajectory; neighbours that are not infinitely near
-exceed it by at most so much.
+"""Factor by which neighbours may separate faster than S.
 
-Measured: 1.25 for 60 orbits of the logistic map, 1 for billiards and driven-duffing.
+S bounds the growth of any infinitesimal perturbation of the same trajectory; neighbours at a finite
+distance exceed it a little. Measured: 1.25 for 60 orbits of the logistic map, 1 for billiards and
+driven-duffing.
 """
 SLOWER = 1000.0
-"""S holds for all directions, and for what starts later; a start of its own grows less by such a
-factor once in some thousand times.
+"""Factor by which neighbours may separate more slowly than S.
 
-Measured: 50 in 180 motions, where an orbit of the logistic map passed its middle, or a start lay
-along what contracts.
+S holds for all directions and for perturbations that begin later; one direction grows less by this
+factor once in about a thousand times. Measured: 50 in 180 motions, where an orbit of the logistic
+map passed its middle, or the initial difference lay along a contracting direction.
 """
 BESIDE = 1e-3
-"""Part of the scale by which a run may be off and still meet the instability of the true motion at
-the same samples.
+"""Error of a run, relative to the scale, up to which it shows the true motion's instability at the
+same samples.
 """
 
 
 class Lyapunov(Check):
-    """The exponent of two neighbouring runs, with its error bar, against that of truth, and what it
-    makes of the motion.
+    """The exponent of two neighbouring runs with its standard error, against truth, and the class
+    of the motion.
     """
 
     name = "lyapunov"
@@ -66,8 +71,8 @@ class Lyapunov(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Where the case says that it is chaotic, or that it is not and lasts long; methods whose
-        neighbours can be compared.
+        """Cases that declare themselves chaotic, or regular and long; methods in double precision
+        without a tolerance.
         """
         scales = subject.instance.scales
         chaotic = subject.instance.case.is_chaotic(subject.instance.p)
@@ -83,23 +88,26 @@ class Lyapunov(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The finest level, and the same from a start beside it."""
+        """The finest level, and the same from a perturbed start."""
         return (subject.finest, Variant(subject.levels[-1], "perturbed", APART))
 
     def _of_regular_motion(
         self, subject: Subject, run: CompletedRun, apart: Array, seen: Growth
     ) -> Finding:
-        """The power by which neighbours (T,) part, held to S where the true motion is unstable for
-        a while.
+        """The finding on the power of time with which neighbours separate in a regular motion.
+
+        `apart` (T,) is their distance. Where the true motion is unstable for a while (S grows
+        faster than t^2), neighbours may separate as fast as S: only if the run follows the true
+        motion is this judged.
         """
         count = len(apart)
         t = subject.instance.times[:count]
         truth = certified(subject)
         if truth is None or truth.until < count:
             return self._regular(seen, None)
-        known = truth.growth()[:count]
-        true = growth(t, known)
-        is_unstable = true.power > LARGEST_POWER
+        sensitivity = truth.growth()[:count]
+        true_growth = growth(t, sensitivity)
+        is_unstable = true_growth.power > LARGEST_POWER
         if is_unstable:
             follows = followed(subject, subject.levels[-1], run.trajectory, truth, BESIDE)
             if follows < count:
@@ -109,14 +117,15 @@ class Lyapunov(Check):
                 )
                 return undecided(self.name, "power", why)
         # Neighbours of a regular motion part as the square of time at most.
-        square = (t[-1] - t[0]) ** 2 / subject.instance.scales.tau**2
-        if not is_unstable and known[-1] <= square:
-            return self._regular(seen, true)
-        room = float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart)))
-        return self._regular(seen, true, room)
+        largest_regular = (t[-1] - t[0]) ** 2 / subject.instance.scales.tau**2
+        if not is_unstable and sensitivity[-1] <= largest_regular:
+            return self._regular(seen, true_growth)
+        # log2 of how much further S would let them separate.
+        octaves_left = float(np.log2(FASTER * sensitivity[-1] * apart[0] / np.max(apart)))
+        return self._regular(seen, true_growth, octaves_left)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The exponent, and the class of the motion."""
+        """Findings on the class of the motion, and, where truth is certified, on the exponent."""
         plain, beside = self.needs(subject)
         if beside not in runs:
             return [
@@ -125,9 +134,9 @@ class Lyapunov(Check):
                 )
             ]
         apart = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
-        beyond = np.flatnonzero(apart > SATURATED)
-        if len(beyond):
-            count = int(beyond[0])
+        saturated = np.flatnonzero(apart > SATURATED)
+        if len(saturated):
+            count = int(saturated[0])
         else:
             count = len(apart)
         if not apart[0] > 0:
@@ -144,6 +153,8 @@ class Lyapunov(Check):
                 )
             ]
         t = subject.instance.times[:count]
+        # Neighbours that meet by rounding have distance 0, whose logarithm is infinite: a floor of
+        # 2^-20.
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
         truth = certified(subject)
         if not subject.instance.case.is_chaotic(subject.instance.p):
@@ -154,28 +165,31 @@ class Lyapunov(Check):
             else:
                 why = no_truth(subject)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
-        true = growth(t, truth.growth()[:count])
-        if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
+        true_growth = growth(t, truth.growth()[:count])
+        if not (
+            true_growth.power > CLEAR * LARGEST_POWER
+            and true_growth.exponent > CLEAR * ERRORS * true_growth.error
+        ):
             until = subject.instance.problem.when(t[-1])
-            size = f"{true.exponent:.2g} +- {true.error:.1g}"
+            size = f"{true_growth.exponent:.2g} +- {true_growth.error:.1g}"
             why = (
                 f"until {until} the neighbours of the true motion diverge with exponent"
-                f" {size} and power {true.power:.2g}"
+                f" {size} and power {true_growth.power:.2g}"
             )
             return [
                 undecided(
                     self.name, "class", f"{why}, which is not enough to call the motion chaotic"
                 )
             ]
-        return [self._positive(seen), self._against_truth(subject, seen, true, t)]
+        return [self._positive(seen), self._against_truth(subject, seen, true_growth, t)]
 
     def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
-        """No faster than a power of the time, or than neighbours of the true motion part at the
-        same samples.
+        """The finding that neighbours separate no faster than a power of time, or than those of the
+        true motion do.
 
-        A body that passes close by a centre parts from its neighbour for a moment; samples may show
-        that only near the end. Where the true motion is unstable for a while, S bounds how far any
-        neighbours part: by `left` octaves more than these.
+        A body that passes close by a centre separates from its neighbour for a moment, which the
+        samples may show only near the end. Where the true motion is unstable for a while, S allows
+        neighbours to separate by `left` octaves more than they did.
         """
         bound = LARGEST_POWER
         if true is not None:
@@ -202,8 +216,8 @@ class Lyapunov(Check):
         )
 
     def _positive(self, seen: Growth) -> Finding:
-        """The finding that the exponent is two standard errors above zero, and grows faster than
-        any power of time.
+        """The finding that the exponent is positive by two standard errors and the growth faster
+        than any power of time.
         """
         if seen.is_exponential(ERRORS):
             contradiction = 0.0
@@ -227,28 +241,31 @@ class Lyapunov(Check):
         )
 
     def _against_truth(self, subject: Subject, seen: Growth, true: Growth, t: Array) -> Finding:
-        """The exponent that S has over the same time: error bars count only where the run is not on
-        the same trajectory.
+        """The finding on the exponent against that of S over the same time t (T,).
+
+        The bound is three standard errors plus ln(FACTOR)/T for the initial direction. While the
+        run follows the true trajectory, no perturbation grows faster than S, and few much slower:
+        ln(FASTER)/T or ln(SLOWER)/T, if that is smaller.
         """
-        lasts = float(t[-1] - t[0])
-        faster = seen.exponent > true.exponent
-        bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / lasts
+        duration = float(t[-1] - t[0])
+        is_faster = seen.exponent > true.exponent
+        bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / duration
         basis = (
             "three standard errors of both exponents, plus ln 10 over the time for"
             " the initial direction"
         )
-        if faster:
+        if is_faster:
             factor = FASTER
-            beyond = f"except for a factor of {FASTER:g}"
+            exception = f"except for a factor of {FASTER:g}"
         else:
             factor = SLOWER
-            beyond = f"and few grow less by a factor of {SLOWER:g}"
-        tight = float(np.log(factor)) / lasts
+            exception = f"and few grow less by a factor of {SLOWER:g}"
+        tight = float(np.log(factor)) / duration
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight
             basis = (
                 "the run follows the true trajectory, where no perturbation grows by more"
-                f" than S, {beyond}"
+                f" than S, {exception}"
             )
         unit = "1"
         if isinstance(subject.instance.problem, Motion):

@@ -1,4 +1,4 @@
-"""Momentum of an isolated scene: action equals reaction, whatever the step."""
+"""Momentum of an isolated scene is constant, since action equals reaction at every step."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,9 @@ from refdem.core.variant import Variant
 
 
 class Momentum(Check):
-    """Constant to round-off at the coarsest level, where nothing is hidden by a small step."""
+    """Total momentum is constant to round-off at the coarsest level, where a small step hides
+    nothing.
+    """
 
     name = "momentum"
     title = "Momentum"
@@ -33,7 +35,9 @@ class Momentum(Check):
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding about the largest change of total momentum."""
+        """One finding: the largest change of total momentum, in units of the initial sum of m
+        |v|.
+        """
         level = subject.levels[0]
         run = runs[Variant(level)].trajectory
         total = linear(subject.instance.scene, run)
@@ -57,8 +61,10 @@ class Momentum(Check):
 
 
 def _exchanged(subject: Subject, run: Trajectory) -> Array:
-    """The largest change of any body's momentum since the start (T,), in units of the sum of m|v|:
-    what action and reaction balance.
+    """The largest change of any body's momentum since the start (T,), in units of the initial sum
+    of m |v|; 0 if all of it is round-off.
+
+    It is the signal: the momentum that action and reaction exchange.
     """
     change = subject.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
     largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(subject.instance)

@@ -1,4 +1,9 @@
-"""Observed order of convergence: halving the step must divide the error by 2^p."""
+"""Observed order of convergence: with an error C h^p, halving the step h divides the error by 2^p.
+
+The order between levels h and h/2 is log2(e(h)/e(h/2)), e being the largest error of any quantity
+in units of its scale. It deviates from p by terms of higher order, by round-off at small steps, and
+by kinks of the motion (contacts, stick-slip), which scatter C from step to step.
+"""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -29,33 +34,36 @@ from refdem.core.variant import Variant
 SURE = 3.5
 """Standard deviations by which a mean order must miss the claimed one: 1 in 4000 by chance."""
 STUDENT = (float("inf"), 318.3, 22.3, 10.2, 7.2)
-"""The same where the scatter is that of the errors themselves: 1 in 1000 by Student's t, by degrees
-of freedom (Student 1908).
+"""The same if the deviation is estimated from the errors themselves: quantiles of Student's t
+(1908) for 1 in 1000, by degrees of freedom.
 """
 
 LINE = 0.8
-"""What an order must lack at least before errors on a line speak against it.
+"""Smallest deficit of a mean order at which errors on a line speak against the claim.
 
-Halving a step doubles the place of a kink within it, so a place near the start of a step moves on
-in order, and errors that kinks scatter may lie on a line for some octaves. Measured: of 3000
-motions of velocity Verlet across fields with two random edges, a mean order that lacks 0.5 or more
-on a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
+Halving a step doubles the relative position of a kink within it, so a position near the start of a
+step moves on regularly, and errors that kinks scatter may lie on a line for some octaves. Measured:
+of 3000 motions of velocity Verlet across fields with two random edges, a deficit of 0.5 or more on
+a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
 """
 
 WHOLE = 0.9
-"""What one pair of levels must lack to speak against a claim: about a whole order.
+"""Deficit, nearly a whole order, at which a single pair of levels speaks against the claim.
 
-It cannot tell a lack from a cancellation.
+One pair cannot tell a lower order from terms that cancel.
 """
 
 CANCELLED = 0.1
-"""Part of the errors that terms of the claimed order may leave. A term of the order below that
-makes a tenth of them leaves 0.04, one that makes all of them 0.38. Measured where leading terms
-cancel: 0.002 (RK4, Duffing's oscillator, pairs 5.6, 3.2, 3.5, 3.8)."""
+"""Largest residual, relative to the errors, of a fit with terms of the claimed order and the next.
+
+A term one order lower that makes a tenth of the errors leaves 0.04, one that makes all of them
+0.38. Measured where leading terms cancel: 0.002 (RK4, Duffing's oscillator, pairs 5.6, 3.2, 3.5,
+3.8).
+"""
 
 RISE = 0.25
-"""Octaves by which an error must rise from level to level to grow: errors that cancel, or scatter a
-little, do so once.
+"""Octaves by which an error must rise from level to level to count as growing: errors that cancel,
+or scatter a little, rise once.
 """
 
 Seen = Mapping[float, Mapping[str, Array]]
@@ -64,7 +72,7 @@ Seen = Mapping[float, Mapping[str, Array]]
 
 class Order(Check):
     """Pairs of neighbouring levels reach the claimed order as the step falls; with kinks in the
-    motion, the mean over all levels.
+    motion, the mean over all levels does.
     """
 
     name = "order"
@@ -72,7 +80,7 @@ class Order(Check):
     kills = "a wrong coefficient in the integrator, a force taken at the wrong time level"
 
     def applies(self, subject: Subject) -> str | None:
-        """None for methods with a fixed step, else the reason why not."""
+        """Methods with a fixed step."""
         if subject.method.control == "step":
             return None
         return f"the step control of the method is {subject.method.control}, not a fixed step"
@@ -82,25 +90,30 @@ class Order(Check):
         return tuple(Variant(level) for level in order_levels(subject.instance, subject.levels))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding for the state: the largest scaled error of any quantity; one more if errors
-        can be seen to grow or fall.
+        """The finding `state`, of the observed order; and `growth`, if errors can be seen to rise
+        or fall.
         """
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
-        found = _seen(subject, runs, truth)
-        if not found[subject.levels[0]]:
+        errors_at = _seen(subject, runs, truth)
+        if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
-        return [self._state(subject, runs, truth, found), *self._growth(subject, found)]
+        return [self._state(subject, runs, truth, errors_at), *self._growth(subject, errors_at)]
 
     def _state(
         self,
         subject: Subject,
         runs: Mapping[Variant, CompletedRun],
         truth: SampledTruth,
-        found: Seen,
+        errors_at: Seen,
     ) -> Finding:
-        """The observed order against the claimed one."""
+        """The finding on the observed order against the claimed one.
+
+        Three levels must have bounds between 20 x round-off and 0.1 of the scale. Depending on the
+        errors the order is that of the last pairs (`_deficit`), the mean over all levels where
+        kinks scatter them (`_mean`), or none, where all are round-off (`_nothing_left`).
+        """
         counting, common = _counting(subject)
         if len(counting) < 3:
             levels = len(self.needs(subject))
@@ -110,60 +123,66 @@ class Order(Check):
             )
             return undecided(self.name, "state", why)
         floor = [COUNTING_FLOOR * _floor(subject, h) for h in counting]
-        seen = [_largest(found[h], common) for h in counting]
-        if all(error <= low for error, low in zip(seen[1:], floor[1:], strict=True)):
-            return self._nothing_left(seen, floor)
+        largest = [_largest(errors_at[h], common) for h in counting]
+        if all(error <= low for error, low in zip(largest[1:], floor[1:], strict=True)):
+            return self._nothing_left(largest, floor)
         if kinked(subject.instance):
-            above = [k for k in range(len(seen)) if seen[k] > floor[k]]
-            return self._mean(subject, [counting[k] for k in above], [seen[k] for k in above])
-        pairs = list(zip(pairwise(seen), floor[1:], strict=True))
-        orders = [
-            float(np.log2(a / b)) for (a, b), low in pairs if b > low
-        ]  # no order in what is round-off
-        shown = [h for h, error, low in zip(counting, seen, floor, strict=True) if error > low][-3:]
-        # An error b that is rounded by a part r of itself is off by r/ln 2 octaves, and so is the
-        # one before, by less.
+            above = [k for k in range(len(largest)) if largest[k] > floor[k]]
+            return self._mean(subject, [counting[k] for k in above], [largest[k] for k in above])
+        pairs = list(zip(pairwise(largest), floor[1:], strict=True))
+        # Errors within round-off show no order.
+        orders = [float(np.log2(a / b)) for (a, b), low in pairs if b > low]
+        resolved = [
+            h for h, error, low in zip(counting, largest, floor, strict=True) if error > low
+        ][-3:]
+        # An error b that is rounded by a part r of itself shifts its logarithm by r/ln 2 octaves,
+        # and the error before it shifts by less: the order is off by 2 r/ln 2 at most.
         rounded = max(low / COUNTING_FLOOR / b for (_, b), low in pairs if b > low)
-        before = [_largest(found[h], common) for h in subject.levels if h > counting[0]]
-        earlier = [
-            float(np.log2(a / b)) for a, b in pairwise([*before, seen[0]]) if b > 0 and a < SMALL
+        # Orders of the levels too coarse to count, which show how fast the deficit falls.
+        coarser = [_largest(errors_at[h], common) for h in subject.levels if h > counting[0]]
+        coarser_orders = [
+            float(np.log2(a / b))
+            for a, b in pairwise([*coarser, largest[0]])
+            if b > 0 and a < SMALL
         ]
-        expected = expected_lack([*earlier, *orders], subject.order) + 2 * rounded / float(
+        expected = expected_lack([*coarser_orders, *orders], subject.order) + 2 * rounded / float(
             np.log(2.0)
         )
-        return self._deficit(
-            subject, orders, expected, _misfits(subject, runs, truth, shown, common)
-        )
+        misfits = _misfits(subject, runs, truth, resolved, common)
+        return self._deficit(subject, orders, expected, misfits)
 
-    def _growth(self, subject: Subject, found: Seen) -> list[Finding]:
-        """Errors at the three finest levels must not grow as the step falls, whatever bound they
-        are within.
+    def _growth(self, subject: Subject, errors_at: Seen) -> list[Finding]:
+        """The finding that errors at the three finest levels do not rise as the step falls,
+        whatever their bound.
 
-        Seen on the samples up to which all three are small: beyond, errors have no order. Where
-        kinks scatter errors, all levels together must show it beyond chance.
+        They are compared on the samples up to which all three are small: beyond the horizon errors
+        have no order. Where kinks scatter errors, the mean slope of all levels must show the rise
+        beyond chance.
         """
-        levels = sorted(found, reverse=True)
+        levels = sorted(errors_at, reverse=True)
         if len(levels) < 3:
             return []
-        common = min(predictable(found[h]) for h in levels[-3:])
+        common = min(predictable(errors_at[h]) for h in levels[-3:])
         if common < 2:
             return []
-        seen = [_largest(found[h], common) for h in levels]
-        above = all(
+        largest = [_largest(errors_at[h], common) for h in levels]
+        all_resolved = all(
             error > COUNTING_FLOOR * _floor(subject, h)
-            for h, error in zip(levels[-3:], seen[-3:], strict=True)
+            for h, error in zip(levels[-3:], largest[-3:], strict=True)
         )
-        if not above:
+        if not all_resolved:
             return []
-        rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(seen[-3:])]
-        grows = min(rises) > RISE
+        rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
+        rises_throughout = min(rises) > RISE
         if kinked(subject.instance):
-            slope, deviation, _ = mean_order(levels, seen)
-            grows = grows and slope < -RISE and subject.order - slope > SURE * deviation
+            slope, deviation, _ = mean_order(levels, largest)
+            rises_throughout = (
+                rises_throughout and slope < -RISE and subject.order - slope > SURE * deviation
+            )
         rise = 0.0
-        if grows:
+        if rises_throughout:
             rise = max(0.0, sum(rises))
-        listed = ", ".join(f"{error:.2g}" for error in seen)
+        listed = ", ".join(f"{error:.2g}" for error in largest)
         return [
             judged(
                 check=self.name,
@@ -182,17 +201,19 @@ class Order(Check):
             )
         ]
 
-    def _nothing_left(self, seen: list[float], floor: list[float]) -> Finding:
-        """Round-off at every level but perhaps the coarsest."""
+    def _nothing_left(self, largest: list[float], floor: list[float]) -> Finding:
+        """The finding where the error is round-off at every level but perhaps the coarsest: no
+        order can be observed.
+        """
         first = 0
         what = "The error at every level"
-        if not seen[0] <= floor[0]:
+        if not largest[0] <= floor[0]:
             first = 1
             what = "The error at every level but the coarsest"
         return judged(
             check=self.name,
             quantity="state",
-            value=max(seen[first:]),
+            value=max(largest[first:]),
             bound=max(floor[first:]),
             unit="1",
             basis=(
@@ -204,30 +225,32 @@ class Order(Check):
     def _deficit(
         self, subject: Subject, orders: list[float], expected: float, misfits: "Misfits | None"
     ) -> Finding:
-        """What the order lacks at the end; one pair alone shows no limit, and decides only where it
-        is nearer to another order.
+        """The finding that the deficit, claimed less observed order, vanishes in the limit of small
+        steps.
 
-        A lack that grows from pair to pair fails however small it is, if terms of a lower order
-        tell the errors better.
+        - One pair of levels is no limit: it fails only by nearly a whole order (WHOLE).
+        - A deficit beyond the tolerance is judged by `_cancelled` unless lower orders fit better.
+        - A deficit within the tolerance fails if it falls more slowly than `expected` and terms
+          of a lower order fit the errors better.
         """
         claimed = subject.order
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
-        lacking = lack(orders, claimed)
+        deficit = lack(orders, claimed)
         if len(orders) == 1 and tolerance < claimed - orders[0] < WHOLE:
             why = (
                 f"only one pair of levels is above round-off; its observed order {listed}"
                 f" may still rise to the claimed {claimed}"
             )
             return undecided(self.name, "state", why)
-        if lacking > tolerance and misfits is not None and not misfits.is_lower:
+        if deficit > tolerance and misfits is not None and not misfits.is_lower:
             return self._cancelled(subject, orders, misfits)
         basis = (
             f"order {claimed} is claimed, and pairs of levels must reach it within"
             " max(0.15, 0.05 p) as the step falls"
         )
         if expected < tolerance and (
-            lacking <= expected or (misfits is not None and misfits.is_lower)
+            deficit <= expected or (misfits is not None and misfits.is_lower)
         ):
             tolerance = expected
             basis = (
@@ -237,20 +260,20 @@ class Order(Check):
         return judged(
             check=self.name,
             quantity="state",
-            value=lacking,
+            value=deficit,
             bound=tolerance,
             unit="1",
             basis=basis,
             statement=order_statement(
-                orders[-1], claimed, lacking, tolerance, f"by pairs of levels: {listed}"
+                orders[-1], claimed, deficit, tolerance, f"by pairs of levels: {listed}"
             ),
             order_seen=orders[-1],
             order_claimed=float(claimed),
         )
 
     def _cancelled(self, subject: Subject, orders: list[float], misfits: "Misfits") -> Finding:
-        """Pairs lack order because leading terms cancel: the errors themselves are made of terms of
-        the claimed order and more.
+        """The finding that orders are low because leading terms cancel: terms of the claimed order
+        and the next fit the errors.
         """
         claimed = subject.order
         listed = ", ".join(f"{order:.2f}" for order in orders)
@@ -278,9 +301,11 @@ class Order(Check):
             order_claimed=float(claimed),
         )
 
-    def _mean(self, subject: Subject, steps: list[float], seen: list[float]) -> Finding:
-        """What the mean order lacks where the constant scatters: nearer to the claimed order than
-        to the one below, or surely not.
+    def _mean(self, subject: Subject, steps: list[float], largest: list[float]) -> Finding:
+        """The finding on the mean order, where kinks scatter the error constant: it is within 0.5
+        of the claimed one.
+
+        A mean order further off than 0.5 fails only if the miss exceeds what the scatter explains.
         """
         claimed = subject.order
         limit = smoothness(subject.instance, subject.method)
@@ -297,30 +322,31 @@ class Order(Check):
             )
         if len(steps) < 2:
             return undecided(self.name, "state", "only one level is above round-off")
-        slope, deviation, shown = mean_order(steps, seen)
-        lacking = claimed - slope
-        sure = min(
+        # `deviation` is expected of errors that kinks scatter, `shown` that of these errors.
+        slope, deviation, shown = mean_order(steps, largest)
+        deficit = claimed - slope
+        scatter = min(
             SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
         )
-        if 0.5 < lacking <= sure:
+        if 0.5 < deficit <= scatter:
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"
                 f" distinguish the mean order {slope:.2f} from {claimed}"
             )
             return undecided(self.name, "state", why)
-        if lacking > 0.5:
+        if deficit > 0.5:
             basis += "; " + _declared(subject)
         return judged(
             check=self.name,
             quantity="state",
-            value=max(0.0, lacking),
+            value=max(0.0, deficit),
             bound=0.5,
             unit="1",
             basis=basis,
             statement=order_statement(
                 slope,
                 claimed,
-                max(0.0, lacking),
+                max(0.0, deficit),
                 0.5,
                 f"mean over {len(steps)} levels, standard deviation {deviation:.2f}",
             ),
@@ -330,59 +356,60 @@ class Order(Check):
 
 
 def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, float]:
-    """Slope of log error over log step by least squares; its standard deviation if errors scatter
-    by SCATTER octaves, and as shown.
+    """Slope of log error over log step by least squares, with two standard deviations of it.
 
-    Errors that lie on a line of another slope show no scatter that could excuse it. Two points show
-    none: infinite.
+    The first is what errors that scatter by SCATTER octaves give, the second follows from the
+    residuals. Errors on a line of another slope have no residuals that could excuse it. Two points
+    have no residuals: infinity.
     """
     x = np.log2(steps) - np.mean(np.log2(steps))
     y = np.log2(errors) - np.mean(np.log2(errors))
+    # With deviations x, y from the means: slope = sum x y / sum x^2, variance = s^2 / sum x^2.
     spread = float(x @ x)
     slope = float(x @ y) / spread
-    left = len(x) - 2
-    rest = float(np.sum((y - slope * x) ** 2))
+    degrees_of_freedom = len(x) - 2
+    residual = float(np.sum((y - slope * x) ** 2))
     expected = SCATTER / float(np.sqrt(spread))
     # The standard error of a slope: residual variance over the spread of the abscissae.
     shown = float("inf")
-    if left:
-        shown = float(np.sqrt(rest / (left * spread)))
+    if degrees_of_freedom:
+        shown = float(np.sqrt(residual / (degrees_of_freedom * spread)))
     return slope, expected, shown
 
 
 def lack(orders: list[float], claimed: float) -> float:
-    """What the orders of all pairs, coarse to fine, lack of the claimed one in the limit of small
-    steps.
+    """Deficit of the orders of all pairs, coarse to fine, in the limit of small steps; at least 0.
 
     An error term of lower order dominates at the finest pair, so that pair decides. Where terms of
-    higher order still cancel part of the leading one, the lack halves at least from pair to pair:
-    what is left of it when twice its fall is taken off the pair before counts, if the finest pair
-    is already nearer to the claimed order than to the one below.
+    higher order still cancel part of the leading one, the deficit at least halves from pair to
+    pair. Then last - (before - last) = 2 last - before bounds its limit, and counts if the finest
+    pair is already nearer to the claimed order than to the one below.
     """
-    last = claimed - orders[-1]
-    if len(orders) > 1 and last < 0.5:
-        last = min(last, 2 * last - (claimed - orders[-2]))
-    return max(0.0, last)
+    last_deficit = claimed - orders[-1]
+    if len(orders) > 1 and last_deficit < 0.5:
+        deficit_before = claimed - orders[-2]
+        last_deficit = min(last_deficit, 2 * last_deficit - deficit_before)
+    return max(0.0, last_deficit)
 
 
 def expected_lack(orders: Sequence[float], claimed: float) -> float:
-    """What an order may lack at the finest of three pairs or more, by what it lacks at those
+    """Largest |deficit| expected at the finest of three or more pairs, from those at the two pairs
     before; infinite for fewer.
 
-    The next term of the error, b h^(p+1) beside a h^p, leaves a lack of about |b h/a|, which halves
-    from pair to pair. With one term more, the lacks obey d3 = 3/4 d2 - 1/8 d1, so that |d3| is at
-    most the larger of |d2| and |d1|/2, also where d1 or d2 is nearly nothing because both terms
-    cancel. A term of the order below makes it double.
+    The next term of the error, b h^(p+1) beside a h^p, makes a deficit of about |b h/a|, which
+    halves from pair to pair. With one more term, deficits obey d3 = 3/4 d2 - 1/8 d1, so that |d3|
+    is at most the larger of |d2| and |d1|/2, also where d1 or d2 is nearly 0 because both terms
+    cancel. A term one order lower doubles the deficit instead.
     """
     if len(orders) < 3:
         return float("inf")
-    lacks = [abs(claimed - order) for order in orders]
-    return max(lacks[-2], lacks[-3] / 2.0)
+    deficits = [abs(claimed - order) for order in orders]
+    return max(deficits[-2], deficits[-3] / 2.0)
 
 
 class Misfits(NamedTuple):
-    """What two terms leave of the errors at the finest level, as a part of them: of the claimed
-    order and the next, or one lower.
+    """Relative residuals of the errors at the finest level after fits with two powers of the step:
+    p and p + 1 (`claimed`), or p - 1 and p (`lower`).
     """
 
     claimed: float
@@ -390,7 +417,7 @@ class Misfits(NamedTuple):
 
     @property
     def is_lower(self) -> bool:
-        """The errors look more like those of a lower order."""
+        """True if powers of a lower order fit the errors better."""
         return self.lower < self.claimed
 
 
@@ -401,9 +428,9 @@ def _misfits(
     levels: Sequence[float],
     common: int,
 ) -> Misfits | None:
-    """How two terms fit the signed errors at three levels.
+    """Residuals of two-term fits to the signed errors at three levels.
 
-    None where there are fewer, or velocities lag behind the places.
+    None for fewer levels, or if velocities lag behind positions by a part of a step.
     """
     if len(levels) < 3 or subject.method.delay(levels[0]) != 0:
         return None
@@ -415,21 +442,21 @@ def _misfits(
 
 
 def _left(errors: Sequence[Array], first: float, second: float) -> float:
-    """Largest part of the errors at h/4 that a h^first + b h^second, fitted to those at h and h/2,
-    does not tell.
+    """Largest relative residual at h/4 of a h^first + b h^second, fitted to the errors at h and
+    h/2.
 
     Such errors obey e(h/4) = (x + y) e(h/2) - x y e(h) with x = 2^-first, y = 2^-second.
     """
     coarse, middle, fine = errors
     x = 2.0**-first
     y = 2.0**-second
-    told = (x + y) * middle - x * y * coarse
-    return float(np.max(np.abs(fine - told)) / np.max(np.abs(fine)))
+    fitted = (x + y) * middle - x * y * coarse
+    return float(np.max(np.abs(fine - fitted)) / np.max(np.abs(fine)))
 
 
 def _declared(subject: Subject) -> str:
-    """What to declare if the method has a lower order here and its author knows: the key of
-    `refdem.toml`.
+    """What the author of a method may declare in `refdem.toml` if its order is known to be lower
+    here.
     """
     limits = [limit for _, limit in singularities(subject.instance.scene)]
     if limits:
@@ -438,7 +465,7 @@ def _declared(subject: Subject) -> str:
 
 
 def _seen(subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth) -> Seen:
-    """Scaled errors of every quantity at every level that an order is read from."""
+    """Scaled errors of every quantity, at every level from which an order is read."""
     levels = order_levels(subject.instance, subject.levels)
     return {
         h: errors(subject.instance, runs[Variant(h)].trajectory, truth, subject.method.delay(h))
@@ -447,42 +474,41 @@ def _seen(subject: Subject, runs: Mapping[Variant, CompletedRun], truth: Sampled
 
 
 def _largest(scaled: Mapping[str, Array], common: int) -> float:
-    """The largest error of any quantity at the first `common` samples."""
+    """The largest error of any quantity over the first `common` samples."""
     return max(float(np.max(error[:common])) for error in scaled.values())
 
 
 def _counting(subject: Subject) -> tuple[list[float], int]:
-    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that
-    all of them score.
+    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the number of
+    samples that all of them score.
 
-    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples
-    that the third finest scores, or the fourth where kinks scatter the errors.
+    Where the sensitivity takes every bound past a tenth before the end, levels are compared on the
+    samples that the third finest scores, or the fourth finest where kinks scatter the errors.
     """
     truth = subject.truth
     assert truth is not None
     levels = order_levels(subject.instance, subject.levels)
-    ranges = {h: scored(subject.bound(h)) for h in levels}
+    scored_samples = {h: scored(subject.bound(h)) for h in levels}
     if kinked(subject.instance):
-        third = 3
+        n_finer = 3
     else:
-        third = 2
-    common = min(
-        len(truth.growth()),
-        max(sorted(ranges.values(), reverse=True)[min(third, len(ranges) - 1)], 0),
-    )
+        n_finer = 2
+    longest_first = sorted(scored_samples.values(), reverse=True)
+    last_needed = longest_first[min(n_finer, len(longest_first) - 1)]
+    common = min(len(truth.growth()), max(last_needed, 0))
     if common < 2:
         return [], 0
     allowed: dict[float, Array] = {h: subject.bound(h)[:common] for h in levels}
     counting = [
         h
         for h in levels
-        if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(subject, h)
+        if scored_samples[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(subject, h)
     ]
     return counting, common
 
 
 def _floor(subject: Subject, level: float) -> float:
-    """Round-off at a level, that of the clock too, times the sensitivity."""
+    """Round-off at a level, also of the clock, times the sensitivity S at the end."""
     assert subject.truth is not None
     return subject.noise(level) * float(subject.truth.growth()[-1])
 

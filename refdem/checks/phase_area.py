@@ -1,5 +1,8 @@
-"""The area of an outline in phase space against Liouville's theorem: kept, falling as exp(-2 delta
-t), or deposited (1.107)-(1.111).
+"""The area of an outline in phase space against Liouville's theorem (1.107)-(1.111).
+
+Area is conserved in conservative motions, falls as exp(-2 delta t) with viscous damping, and is
+deposited on the segment of rest by dry friction. The outline is a polygon of points (x, v), each of
+which moves by itself.
 """
 
 from collections.abc import Mapping
@@ -16,21 +19,28 @@ from refdem.core.variant import Variant
 from refdem.mechanics.oscillation import phase_area
 
 CORNER_ROUNDINGS = 8
-"""Roundings in a product of the shoelace formula, each of the size of place times rate."""
+"""Roundings of a product x dv in the shoelace formula."""
 
 
 COARSE = 0.01
-"""Part of the area: a polygon that may be off by more is not judged, nor what comes after it."""
+"""Relative error of a polygon's area from which on the run is no longer judged."""
 MIN_SAMPLES = 2
+"""Smallest number of samples that are judged."""
 SMOOTH = 0.45
+"""Share of the difference between polygons of half and of a quarter of the points that bounds the
+error of the whole polygon.
+
+Less than a half: a stray point is in one of the two polygons, with twice the area that it has in
+the whole.
+"""
 BROKEN = 4.0
-"""Parts of that difference. Below a half, a point that is astray is seen: it is in one of the two
-polygons with twice the area that it has in the whole. Where friction breaks sides at turning
-points, 60 random heads needed up to 1.1."""
+"""The same share where friction breaks sides at turning points; 60 random outlines needed up to
+1.1.
+"""
 
 
 class PhaseArea(Check):
-    """The area that the outline encloses, sample by sample."""
+    """The area that the outline encloses, at every sample."""
 
     name = "phase-area"
     title = "Area in phase space"
@@ -41,7 +51,7 @@ class PhaseArea(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """None for cases whose starts are an outline, else the reason why not."""
+        """Cases whose initial states form an outline."""
         if isinstance(subject.instance.case, EnsembleCase):
             return None
         return "the initial states do not form an outline"
@@ -51,38 +61,37 @@ class PhaseArea(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding: the largest error in units of the area at the start."""
+        """One finding: the largest error of the area, in units of the initial area."""
         truth = certified(subject)
         case = subject.instance.case
         if truth is None or "area" not in truth.values:
             return [undecided(self.name, "area", no_truth(subject))]
         assert isinstance(case, EnsembleCase)
         x, v = case.outline(subject.instance.p, runs[subject.finest].trajectory)
-        first = abs(truth.value("area")[0])
-        part = SMOOTH
+        initial = abs(truth.value("area")[0])
+        share = SMOOTH
         if "friction" in subject.instance.problem.features:
-            part = BROKEN
-        straight = polygon(x, v, part) / first
-        until = truth.until
-        too_coarse = np.flatnonzero(straight > COARSE)
+            share = BROKEN
+        polygon_error = polygon(x, v, share) / initial
+        count = truth.until
+        too_coarse = np.flatnonzero(polygon_error > COARSE)
         if len(too_coarse):
-            until = min(until, int(too_coarse[0]))
-        if until < MIN_SAMPLES:
+            count = min(count, int(too_coarse[0]))
+        if count < MIN_SAMPLES:
             return [
                 undecided(
                     self.name, "area", "the outline has too few points for the way it stretches"
                 )
             ]
-        error = np.abs(phase_area(x, v)[:until] - truth.value("area")[:until]) / first
-        allowed = (
-            straight[:until] + rounding(subject, x, v)[:until] * truth.growth()[:until] / first
-        )
+        error = np.abs(phase_area(x, v)[:count] - truth.value("area")[:count]) / initial
+        rounding_error = rounding(subject, x, v)[:count] * truth.growth()[:count] / initial
+        allowed = polygon_error[:count] + rounding_error
         return [
             worst(
                 check=self.name,
                 quantity="area",
-                t=subject.instance.times[:until],
-                values=np.maximum(0.0, error - truth.radius("area")[:until] / first),
+                t=subject.instance.times[:count],
+                values=np.maximum(0.0, error - truth.radius("area")[:count] / initial),
                 allowed=allowed,
                 signal=1.0,
                 unit="1",
@@ -96,30 +105,32 @@ class PhaseArea(Check):
 
 
 def polygon(x: Array, v: Array, part: float) -> Array:
-    """How far off (T,) the area of the outline's polygon may be: `part` of what polygons of half
-    and of a quarter of its points differ by.
+    """Bound (T,) on the error of a polygon's area: `part` of the difference between the areas of
+    half and of a quarter of its points.
 
-    Straight sides leave out areas that fall with the square of their length: all of them together
-    are a twelfth of that difference where everything is smooth, and more where a turning point
-    breaks a side.
+    Straight sides cut off areas that fall with the square of their length. So the whole polygon
+    lacks 1/12 of that difference where everything is smooth, and more where a turning point breaks
+    a side.
     """
-    differ = np.abs(phase_area(x[:, ::2], v[:, ::2]) - phase_area(x[:, ::4], v[:, ::4]))
-    found: Array = part * np.maximum.accumulate(differ)
-    return found
+    difference = np.abs(phase_area(x[:, ::2], v[:, ::2]) - phase_area(x[:, ::4], v[:, ::4]))
+    bound: Array = part * np.maximum.accumulate(difference)
+    return bound
 
 
 def rounding(subject: Subject, x: Array, v: Array) -> Array:
-    """Round-off (T,) of an area: that of the points along the whole outline."""
-    shift_x, shift_v = (np.abs(column).max(axis=1) for column in (x, v))
-    around: Any = shift_v * _way(x) + shift_x * _way(v)
-    found: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * around
-    return found
+    """Round-off (T,) of an area: one of x times the length of the outline in v, and the
+    reverse.
+    """
+    largest_x, largest_v = (np.abs(column).max(axis=1) for column in (x, v))
+    size: Any = largest_v * _length(x) + largest_x * _length(v)
+    result: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * size
+    return result
 
 
-def _way(column: Array) -> Array:
-    """The way (T,) that a coordinate goes on once round the outline."""
-    found: Array = np.abs(np.diff(column, axis=1, append=column[:, :1])).sum(axis=1)
-    return found
+def _length(column: Array) -> Array:
+    """Total variation (T,) of a coordinate once round the outline."""
+    length: Array = np.abs(np.diff(column, axis=1, append=column[:, :1])).sum(axis=1)
+    return length
 
 
 CHECK = PhaseArea()

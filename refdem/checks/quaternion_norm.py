@@ -1,4 +1,4 @@
-"""Attitudes are unit quaternions."""
+"""Attitudes are unit quaternions: |q| = 1."""
 
 from collections.abc import Mapping
 
@@ -18,8 +18,8 @@ class QuaternionNorm(Check):
     kills = "an attitude quaternion that is integrated and never normalised"
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes in which something turns, and methods whose attitudes nobody has made unit
-        quaternions on the way.
+        """Scenes with rotation, and methods whose attitudes are not unit quaternions by
+        construction.
         """
         if "rotation" not in subject.instance.scene.features:
             return "no body rotates"
@@ -30,16 +30,15 @@ class QuaternionNorm(Check):
         return (Variant(subject.levels[0]),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding about the largest | |q| - 1 | of any body."""
+        """One finding: the largest | |q| - 1 | of any body."""
         level = subject.levels[0]
+        norm = np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1)
         return [
             worst(
                 check=self.name,
                 quantity="norm",
                 t=subject.instance.times,
-                values=np.abs(
-                    np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1) - 1
-                ).max(axis=1),
+                values=np.abs(norm - 1).max(axis=1),
                 allowed=subject.round_off(level),
                 unit="1",
                 basis="an attitude is a unit quaternion at every step, to round-off c u sqrt(n)",

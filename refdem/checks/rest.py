@@ -1,4 +1,4 @@
-"""Rest stays rest: a body that no net force moves does not move."""
+"""A body at rest on which no net force acts stays at rest."""
 
 from collections.abc import Mapping
 
@@ -11,14 +11,14 @@ from refdem.core.variant import Variant
 
 
 class Rest(Check):
-    """No displacement and no speed at the finest level, where there are most steps to creep in."""
+    """No displacement and no speed at the finest level, which has the most steps to creep in."""
 
     name = "rest"
     title = "Rest stays rest"
     kills = "sgn(0) = 0 in a friction law, a contact that sinks or jitters, unbalanced gravity"
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes that start at rest and, as truth says, stay there."""
+        """Scenes that start at rest and, as far as truth is certified, stay there."""
         bodies = subject.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
             return "some body moves initially"
@@ -35,18 +35,17 @@ class Rest(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Largest displacement and largest speed of any body."""
+        """Two findings: the largest displacement and the largest speed of any body."""
         if certified(subject) is None:
             return [undecided(self.name, "rest", no_truth(subject))]
         run = runs[subject.finest].trajectory
         scales = subject.instance.scales
-        moved = np.linalg.norm(run.position - subject.instance.scene.bodies.position, axis=-1).max(
-            axis=1
-        )
-        half = len(moved) // 2
-        creep = (moved[-1] - moved[half]) / abs(run.t[-1] - run.t[half])
-        sizes = {
-            "displacement": moved / scales.length,
+        moved = run.position - subject.instance.scene.bodies.position
+        displacement = np.linalg.norm(moved, axis=-1).max(axis=1)
+        half = len(displacement) // 2
+        creep = (displacement[-1] - displacement[half]) / abs(run.t[-1] - run.t[half])
+        measured = {
+            "displacement": displacement / scales.length,
             "speed": np.linalg.norm(run.velocity, axis=-1).max(axis=1) / scales.speed,
         }
         return [
@@ -54,7 +53,7 @@ class Rest(Check):
                 check=self.name,
                 quantity=name,
                 t=subject.instance.times,
-                values=size,
+                values=values,
                 allowed=subject.round_off(subject.levels[-1]),
                 unit="1",
                 basis="a body at rest stays at rest at any step, to round-off c u sqrt(n)",
@@ -63,7 +62,7 @@ class Rest(Check):
                     f" {creep:.2g} m/s), relative to its scale,"
                 ),
             )
-            for name, size in sizes.items()
+            for name, values in measured.items()
         ]
 
 

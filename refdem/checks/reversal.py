@@ -1,5 +1,8 @@
-"""Time reversal: on from the end with velocities flipped, or with negative steps, back to the
-start.
+"""Time reversal: a run is continued from its end with velocities reversed, or with negative steps,
+back to the start.
+
+The return defect is the distance of the state that comes back from the initial state, in units of
+each quantity's scale. S is the truth's bound on the growth of errors.
 """
 
 import math
@@ -25,8 +28,8 @@ from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 
 FURTHER = 4
-"""Halvings of the finest step for the way back: growth counts both ways, so that a motion may be
-predictable there but not back.
+"""Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
+motion may be predictable forward and not back.
 """
 
 
@@ -39,7 +42,7 @@ class Reversal(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes without a direction of time and methods whose end state is complete."""
+        """Scenes without a direction of time, and methods whose final state is complete."""
         if not subject.instance.scene.is_reversible():
             return "the system gains or loses energy, so its motion is not reversible"
         if "contact:rigid" in subject.instance.scene.features:
@@ -49,8 +52,8 @@ class Reversal(Check):
         return "the final state of the method is incomplete, so a run cannot be continued from it"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """A level, reversed, and backward where the method can; the two finest of the subject where
-        the defect has an order.
+        """One level plain, reversed, and backward where the method can; the two finest levels
+        reversed where the defect has an order.
         """
         if subject.method.backward:
             changes: tuple[Change, ...] = ("reversed", "backward")
@@ -61,25 +64,27 @@ class Reversal(Check):
             pair = subject.levels[-2:]
         else:
             pair = ()
-        told = Variant(_telling(subject, level))
-        shown = (
+        compared = Variant(_telling(subject, level))
+        variants = (
             Variant(level),
-            told,
+            compared,
             *(Variant(level, change) for change in changes),
             *(Variant(h, "reversed") for h in pair),
         )
-        return tuple(dict.fromkeys(shown))
+        return tuple(dict.fromkeys(variants))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The distance from the start, in units of each quantity's scale, and how fast it falls
-        with the step.
+        """The return defect against its bound, and, for methods that are not reversible, the order
+        with which it falls.
         """
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "return", no_truth(subject))]
         level = _level(subject)
         growth = float(truth.growth()[-1])
-        size = _size(subject, level)
+        # The smallest of three bounds counts: what the claims allow, what the forward run's error
+        # against truth implies, and what the defect at a larger step implies.
+        allowed = _size(subject, level)
         basis = (
             "truncation error of the forward and backward runs, the first amplified on the way back"
         )
@@ -92,7 +97,7 @@ class Reversal(Check):
             order = self._order(subject, runs, growth)
         else:
             order = []
-        if size > HORIZON:
+        if allowed > HORIZON:
             return order or [
                 undecided(
                     self.name,
@@ -103,19 +108,19 @@ class Reversal(Check):
                     ),
                 )
             ]
-        fallen = _fallen(subject, runs, level, growth)
-        shown = _shown(subject, runs, level)
-        if shown < size:
-            size = shown
+        extrapolated = _fallen(subject, runs, level, growth)
+        observed = _shown(subject, runs, level)
+        if observed < allowed:
+            allowed = observed
             basis = "the backward run may add as much error as the forward run is seen to have"
-        if size > fallen:
+        if allowed > extrapolated:
             basis = "truncation error extrapolated from a larger step with the claimed order"
         return order + [
             judged(
                 check=self.name,
                 quantity=variant.change,
                 value=_defect(subject, runs[variant].trajectory, variant.change),
-                bound=min(size, fallen),
+                bound=min(allowed, extrapolated),
                 unit="1",
                 basis=basis,
                 what=(
@@ -130,8 +135,10 @@ class Reversal(Check):
     def _order(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
     ) -> list[Finding]:
-        """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even
-        term undoes itself.
+        """The finding on the order of the return defect: p if p is odd, p + 1 if p is even.
+
+        The leading error term of even order is undone on the way back. There is no finding where
+        the defect is at round-off, or below the next term of the error.
         """
         order = subject.order
         if order % 2:
@@ -144,23 +151,22 @@ class Reversal(Check):
         )
         scales = subject.instance.scales
         method = subject.method
-        following = (
+        next_term = (
             method.constant
             * scales.duration
             / scales.tau
             * (subject.levels[-1] / scales.tau) ** (expected + 1)
         )
-        floor = max(following, COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth**2)
-        if (
-            not floor < fine <= coarse < HORIZON
-        ):  # below the next term of the error there is no leading one to see
+        floor = max(next_term, COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth**2)
+        # Below round-off or the next term of the error the leading term cannot be observed.
+        if not floor < fine <= coarse < HORIZON:
             return []
-        seen = math.log2(coarse / fine)
+        observed = math.log2(coarse / fine)
         return [
             judged(
                 check=self.name,
                 quantity="order",
-                value=max(0.0, expected - seen),
+                value=max(0.0, expected - observed),
                 bound=max(0.15, 0.05 * expected),
                 unit="1",
                 basis=(
@@ -168,9 +174,9 @@ class Reversal(Check):
                     " within max(0.15, 0.05 p)"
                 ),
                 statement=order_statement(
-                    seen,
+                    observed,
                     expected,
-                    max(0.0, expected - seen),
+                    max(0.0, expected - observed),
                     max(0.15, 0.05 * expected),
                     "return error at the finest pair of steps",
                 ),
@@ -181,8 +187,8 @@ class Reversal(Check):
 def _fallen(
     subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
 ) -> float:
-    """What the claimed order leaves at a level of the defect at a coarser one; infinite where
-    nobody knows.
+    """Bound on the defect at a level: that of a coarser level divided by 2^(p octaves), with room;
+    infinite if unknown.
     """
     if not _has_order(subject) or len(subject.levels) < 3:
         return math.inf
@@ -194,26 +200,27 @@ def _fallen(
 
 
 def _is_exact(subject: Subject) -> bool:
-    """The way back undoes the way there, to round-off."""
+    """True if the way back undoes the way forward to round-off."""
     return subject.method.reversible or subject.method.control == "exact"
 
 
 def _size(subject: Subject, level: float) -> float:
-    """What the defect of the way back may be at a level, as the claims say; needs truth.
+    """Bound on the return defect at a level, from the claims of the method; needs truth.
 
-    With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the
-    end, and the way back takes that to D(s)^-1 e: to first order it undoes the growth on the way
-    there, and S counts once.
+    Let D(s) be the Jacobian of the flow from the start to time s. An error e made at time s becomes
+    D(T) D(s)^-1 e at the end, and the way back takes it to D(s)^-1 e: to first order it undoes the
+    growth on the way forward, and S counts once.
     """
     reached = _reached(subject, level)
     return _there_and_back(subject, reached * _unbent(subject), reached)
 
 
 def _unbent(subject: Subject) -> float:
-    """How many times S the growth on the way back may be, or S times at most.
+    """Factor by which the way back may amplify errors, if S amplified them forward.
 
-    D^-1 of a reversible scene is D transposed and put in another order (D is symplectic), so that
-    in the maximum norm it is at most S times the number of columns.
+    The flow of a reversible scene is symplectic: D^-1 is D transposed with rows and columns in
+    another order. So in the maximum norm |D^-1| is at most S times the number of columns, and at
+    most S^2.
     """
     assert subject.truth is not None
     bodies = subject.instance.scene.bodies
@@ -224,60 +231,63 @@ def _unbent(subject: Subject) -> float:
 
 
 def _there_and_back(subject: Subject, each: float, reached: float) -> float:
-    """The defect where each way adds `each`, and what is wrong at the end by `reached` bends the
-    way back by its square, grown by S.
+    """Defect bound 2 (each + reached^2 S): each way adds `each`, and the error `reached` at the end
+    adds its square to second order.
     """
     assert subject.truth is not None
     return 2 * (each + reached**2 * float(subject.truth.growth()[-1]))
 
 
 def _reached(subject: Subject, level: float) -> float:
-    """What the way there may be off by, as its claims say: an error made early, times S."""
+    """Bound on the error at the end of the forward run, from the claims of the method."""
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
-    summed = clock(subject.instance, subject.method, level) + flight(
+    summation = clock(subject.instance, subject.method, level) + flight(
         subject.instance, subject.method, level
     )
-    return (math.sqrt(2.0) * subject.round_off(level) + summed) * float(subject.truth.growth()[-1])
+    return (math.sqrt(2.0) * subject.round_off(level) + summation) * float(
+        subject.truth.growth()[-1]
+    )
 
 
 def _shown(subject: Subject, runs: Mapping[Variant, CompletedRun], level: float) -> float:
-    """What the defect may be, as the error of the way there shows it against truth; infinite where
-    nobody knows.
+    """Bound on the return defect from the observed error of the forward run against truth; infinite
+    if unknown.
 
-    The way back goes by the same places, and D and D^-1 have the same singular values: errors of no
-    particular kind grow as much there as on the way there, within a factor of the columns. Those of
-    equal steps may be of a kind that does not grow on the way there, but does on the way back:
-    symplectic Euler's is that of another start (Hairer, Lubich and Wanner 2006, chapter IX), and
-    the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be
-    small by chance, as where no number has to be rounded.
+    The way back passes the same positions, and D and D^-1 have the same singular values. So errors
+    of no particular structure grow as much there as forward, within a factor of the columns. Errors
+    of equal steps may have a structure that grows on the way back only: that of symplectic Euler is
+    an offset of the start (Hairer, Lubich and Wanner 2006, chapter IX), and the way back starts
+    elsewhere. These are given all of S. Round-off is added, since an error may be small by chance,
+    as where no number has to be rounded.
     """
     truth = certified(subject)
     assert truth is not None
-    telling = _telling(subject, level)
+    compared_level = _telling(subject, level)
     if truth.until < len(subject.instance.times) or (
-        subject.method.control == "tolerance" and telling == level
+        subject.method.control == "tolerance" and compared_level == level
     ):
         return math.inf
     if subject.method.control == "tolerance":
         room = ROOM
     else:
         room = room_of(subject)
-    own = room * float(
-        largest_so_far(subject, telling, runs[Variant(telling)].trajectory, truth)[-1]
+    observed = room * float(
+        largest_so_far(subject, compared_level, runs[Variant(compared_level)].trajectory, truth)[-1]
     )
-    reached = own + COUNTING_FLOOR * subject.noise(level)
+    reached = observed + COUNTING_FLOOR * subject.noise(level)
     if subject.method.control == "step":
-        grown = float(truth.growth()[-1])
+        amplification = float(truth.growth()[-1])
     else:
-        grown = _unbent(subject)
-    return _there_and_back(subject, reached * grown, reached)
+        amplification = _unbent(subject)
+    return _there_and_back(subject, reached * amplification, reached)
 
 
 def _telling(subject: Subject, level: float) -> float:
-    """The level whose error is taken for that of the way back: of chosen steps a looser one, for
-    they may be others on the way back.
+    """The level whose observed error stands for that of the way back.
+
+    Methods with a tolerance may choose other steps on the way back, so a looser level is taken.
     """
     if subject.method.control == "tolerance" and len(subject.levels) > 1:
         return subject.levels[-2]
@@ -285,8 +295,8 @@ def _telling(subject: Subject, level: float) -> float:
 
 
 def _level(subject: Subject) -> float:
-    """The level that is judged: the finest, or the first half of a half of it at which the way back
-    is still predictable.
+    """The level that is judged: the finest, or the first of its halves at which the way back is
+    predictable.
     """
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
@@ -296,14 +306,19 @@ def _level(subject: Subject) -> float:
 
 
 def _has_order(subject: Subject) -> bool:
-    """The defect is a truncation error, and no kink within a step scatters it."""
+    """True if the defect is a truncation error, and no kink within a step scatters it."""
     return (
         subject.method.control == "step" and not _is_exact(subject) and not kinked(subject.instance)
     )
 
 
 def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
-    """Largest scaled difference between the start and the state that came back."""
+    """Largest difference between the initial state and the state that came back, in units of each
+    scale.
+
+    The angular velocity is scaled by the largest initial one, or 1/tau if none turns; attitudes
+    differ by an angle.
+    """
     start = subject.instance.scene.bodies
     end = back.end()
     scales = subject.instance.scales
@@ -311,15 +326,15 @@ def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
         sign = -1.0
     else:
         sign = 1.0
-    spin = np.max(np.linalg.norm(start.omega, axis=1)) or 1.0 / scales.tau
-    # A run that was reversed ends with the velocities of the start, of the other sign.
+    omega_scale = np.max(np.linalg.norm(start.omega, axis=1)) or 1.0 / scales.tau
+    # A reversed run comes back with the initial velocities, of opposite sign.
     position = float(np.max(np.abs(end["position"] - start.position)))
     velocity = float(np.max(np.abs(sign * end["velocity"] - start.velocity)))
     omega = float(np.max(np.abs(sign * end["omega"] - start.omega)))
     angle = 0.0
     if "rotation" in subject.instance.scene.features:
         angle = float(np.max(angle_between(end["attitude"], start.attitude)))
-    return max(position / scales.length, velocity / scales.speed, omega / float(spin), angle)
+    return max(position / scales.length, velocity / scales.speed, omega / float(omega_scale), angle)
 
 
 CHECK = Reversal()

@@ -1,5 +1,8 @@
-"""How a gas of perfectly rough elastic spheres begins to spin: energy of flight and of spin are
-shared out, and none is lost.
+"""A gas of perfectly rough elastic spheres, initially without spin: kinetic energy is shared
+between translation and rotation, and none is lost.
+
+`mechanics.gas.rough_temperatures` has the kinetic theory: rotational temperature rises towards the
+translational one, by collisions in which spheres stick and reverse their relative surface velocity.
 """
 
 from collections.abc import Mapping
@@ -18,16 +21,18 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 
 IN_TUNE = 1e-6
-"""Relative: tangential and normal swing last equally long if k_t (1/m_eff + 1/J_eff) is k/m_eff."""
+"""Relative tolerance of k_t (1/m_eff + 1/J_eff) = k/m_eff, for which tangential and normal
+oscillation of a contact last equally long.
+"""
 NEVER_SLIDES = 100.0
-"""Friction from which (k_t/(k mu))^2, the part of collisions so oblique that they slide, is below
-1e-5.
+"""Friction coefficient from which the share (k_t/(k mu))^2 of collisions that are so oblique that
+they slide is below 1e-5.
 """
 
 
 class Roughness(Check):
-    """Means over many collisions of spheres that stick: what a tangential spring forgets is energy
-    that the gas loses.
+    """Means over many collisions of sticking spheres: elongation that a tangential spring forgets
+    is energy that the gas loses.
     """
 
     name = "roughness"
@@ -39,8 +44,8 @@ class Roughness(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Equal elastic spheres in a periodic box that stick in every contact, do not spin at
-        first, and swing back in time.
+        """Equal elastic spheres in a periodic box, without initial spin, that stick in every
+        contact and reverse their slip.
         """
         scene = subject.instance.scene
         if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
@@ -55,11 +60,11 @@ class Roughness(Check):
             or laws[0].friction < NEVER_SLIDES
         ):
             return "the spheres are not both elastic and perfectly rough"
-        in_tune = (
+        reverses_slip = (
             abs(laws[0].tangential_stiffness * (1 + 1 / _inertia(scene)) / laws[0].stiffness - 1)
             < IN_TUNE
         )
-        if in_tune and not scene.bodies.omega.any():
+        if reverses_slip and not scene.bodies.omega.any():
             return None
         return "the contacts do not reverse their slip, or bodies spin initially"
 
@@ -68,7 +73,9 @@ class Roughness(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """All of the energy, and the part of it that is in spins."""
+        """Two findings: the total energy, and the rotational temperature against kinetic
+        theory.
+        """
         if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
             return [undecided(self.name, "energy", "the collision frequency is not certified")]
         scene = subject.instance.scene
@@ -78,39 +85,42 @@ class Roughness(Check):
         mass = float(scene.bodies.mass[0])
         law = scene.all(Contact)[0]
         temperature = subject.instance.p.t0
-        soft = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
+        softness = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
+        # Volume of the spheres over that of the box, n pi/6 (2 R/L)^3.
         packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
-        if packing > DILUTE or soft > SHORT:
+        if packing > DILUTE or softness > SHORT:
             return [
                 undecided(
                     self.name,
                     "energy",
                     (
                         f"collisions are not binary: the packing fraction is {packing:.2g} and"
-                        f" contact time times collision frequency is {soft:.2g}"
+                        f" contact time times collision frequency is {softness:.2g}"
                     ),
                 )
             ]
         t = run.t - run.t[0]
-        flight, spin = rough_temperatures(t, temperature, frequency, _inertia(scene))
-        met = collisions(t, flight, frequency / np.sqrt(temperature), n)
-        if met[-1] < FEWEST:
+        translational, rotational = rough_temperatures(t, temperature, frequency, _inertia(scene))
+        n_collisions = collisions(t, translational, frequency / np.sqrt(temperature), n)
+        expected = n_collisions[-1]
+        if expected < FEWEST:
             return [
                 undecided(
                     self.name,
                     "spin",
-                    f"only {met[-1]:.2g} collisions are expected; {FEWEST} are needed for a mean",
+                    f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean",
                 )
             ]
         energy = mechanical(scene, run)
-        held = soft + ERRORS * np.sqrt(soft / n)
-        seen = np.einsum("nk,tnk->t", scene.bodies.inertia, run.omega**2) / (3 * n)
+        stored = softness + ERRORS * np.sqrt(softness / n)
+        # Rotational temperature: sum J omega^2 over the 3 n degrees of freedom.
+        observed = np.einsum("nk,tnk->t", scene.bodies.inertia, run.omega**2) / (3 * n)
         energies = worst(
             check=self.name,
             quantity="energy",
             t=run.t,
             values=np.abs(energy / energy[0] - 1),
-            allowed=held,
+            allowed=stored,
             unit="1",
             basis=(
                 "energy held in contacts that last, and lost in those of three bodies:"
@@ -122,8 +132,10 @@ class Roughness(Check):
             check=self.name,
             quantity="spin",
             t=run.t,
-            values=np.abs(seen - spin) / temperature,
-            allowed=ERRORS * spin / temperature * np.sqrt(2 / np.maximum(met, 1)) + THEORY + held,
+            values=np.abs(observed - rotational) / temperature,
+            allowed=ERRORS * rotational / temperature * np.sqrt(2 / np.maximum(n_collisions, 1))
+            + THEORY
+            + stored,
             unit="1",
             basis=(
                 f"{ERRORS:g} standard errors of the gain in the collisions so far,"
@@ -138,7 +150,7 @@ class Roughness(Check):
 
 
 def _inertia(scene: Scene) -> float:
-    """4 J/(m d^2): 2/5 of a homogeneous sphere."""
+    """J/(m R^2): 2/5 for a homogeneous sphere."""
     bodies = scene.bodies
     return float(bodies.inertia[0, 0] / (bodies.mass[0] * bodies.radius[0] ** 2))
 

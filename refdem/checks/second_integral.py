@@ -1,8 +1,10 @@
-"""Swinging Atwood's machine: the second integral of a pendulum and a mass three times as heavy on a
-string over a wheel.
+"""The second integral of the swinging Atwood machine: a pendulum (r, theta) on a string over a
+wheel, with a counterweight of three times its mass.
 
-I = r^2 w (r' cos(th/2) - r w sin(th/2)/2) + g r^2 sin(th/2) cos^2(th/2), w = th' (Tufillaro 1986):
-kept for a wheel of no size; for a small radius R it drifts in proportion to R, and must be seen to.
+  I = r^2 w (r' cos(theta/2) - r w sin(theta/2)/2) + g r^2 sin(theta/2) cos^2(theta/2)
+
+with w = theta' (Tufillaro 1986). It is conserved for a wheel of radius 0; for a small radius R it
+drifts in proportion to R, and a run must show that drift.
 """
 
 from collections.abc import Mapping
@@ -18,12 +20,14 @@ from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 TERMS = 8.0
-"""I is of degree five in the state at most, with three terms."""
+"""Factor from the relative error of the state to that of I, which has three terms of degree five at
+most.
+"""
 
 
 class SecondIntegral(Check):
-    """The change of the integral along the run agrees with that of truth: 0 for a wheel of zero
-    size, else the drift that the radius makes.
+    """The change of I in a run agrees with that of truth: 0 for a wheel of radius 0, else the drift
+    due to the radius.
     """
 
     name = "second-integral"
@@ -32,8 +36,8 @@ class SecondIntegral(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """A string over a wheel of little or no size and inertia, with three times the pendulum's
-        mass on the other side.
+        """A string over a wheel without inertia, with a counterweight of three times the pendulum's
+        mass.
         """
         scene = subject.instance.scene
         strings = scene.all(StringOverWheel)
@@ -49,7 +53,7 @@ class SecondIntegral(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest difference between its change in the run and in truth."""
+        """One finding: the largest difference between the change of I in the run and in truth."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "I", no_truth(subject))]
@@ -60,25 +64,32 @@ class SecondIntegral(Check):
                 sum(np.array(field.g) for field in subject.instance.scene.all(UniformGravity))
             )
         )
-        seen = {
+        measured = {
             name: v[:count]
             for name, v in subject.instance.observe(runs[subject.finest].trajectory).items()
         }
-        known = {name: truth.value(name)[:count] for name in seen}
+        known = {name: truth.value(name)[:count] for name in measured}
         # I changes its sign with every turn, so that theta must be within half a turn of truth.
-        turns = np.round((known["theta"] - seen["theta"]) / (2 * np.pi))
-        run = _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g)
-        true = _integral(known, g)
-        speed = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"])
-        size = seen["r"] ** 2
-        scale = float(np.max(size * np.abs(seen["thetadot"]) * speed + g * size))
-        drift = float(np.max(np.abs(true - true[0]))) / scale
+        turns = np.round((known["theta"] - measured["theta"]) / (2 * np.pi))
+        run_integral = _integral({**measured, "theta": measured["theta"] + 2 * np.pi * turns}, g)
+        true_integral = _integral(known, g)
+        speed = np.hypot(measured["rdot"], measured["r"] * measured["thetadot"])
+        r_squared = measured["r"] ** 2
+        scale = float(np.max(r_squared * np.abs(measured["thetadot"]) * speed + g * r_squared))
+        drift = float(np.max(np.abs(true_integral - true_integral[0]))) / scale
         bound = TERMS * float(allowed[count - 1])
         return [
             judged(
                 check=self.name,
                 quantity="I",
-                value=float(np.max(np.abs((run - run[0]) - (true - true[0])))) / scale,
+                value=float(
+                    np.max(
+                        np.abs(
+                            (run_integral - run_integral[0]) - (true_integral - true_integral[0])
+                        )
+                    )
+                )
+                / scale,
                 bound=bound,
                 sight=Sight(bound, 1.0),
                 unit="1",
@@ -91,14 +102,14 @@ class SecondIntegral(Check):
         ]
 
 
-def _integral(of: Mapping[str, Array], g: float) -> Array:
-    """The second integral I (T,) of r, theta, rdot and thetadot."""
-    r = of["r"]
-    rate = of["thetadot"]
-    sine = np.sin(of["theta"] / 2)
-    cosine = np.cos(of["theta"] / 2)
+def _integral(state: Mapping[str, Array], g: float) -> Array:
+    """The second integral I (T,) from r, theta, rdot and thetadot."""
+    r = state["r"]
+    w = state["thetadot"]
+    sine = np.sin(state["theta"] / 2)
+    cosine = np.cos(state["theta"] / 2)
     integral: Array = (
-        r**2 * rate * (of["rdot"] * cosine - r * rate / 2 * sine) + g * r**2 * sine * cosine**2
+        r**2 * w * (state["rdot"] * cosine - r * w / 2 * sine) + g * r**2 * sine * cosine**2
     )
     return integral
 

@@ -1,4 +1,4 @@
-"""Where and when dry friction stops a body for ever."""
+"""Time and position at which dry friction stops a body for ever."""
 
 from collections.abc import Mapping
 
@@ -14,14 +14,14 @@ from refdem.scene.elements.spring import Spring
 
 
 class Stop(Check):
-    """Place and time of the stop at the finest level, and no creep afterwards."""
+    """Position and time of the stop at the finest level, and no creep afterwards."""
 
     name = "stop"
     title = "Stop and sticking"
     kills = "a wrong friction force or sign, friction that lets a body creep, sgn(0) = 0"
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with dry friction that truth says come to rest."""
+        """Scenes with dry friction that come to rest, as truth says."""
         if not subject.instance.scene.all(Slider):
             return "the scene has no dry friction"
         if subject.truth is not None and "stop_time" not in subject.truth.scalars:
@@ -33,7 +33,7 @@ class Stop(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Stop position, stop time, and the speed left afterwards."""
+        """Three findings: stop position, stop time, and the distance crept afterwards."""
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "stop", no_truth(subject))]
@@ -54,7 +54,7 @@ class Stop(Check):
         allowed = float(subject.bound(level)[-1])
         rounding = subject.round_off(level)
         after = t > stop + allowed * scales.tau
-        reached = abs(float(run.position[-1, 0, 0]) - place) / scales.length
+        position_error = abs(float(run.position[-1, 0, 0]) - place) / scales.length
         if after.any():
             creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
         else:
@@ -63,7 +63,7 @@ class Stop(Check):
             judged(
                 check=self.name,
                 quantity="stop_position",
-                value=max(0.0, reached - radius),
+                value=max(0.0, position_error - radius),
                 bound=allowed,
                 unit="1",
                 basis="the error bound of the state at the end of the run",
@@ -96,25 +96,24 @@ class Stop(Check):
         allowed: float,
         rounding: float,
     ) -> Finding:
-        """The sample after which the speed stays at zero; a stop that the engine reports itself is
-        judged by event-times.
+        """The finding on the stop time: the last sample at which the body moves visibly.
+
+        A stop that the engine itself reports is judged by the check `event-times`.
         """
         t = subject.instance.times
         scales = subject.instance.scales
-        moving = np.flatnonzero(
-            np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding)
-        )
-        if len(moving):
-            seen = t[moving[-1]]
+        visible = max(allowed, rounding)
+        moving_samples = np.flatnonzero(np.abs(run.velocity[:, 0, 0]) / scales.speed > visible)
+        if len(moving_samples):
+            observed = t[moving_samples[-1]]
         else:
-            seen = 0.0
-        slack = subject.instance.problem.interval + _unseen(
-            subject, max(allowed, rounding) * scales.speed, place
-        )
+            observed = 0.0
+        unseen = _unseen(subject, visible * scales.speed, place)
+        slack = subject.instance.problem.interval + unseen
         return judged(
             check=self.name,
             quantity="stop_time",
-            value=abs(seen - stop) / scales.tau,
+            value=abs(observed - stop) / scales.tau,
             bound=allowed + slack / scales.tau,
             unit="1",
             basis=(
@@ -129,24 +128,24 @@ class Stop(Check):
 
 
 def _unseen(subject: Subject, speed: float, place: float) -> float:
-    """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a
-    spring may push it on.
+    """Longest time [s] before the stop in which the motion may be invisible, because it is slower
+    than `speed` [m/s].
 
-    The last half cycle is a sine: v = a tau sin((t_stop - t)/tau) with a the deceleration at the
-    stop, so that t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it must be
-    seen to move only where truth is twice as fast. Where truth is never so fast in the last half
-    cycle (a tau <= v), all of that is unseen, and the slow end of the half cycle before: the time
-    since truth last was so fast.
+    Near the stop v = a tau sin((t_stop - t)/tau), with a the deceleration at the stop, so that
+    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so it must be seen to move only
+    where truth is twice as fast. Where truth is never so fast in the last half cycle (a tau <= 2
+    speed), all of the half cycle and the slow end of the one before are invisible: the time since
+    truth was last so fast.
     """
     scene = subject.instance.scene
-    braking = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
-    pushing = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
-    slowing = (braking - pushing) / float(scene.bodies.mass.sum())
+    friction = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
+    spring_force = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
+    deceleration = (friction - spring_force) / float(scene.bodies.mass.sum())
     tau = subject.instance.scales.tau
     surely_seen = 2 * speed
-    fastest = slowing * tau
+    fastest = deceleration * tau
     if fastest > surely_seen:
-        return float(np.pi / 2 * surely_seen / slowing)
+        return float(np.pi / 2 * surely_seen / deceleration)
     longest = np.pi * tau
     truth = certified(subject)
     assert truth is not None

@@ -1,5 +1,8 @@
-"""Symmetry: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started
-later. Needs no truth.
+"""Symmetries of mechanics: a scene that is shifted, rotated, boosted, mirrored, relabelled,
+rescaled or delayed moves in the same way.
+
+A *picture* of the scene is the scene after such a transformation. The run of a picture, transformed
+back, must agree with the plain run to round-off. No truth is needed.
 """
 
 from collections.abc import Mapping
@@ -28,24 +31,26 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
-"""What jumps: in which step it does so hangs on the last bit where it falls on the end of a step.
+"""Elements that switch discontinuously: where the switch falls on the end of a step, rounding
+decides in which step it happens.
 """
 DRAWS = (-64, 16, -16, 1, -1)
-"""Units in the last place, times those of `perturbation`/64, by which the start is moved as well
-where a rounding may decide.
+"""Further perturbations of the start, in units of `perturbation`/64, where rounding may decide.
 
-What a rounding decides lies within a rounding of a threshold, so of two starts moved to either side
-of it by more than a rounding one decides otherwise. The small ones stand for motions that grow so
-fast that large ones no longer show it.
+A decision that rounding makes lies within a rounding of a threshold, so of two starts on either
+side of it, by more than a rounding, one decides otherwise. The small ones are for motions that grow
+so fast that large ones no longer show it.
 """
 REORDERED = frozenset({"rotated", "mirrored", "relabelled", "rescaled"})
-"""Pictures in which iterations over contacts begin elsewhere: others are found or come first, or a
-tolerance is in other units.
+"""Pictures that change how contact iterations run: contacts are found in another order or
+elsewhere, or a tolerance has other units.
 """
 
 
 class Symmetry(Check):
-    """The motion is the same however the scene is put before the code, to round-off."""
+    """The motion does not depend on the frame, the order of bodies, the units or the clock, to
+    round-off.
+    """
 
     name = "symmetry"
     title = "Symmetry"
@@ -55,13 +60,13 @@ class Symmetry(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with some symmetry that the method can be shown."""
+        """Scenes with a symmetry whose picture the method supports."""
         if self._shown(subject):
             return None
         return "the method can run no symmetry of the scene"
 
     def _shown(self, subject: Subject) -> list[str]:
-        """Symmetries that the scene has and whose picture of it the method does not refuse."""
+        """Names of the symmetries that the scene has and whose picture the method supports."""
         scene = subject.instance.scene
         names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
         return [
@@ -71,49 +76,52 @@ class Symmetry(Check):
         ]
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """One level, as it is, in every symmetry, and with the start moved a little: by several
-        amounts where a rounding decides.
+        """One level plain, in every picture, and with perturbed starts: several where rounding may
+        decide.
 
-        Where a truncation error may know the axes of space, the scene turned at a second level too:
-        such an error falls.
+        Where truncation error may depend on the axes of space, the rotated picture runs at a second
+        level too, since such an error falls with the step.
         """
         level = level_for(subject)
-        shown = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
-        other: tuple[Variant, ...] = ()
-        if _has_axes(subject) and Variant(level, "rotated") in shown:
-            beside = _beside(subject)
-            other = (Variant(beside), Variant(beside, "rotated"))
+        pictures = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
+        extra: tuple[Variant, ...] = ()
+        if _has_axes(subject) and Variant(level, "rotated") in pictures:
+            second_level = _beside(subject)
+            extra = (Variant(second_level), Variant(second_level, "rotated"))
         if _decides(subject) and subject.method.control == "step":
-            other = (*other, *_draws(subject, level), *_coarser(subject))
+            extra = (*extra, *_draws(subject, level), *_coarser(subject))
         elif subject.method.control == "tolerance":
-            other = tuple(Variant(looser) for looser in subject.levels[:-1])
+            extra = tuple(Variant(looser) for looser in subject.levels[:-1])
         return (
             Variant(level),
             Variant(level, "perturbed", perturbation(subject.method)),
-            *shown,
-            *other,
+            *pictures,
+            *extra,
         )
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding a symmetry: the largest scaled difference of any state."""
+        """One finding for each symmetry: the largest difference of any state, in units of each
+        scale.
+        """
         plain, perturbed, *others = self.needs(subject)
-        shown = [
+        pictures = [
             variant
             for variant in others
             if variant.level == plain.level and variant.change in symmetry.NAMES
         ]
         base = runs[plain].trajectory
         growth = growth_of(subject, _least_moved(subject, runs, perturbed), base)
-        found = []
-        for variant in shown:
-            if variant not in runs:  # the code said when it ran that it cannot show this one
+        findings = []
+        for variant in pictures:
+            # An engine may refuse a picture only when it runs.
+            if variant not in runs:
                 continue
             view = symmetry.of(subject.instance, variant.change)
             decided = _decided_by_rounding(subject, runs, growth, variant.change)
             bounds = round_off(subject, view) * growth + decided
             count = scored(bounds)
             if count < 2:
-                found.append(
+                findings.append(
                     undecided(
                         self.name,
                         variant.change,
@@ -121,20 +129,20 @@ class Symmetry(Check):
                     )
                 )
                 continue
-            apart = distances(subject.instance, view.undone(runs[variant].trajectory), base)
+            difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
             if (
                 variant.change == "rotated"
                 and _has_axes(subject)
-                and np.any(apart[:count] > bounds[:count])
+                and np.any(difference[:count] > bounds[:count])
             ):
-                found.append(self._rotated(subject, runs, growth, decided))
+                findings.append(self._rotated(subject, runs, growth, decided))
                 continue
-            found.append(
+            findings.append(
                 worst(
                     check=self.name,
                     quantity=variant.change,
                     t=subject.instance.times[:count],
-                    values=apart[:count],
+                    values=difference[:count],
                     allowed=bounds[:count],
                     unit="1",
                     basis=_basis(subject),
@@ -144,7 +152,7 @@ class Symmetry(Check):
                     ),
                 )
             )
-        return found or [
+        return findings or [
             undecided(
                 self.name, "any", "the engine refused every symmetry of the scene during the run"
             )
@@ -153,34 +161,38 @@ class Symmetry(Check):
     def _rotated(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, decided: Array
     ) -> Finding:
-        """A method may put attitudes in coordinates with axes of their own: then what differs is
-        truncation, and falls with the step.
+        """The finding for a rotated scene where the difference exceeds round-off: it must be
+        truncation error, and fall with the step.
 
-        What a rounding decides need not fall: `decided` (T,) is allowed beside it.
+        A method may describe attitudes in coordinates with axes of their own, so that its
+        truncation error is not invariant. A difference that a rounding decided need not fall:
+        `decided` (T,) is allowed in addition.
         """
         coarsest = subject.levels[0]
         finest = subject.levels[-1]
         view = symmetry.of(subject.instance, "rotated")
-        turned = {
+        rotated = {
             level: view.undone(runs[Variant(level, "rotated")].trajectory)
             for level in (coarsest, finest)
         }
-        coarse = distances(subject.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
-        fine = distances(subject.instance, turned[finest], runs[Variant(finest)].trajectory)
+        # Largest scaled differences (T,) between the rotated and the plain run at both levels.
+        coarse = distances(subject.instance, rotated[coarsest], runs[Variant(coarsest)].trajectory)
+        fine = distances(subject.instance, rotated[finest], runs[Variant(finest)].trajectory)
         order = subject.order
         octaves = np.log2(coarsest / finest)
         allowed = (2 * subject.truncation(finest)) * growth
         count = scored(allowed)
         largest = float(np.max(fine))
-        falls = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
-        falling = np.maximum(
-            falls, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
+        # The difference at the coarsest level, fallen with the order less 1/2.
+        extrapolated = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
+        floor = np.maximum(
+            extrapolated, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
         )
         what = (
             "The difference between the motion and its rotated counterpart at the"
             " finest step, relative to each scale"
         )
-        bounds = np.minimum(allowed, falling) + decided
+        bounds = np.minimum(allowed, floor) + decided
         largest_coarse = float(np.max(coarse))
         return worst(
             check=self.name,
@@ -201,15 +213,15 @@ class Symmetry(Check):
 
 
 def _has_axes(subject: Subject) -> bool:
-    """Attitudes, which a method with steps may put in coordinates whose truncation error knows the
-    axes of space.
+    """True if a method with fixed steps integrates attitudes at several levels: its truncation
+    error may depend on the axes of space.
     """
     turns = "rotation" in subject.instance.scene.features
     return turns and subject.method.control == "step" and len(subject.levels) > 1
 
 
 def _beside(subject: Subject) -> float:
-    """The level to compare with that of `level_for`: the other end of the ladder."""
+    """The level to compare with that of `level_for`: the other end of the ladder of steps."""
     is_finest = level_for(subject) == subject.levels[-1]
     if is_finest:
         return subject.levels[0]
@@ -217,7 +229,7 @@ def _beside(subject: Subject) -> float:
 
 
 def level_for(subject: Subject) -> float:
-    """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be
+    """The coarsest level, where a small step hides nothing; the finest where truncation has to be
     allowed for.
     """
     if _decides(subject):
@@ -226,25 +238,26 @@ def level_for(subject: Subject) -> float:
 
 
 def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Array:
-    """How much an early error has grown (T,): S of the truth, or what the moved start shows.
+    """Growth of an early error (T,): S of the truth, or the growth of the perturbed start.
 
     S is that of the true motion. A run that has left it, as one whose steps are too long for a
-    close passage, grows as its own moved start shows from there on.
+    close passage, grows as its own perturbed start shows from there on.
     """
     truth = certified(subject)
     shown = growth_shown(subject.instance, subject.method, perturbed, base)
     if truth is None or truth.until != len(base.t):
         return shown
     growth = truth.growth()
-    left = followed(subject, level_for(subject), base, truth)
-    found: Array = np.concatenate([growth[:left], np.maximum(growth, shown)[left:]])
-    return found
+    departure = followed(subject, level_for(subject), base, truth)
+    combined: Array = np.concatenate([growth[:departure], np.maximum(growth, shown)[departure:]])
+    return combined
 
 
 def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
-    """Round-off of both runs with the numbers as large as the symmetry makes them.
+    """Round-off of both runs, with numbers as large as the symmetry makes them.
 
-    In other units the moments of inertia are rounded anew, which makes another body of a needle.
+    In other units the moments of inertia are rounded anew, which for a very slender body is a
+    visible change.
     """
     level = level_for(subject)
     rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
@@ -254,8 +267,8 @@ def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
 
 
 def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of
-    which no moved starts are run.
+    """Bound (T,) from round-off of both runs, plus truncation where a branch may flip, for pictures
+    without perturbed runs.
     """
     error = np.full_like(growth, round_off(subject, view))
     if _decides(subject):
@@ -264,16 +277,16 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
 
 
 def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """The start moved by other amounts, to either side of whatever threshold is within a rounding
-    of it.
+    """Perturbed starts by further amounts, on either side of any threshold within a rounding of the
+    start.
     """
     units = perturbation(subject.method) // PERTURBED
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
 def _coarser(subject: Subject) -> tuple[Variant, ...]:
-    """The plain run at twice the step, which shows the truncation error of iterations that find
-    forces between rigid bodies.
+    """The plain run at twice the step, which shows the error that contact iterations leave; none
+    without such iterations.
     """
     if _iterates(subject) and len(subject.levels) > 1:
         return (Variant(subject.levels[-2]),)
@@ -281,8 +294,8 @@ def _coarser(subject: Subject) -> tuple[Variant, ...]:
 
 
 def _iterates(subject: Subject) -> bool:
-    """Forces between rigid bodies are found by iterations, which end at a tolerance of their
-    own.
+    """True if forces between rigid bodies are found by iteration to a tolerance, in fixed
+    steps.
     """
     return subject.method.control == "step" and "contact:rigid" in subject.instance.scene.features
 
@@ -290,16 +303,17 @@ def _iterates(subject: Subject) -> bool:
 def _decided_by_rounding(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
-    """What may differ (T,) in a picture because a rounding decided otherwise: never more than
-    truncation of both runs.
+    """Difference (T,) allowed in a picture because a rounding decided otherwise; at most the
+    truncation error of both runs.
 
-    A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit
-    where it falls on the end of a step. Both outcomes are right then, and a start moved by a few
-    roundings has the other one. Where no moved start shows it, nothing hung on a rounding.
+    Whether a contact begins, or a body sticks, in this step or the next depends on the last bit
+    where it falls on the end of a step. Both outcomes are right then, and a start perturbed by a
+    few roundings has the other one. Where no perturbed start shows a difference, no decision
+    depended on a rounding.
 
-    Step sizes that are chosen always hang on roundings: see `_chosen`. Iterations over contacts of
-    rigid bodies that begin with another contact leave something else of the forces: a part of the
-    truncation error, which the run at twice the step shows.
+    Chosen step sizes always depend on roundings: see `_chosen`. Iterations over contacts of rigid
+    bodies that take the contacts in another order leave another part of the truncation error in the
+    forces, as the run at twice the step shows.
     """
     if not _decides(subject):
         return np.zeros(len(growth))
@@ -308,24 +322,26 @@ def _decided_by_rounding(
     truncation: Array = 2 * subject.truncation(level) * growth
     if subject.method.control != "step":
         return np.minimum(truncation, _chosen(subject, runs, growth, picture))
-    draws = [runs[variant].trajectory for variant in _moved(subject, level) if variant in runs]
-    if not draws:
+    perturbed_runs = [
+        runs[variant].trajectory for variant in _moved(subject, level) if variant in runs
+    ]
+    if not perturbed_runs:
         return truncation
-    largest = np.maximum.reduce([distances(subject.instance, draw, base) for draw in draws])
-    shown: Array = MORE * np.maximum.accumulate(largest)
+    largest = np.maximum.reduce([distances(subject.instance, run, base) for run in perturbed_runs])
+    observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
-        shown = shown + _left_by_iterations(subject, runs, growth, picture)
-    return np.minimum(shown, truncation)
+        observed = observed + _left_by_iterations(subject, runs, growth, picture)
+    return np.minimum(observed, truncation)
 
 
 def _left_by_iterations(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
-    """What iterations over contacts of rigid bodies may leave in a picture (T,).
+    """Difference (T,) that iterations over contacts of rigid bodies may leave in a picture.
 
-    Many roundings, and what the step still changes where the picture puts contacts in another order
-    or in other units. Measured: a stack that is turned has other points of contact in MuJoCo and
-    moves by 1.2 times as much as when the step is doubled.
+    It is round-off of many operations, plus the change between two steps where the picture changes
+    the order or the units of contacts. Measured: a stack that is turned has other contact points in
+    MuJoCo and moves by 1.2 times as much as when the step is doubled.
     """
     level = level_for(subject)
     rounding: Array = _many_roundings(subject, picture) * growth
@@ -341,8 +357,8 @@ def _left_by_iterations(
 
 
 def _many_roundings(subject: Subject, picture: str) -> float:
-    """Round-off of a picture where more is computed than a few numbers a step: iterations, or steps
-    of which nobody tells how many.
+    """Round-off of a picture where each step takes many operations: iterations, or an unknown
+    number of inner steps.
     """
     view = symmetry.of(subject.instance, picture)
     return (
@@ -351,60 +367,62 @@ def _many_roundings(subject: Subject, picture: str) -> float:
 
 
 def _looser(subject: Subject, picture: str) -> float | None:
-    """The coarsest tolerance that a picture may stand for, of those that ran; None where they were
-    all stricter.
+    """The tightest tolerance that ran and is at least as loose as the picture makes the finest one;
+    None without one.
 
-    A tolerance that is relative grows with the numbers of the picture, and one that is absolute
-    with its units.
+    A relative tolerance grows with the numbers of the picture, an absolute one with its units.
     """
     view = symmetry.of(subject.instance, picture)
-    longest = max(max(view.units), 1.0 / min(view.units))
-    effective = subject.levels[-1] * longest * symmetry.size(subject.instance, view)
+    unit_ratio = max(max(view.units), 1.0 / min(view.units))
+    effective = subject.levels[-1] * unit_ratio * symmetry.size(subject.instance, view)
     return next((level for level in reversed(subject.levels[:-1]) if level >= effective), None)
 
 
 def _chosen(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
-    """How far two choices of steps may take a motion apart (T,): as far as a run with a looser
-    tolerance comes from truth.
+    """Difference (T,) that other choices of steps may make: the error of a run with a looser
+    tolerance against truth.
 
-    What a run makes of a tolerance falls in stairs where orders are chosen as well as steps, so
-    that this run may stand on another stair than its picture; a tolerance that is looser by a level
-    has both above it. Without truth for all of the motion nobody knows: infinitely.
+    Where orders are chosen as well as steps, the error falls with the tolerance in stairs, so a run
+    and its picture may be on different stairs; a tolerance that is looser by a level is above both.
+    Without truth for all of the motion it is infinite.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
     looser = _looser(subject, picture)
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
-    own = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
-    found: Array = ROOM * own + _many_roundings(subject, picture) * growth
-    return found
+    observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
+    bound: Array = ROOM * observed + _many_roundings(subject, picture) * growth
+    return bound
 
 
 def _least_moved(
     subject: Subject, runs: Mapping[Variant, CompletedRun], perturbed: Variant
 ) -> Trajectory:
-    """The run from the start moved up, or down where a rounding decides and that went less far:
-    what it decides is no growth.
+    """The run from the start perturbed upwards, or downwards if that went less far: what rounding
+    decides in one of them is no growth.
 
-    A code may refuse moved starts: then the plain run.
+    An engine may refuse perturbed starts: then the plain run.
     """
     base = runs[Variant(perturbed.level)].trajectory
     down = Variant(perturbed.level, "perturbed", -perturbed.amount)
-    draws = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
+    perturbed_runs = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
     return min(
-        draws, key=lambda draw: float(np.max(distances(subject.instance, draw, base))), default=base
+        perturbed_runs,
+        key=lambda run: float(np.max(distances(subject.instance, run, base))),
+        default=base,
     )
 
 
 def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """The variants with a perturbed start, in all draws."""
+    """The perturbed variants of a level: `perturbation`, and all DRAWS."""
     return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
 
 
 def _basis(subject: Subject) -> str:
+    """The basis of the bound in words."""
     differs = "round-off"
     if _decides(subject):
         differs = "round-off, and discrete decisions that it flips in perturbed starts,"
@@ -414,8 +432,11 @@ def _basis(subject: Subject) -> str:
 
 
 def _decides(subject: Subject) -> bool:
-    """The last bit may decide something: which step size is chosen, or in which step of a method
-    that does not look for it a contact begins or a body sticks."""
+    """True if the last bit may decide something.
+
+    That is which step size is chosen, or in which step a contact begins or a body sticks, for
+    methods that do not locate such events.
+    """
     features = subject.instance.scene.features
     switches = SWITCHES & features and subject.method.control == "step"
     return subject.method.control == "tolerance" or bool(

@@ -1,5 +1,5 @@
-"""A body on a ball joint of the world: the joint stays closed, L about the vertical stays, and L_3
-if the body is symmetric.
+"""A body on a ball joint fixed to the world: the joint stays closed, and L_z about the vertical is
+conserved; for a symmetric body also L_3, about its own axis.
 """
 
 from collections.abc import Mapping
@@ -18,13 +18,16 @@ from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 OWN_SPIN = "spin about the own axis"
-"""No claim of a method: one that keeps angular momentum in space may turn the body by parts, about
-one axis after another, which keeps L_3 to its order only."""
+"""Name of the law L_3 = const, which no method claims.
+
+A method that conserves angular momentum in space may turn the body about one axis after another,
+which keeps L_3 only to its order.
+"""
 
 
 class Top(Check):
-    """The quantities are conserved to round-off where the method claims it (angular momentum in
-    space, constraint) or is exact, else to its truncation error.
+    """Joint and angular momenta are constant to round-off where the method claims it or is exact,
+    else to its truncation error.
     """
 
     name = "top"
@@ -36,7 +39,7 @@ class Top(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """One body on one ball joint of the world, and no other element than gravity."""
+        """One body on one ball joint of the world, with no other element than gravity."""
         scene = subject.instance.scene
         kinds = {element.kind for element in scene.elements} - {"uniform_gravity"}
         joints = scene.all(BallJoint)
@@ -49,7 +52,9 @@ class Top(Check):
         return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Opening of the joint in place and velocity; change of L_z and L_3."""
+        """Findings on the separation of the joint in position and velocity, and on the changes of
+        L_z and L_3.
+        """
         laws = {
             "joint": "constraint",
             "joint velocity": "constraint",
@@ -58,7 +63,7 @@ class Top(Check):
         }
         coarsest = _changes(subject, runs[Variant(subject.levels[0])].trajectory)
         finest = _changes(subject, runs[subject.finest].trajectory)
-        found = []
+        findings = []
         for name, coarse in coarsest.items():
             keeps = subject.method.keeps(laws[name], subject.instance.problem.features)
             if keeps:
@@ -84,7 +89,7 @@ class Top(Check):
             measured = "change of"
             if name.startswith("joint"):
                 measured = "separation of the"
-            found.append(
+            findings.append(
                 worst(
                     check=self.name,
                     quantity=name,
@@ -97,40 +102,44 @@ class Top(Check):
                     what=f"The {measured} {name}, relative to its scale,",
                 )
             )
-        return found
+        return findings
 
 
 def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
-    """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of
-    L_z and L_3, each in its scale.
+    """Separation of the joint (T,) in position and velocity, if the method can open it, and |L -
+    L(0)| of L_z and L_3, each in its scale.
     """
     scene = subject.instance.scene
-    size = subject.instance.scales
-    found = {}
+    scales = subject.instance.scales
+    changes = {}
     if "ball_joint" not in subject.method.derived:
         place, speed = _opening(scene, run)
-        found = {"joint": place / size.length, "joint velocity": speed / size.speed}
+        changes = {"joint": place / scales.length, "joint velocity": speed / scales.speed}
     spins = _spins(scene, run)
-    scale = (
+    momentum_scale = (
         max(float(np.max(np.abs(spin))) for spin in spins.values())
-        or size.mass * size.length * size.speed
+        or scales.mass * scales.length * scales.speed
     )
-    return found | {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
+    return changes | {name: np.abs(spin - spin[0]) / momentum_scale for name, spin in spins.items()}
 
 
 def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
-    """Distance (T,) [m] of the two anchors, and their relative speed [m/s]."""
+    """Distance (T,) [m] of the two anchors of the joint, and the speed [m/s] v + omega x arm of the
+    body's anchor.
+    """
     joint = scene.all(BallJoint)[0]
     first, second = joint.ends(run.position, run.attitude)
-    moving = run.velocity[:, joint.a] + np.cross(
+    anchor_velocity = run.velocity[:, joint.a] + np.cross(
         run.omega[:, joint.a], first - run.position[:, joint.a]
     )
-    return np.linalg.norm(first - second, axis=1), np.linalg.norm(moving, axis=1)
+    return np.linalg.norm(first - second, axis=1), np.linalg.norm(anchor_velocity, axis=1)
 
 
 def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
-    """L about the vertical through the joint (T,), and about the third axis of a body that is
+    """L_z about the vertical through the joint (T,), and L_3 about the third axis of a body that is
     symmetric about it and hangs on it.
+
+    L = R J omega_body + m arm x v, with R the rotation from body axes to space.
     """
     joint = scene.all(BallJoint)[0]
     bodies = scene.bodies
@@ -140,18 +149,18 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     else:
         axis = np.array([0.0, 0.0, 1.0])
     attitude = run.attitude[:, joint.a]
-    inner = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
+    spin_body = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
-    whole = rotated(attitude, inner) + bodies.mass[joint.a] * np.cross(
+    total = rotated(attitude, spin_body) + bodies.mass[joint.a] * np.cross(
         arm, run.velocity[:, joint.a]
     )
-    found = {"L_z": whole @ axis}
-    symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
+    momenta = {"L_z": total @ axis}
+    is_symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
         joint.anchor_a[:2]
     )
-    if symmetric:
-        return found | {"L_3": inner[:, 2]}
-    return found
+    if is_symmetric:
+        return momenta | {"L_3": spin_body[:, 2]}
+    return momenta
 
 
 CHECK = Top()

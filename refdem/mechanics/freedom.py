@@ -1,5 +1,5 @@
-"""Degrees of freedom of points on rods: variables minus the rank of the constraint Jacobian
-(chapter 1, section 1.1).
+"""Degrees of freedom of points on rods: number of coordinates minus the rank of the constraint
+Jacobian (chapter 1, section 1.1).
 """
 
 from collections.abc import Sequence
@@ -11,30 +11,34 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this part of the largest are zero: those of unit rods that are independent
-are far above.
+"""Singular values below this part of the largest count as zero; those of independent unit rods are
+far above it.
 """
 
 
 def rod_jacobian(position: ArrayLike, rods: Sequence[tuple[int, int]]) -> Array:
-    """Derivative (M, N D) of every rod's length by the coordinates of points at `position` (N, D)
-    [m]: unit vectors along it.
+    """Derivatives (M, N D) of the lengths of M rods with respect to the coordinates of N points in
+    D dimensions.
+
+    position (N, D) [m]. For |x_a - x_b| they are the unit vector from b to a at point a, and its
+    negative at b.
     """
     points = np.asarray(position, float)
     count, dimension = points.shape
     rows = np.zeros((len(rods), count, dimension))
     for row, (a, b) in zip(rows, rods, strict=True):
-        along = points[a] - points[b]
-        row[a] = along / np.linalg.norm(along)
+        branch = points[a] - points[b]
+        row[a] = branch / np.linalg.norm(branch)
         row[b] = -row[a]
     return rows.reshape(len(rods), count * dimension)
 
 
 def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) -> int:
-    """Independent velocities that keep the rods to first order: N D minus the rank, at this
-    placement of the points.
+    """Number of independent velocities that keep all rod lengths to first order: N D minus the rank
+    of the Jacobian.
 
-    A degenerate placement (all in a plane, all on a line) has more of them than finite motions.
+    A degenerate placement (all points in a plane, or on a line) has more of them than finite
+    motions.
     """
     if not len(rods):
         return int(np.asarray(position).size)
@@ -43,23 +47,25 @@ def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) ->
 
 
 def rigid_freedom(position: ArrayLike) -> int:
-    """Dimension of the finite motions of points whose distances are all kept: translations, and
-    turns that move some point.
+    """Dimension of the rigid motions of points whose distances are all fixed: translations, and
+    rotations that move some point.
+
+    In D dimensions there are D translations and D (D - 1)/2 rotations, of which those among the I
+    directions without extent, I (I - 1)/2, move no point.
     """
     points = np.asarray(position, float)
     dimension = int(points.shape[1])
-    # Turns of the directions in which the points have no extent move nothing:
-    # D + D (D - 1)/2 - I (I - 1)/2 for I such directions.
-    idle = dimension - rank(points - points.mean(axis=0))
-    return dimension + (dimension * (dimension - 1) - idle * (idle - 1)) // 2
+    # D + D (D - 1)/2 - I (I - 1)/2.
+    flat_directions = dimension - rank(points - points.mean(axis=0))
+    return dimension + (dimension * (dimension - 1) - flat_directions * (flat_directions - 1)) // 2
 
 
 def rank(matrix: Array) -> int:
-    """The numerical rank: how many singular values are above RANK_TOLERANCE times the largest."""
-    sizes = np.linalg.svd(matrix, compute_uv=False)
-    if not sizes.size or sizes[0] <= 0:
+    """The numerical rank: the number of singular values above RANK_TOLERANCE times the largest."""
+    singular_values = np.linalg.svd(matrix, compute_uv=False)
+    if not singular_values.size or singular_values[0] <= 0:
         return 0
-    return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
+    return int(np.count_nonzero(singular_values > RANK_TOLERANCE * singular_values[0]))
 
 
 def complete_graph(count: int) -> list[tuple[int, int]]:

@@ -15,14 +15,18 @@ def linear(mass: Array, velocity: Array) -> Array:
 
 
 def orbital(mass: Array, position: Array, velocity: Array) -> Array:
-    """Orbital angular momentum sum m r x v (T, 3) [kg m^2/s]."""
+    """Orbital angular momentum sum m r x v (T, 3) [kg m^2/s]; mass (N,), position and velocity (T,
+    N, 3).
+    """
     momentum: Array = np.einsum("n,tnk->tk", mass, np.cross(position, velocity))
     return momentum
 
 
 def spin(inertia: Array, attitude: Array, omega: Array) -> Array:
-    """Spin angular momentum sum J_s omega (T, 3) [kg m^2/s]; principal inertia (N, 3), omega (T, N,
-    3) in space axes.
+    """Spin angular momentum sum R J R^T omega (T, 3) [kg m^2/s].
+
+    Principal inertia J (N, 3), attitude (T, N, 4) as rotation R from body axes to space, omega (T,
+    N, 3) in space axes.
     """
     of_each = rotated(attitude, inertia * rotated(conjugate(attitude), omega))
     momentum: Array = of_each.sum(axis=1)

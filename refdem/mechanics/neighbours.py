@@ -1,5 +1,9 @@
-"""Pairs of points that are near each other, from cells: cost proportional to the number of points
-(Hockney and Eastwood 1981).
+"""Pairs of points that are near each other, by a cell list: cost proportional to the number of
+points (Hockney and Eastwood 1981).
+
+Space is divided into cells at least as wide as the reach, so that neighbours of a point are in its
+own cell or in one of the 26 around it. Points are sorted by cell, with x running fastest: three
+cells in a row along x are one contiguous range of points.
 """
 
 from collections.abc import Iterator
@@ -14,25 +18,24 @@ Whole = NDArray[np.intp]
 Pairs = tuple[Whole, Whole]
 
 FEW = 32
-"""Points up to which all pairs are looked at."""
+"""Number of points up to which all pairs are tested."""
 CHUNK = 20_000
-"""Points whose neighbours are looked at in one go: what that takes stays in a cache."""
+"""Points whose neighbours are tested at once: the arrays that this takes stay in a cache."""
 ROWS = [(y, z) for z, y in product((-1, 0, 1), repeat=2)]
+"""Rows of cells around a point's cell, as offsets in (y, z)."""
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
-"""Rows of cells along x around a point's own, by steps in y and z: all, and one of every two
-opposite ones with the own.
-"""
+"""One of every two opposite rows, and the own row: enough to meet each pair once."""
 
 
 def near_pairs(
     position: Array, reach: float, size: float = 0.0, among: Whole | None = None
 ) -> Pairs:
-    """Numbers i and j (P,), i != j, of the pairs of points (N, 3) [m] that are less than `reach`
+    """Indices i and j (P,), i != j, of the pairs of points (N, 3) [m] that are less than `reach`
     [m] apart, each pair once.
 
-    With `size` > 0 space repeats itself after `size` [m] along x, y and z, and the nearest images
-    count; reach is at most size/2. With `among` (M,) only those pairs whose first is one of these
-    numbers; a pair of two of them comes in both orders.
+    With `size` > 0 space is periodic with this period [m] in x, y and z, and distances are to the
+    nearest image; reach is at most size/2. With `among` (M,) only pairs whose first index is one of
+    these are returned; a pair of two of them comes in both orders.
     """
     firsts = []
     seconds = []
@@ -44,45 +47,46 @@ def near_pairs(
 
 
 def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
-    """The pairs that are within reach of each other."""
-    apart = position[j] - position[i]
+    """The pairs of candidates that are within reach of each other."""
+    branch = position[j] - position[i]
     if size:
-        apart -= size * np.rint(apart / size)
-    near = np.einsum("pk,pk->p", apart, apart) < reach * reach
-    return i[near], j[near]
+        branch -= size * np.rint(branch / size)
+    is_near = np.einsum("pk,pk->p", branch, branch) < reach * reach
+    return i[is_near], j[is_near]
 
 
 def _candidates(position: Array, reach: float, size: float, among: Whole | None) -> Iterator[Pairs]:
-    """Pairs in the same or in neighbouring cells, some at a time."""
+    """Pairs of points in the same or in neighbouring cells, some at a time."""
     count = len(position)
     if size:
         extent = np.full(3, size)
     else:
         low = position.min(axis=0)
         extent = np.maximum(position.max(axis=0) - low, reach)
-    # No more than about two cells a point.
-    most = max(1, int(np.ceil((2 * count) ** (1 / 3))))
-    cells = np.clip((extent / reach).astype(int), 1, most)
+    # At most about two cells per point in all, so that empty cells cost little.
+    most_cells = max(1, int(np.ceil((2 * count) ** (1 / 3))))
+    cells = np.clip((extent / reach).astype(int), 1, most_cells)
     if count <= FEW or (size and cells.min() < 3):
         i, j = np.triu_indices(count, 1)
         if among is not None:
-            both_ways = np.concatenate([i, j]), np.concatenate([j, i])
-            i, j = _led_by(among, *both_ways)
+            both_orders = np.concatenate([i, j]), np.concatenate([j, i])
+            i, j = _led_by(among, *both_orders)
         yield i, j
         return
-    # The cell (N, 3) of each point, and the number of that cell, x running fastest.
+    # The cell (N, 3) of each point, and its index, x running fastest. Points sorted by cell are
+    # called by their rank; `order` maps ranks to the given indices.
     if size:
         inside = np.mod(position, size)
     else:
         inside = position - low
-    place = inside / extent
-    at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
-    number = (at[:, 2] * cells[1] + at[:, 1]) * cells[0] + at[:, 0]
-    order = np.argsort(number, kind="stable")
-    starts = np.searchsorted(number[order], np.arange(int(np.prod(cells)) + 1))
+    fraction = inside / extent
+    cell = np.clip((fraction * cells).astype(np.intp), 0, cells - 1)
+    cell_index = (cell[:, 2] * cells[1] + cell[:, 1]) * cells[0] + cell[:, 0]
+    order = np.argsort(cell_index, kind="stable")
+    starts = np.searchsorted(cell_index[order], np.arange(int(np.prod(cells)) + 1))
     rank = np.empty(count, np.intp)
     rank[order] = np.arange(count)
-    grid = Grid(at[order], cells, starts, periodic=bool(size))
+    grid = Grid(cell[order], cells, starts, periodic=bool(size))
     if among is None:
         ranks = np.arange(count)
     else:
@@ -93,15 +97,17 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
 
 
 def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
-    """The pairs whose first body is among the given numbers."""
+    """The pairs whose first index is among the given ones."""
     led = np.isin(i, among)
     return i[led], j[led]
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Points sorted by cells: cell (N, 3) of each, number of cells (3,), and where each cell's
-    points start (cells + 1,).
+    """Points sorted by cell.
+
+    `at` (N, 3) is the cell of each point, `cells` (3,) the number of cells along each axis,
+    `starts` (cells + 1,) the rank of each cell's first point.
     """
 
     at: Whole
@@ -110,28 +116,28 @@ class Grid:
     periodic: bool
 
     def beside(self, points: Whole, *, only_later: bool) -> Iterator[Pairs]:
-        """Points and those in their own and the neighbouring cells; each pair once if only those
-        count that come later.
+        """Points paired with those in their own and the neighbouring cells; with `only_later` each
+        pair once, by the UPPER rows.
         """
         if only_later:
             rows = UPPER
         else:
             rows = ROWS
         for y, z in rows:
-            led = points
-            there = self.at[points, 1:] + (y, z)
+            inside_points = points
+            row = self.at[points, 1:] + (y, z)
             if self.periodic:
-                there = np.mod(there, self.cells[1:])
+                row = np.mod(row, self.cells[1:])
             else:
-                inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
-                led = points[inside]
-                there = there[inside]
-            base = (there[:, 1] * self.cells[1] + there[:, 0]) * self.cells[0]
-            yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
+                is_inside = np.all((row >= 0) & (row < self.cells[1:]), axis=1)
+                inside_points = points[is_inside]
+                row = row[is_inside]
+            base = (row[:, 1] * self.cells[1] + row[:, 0]) * self.cells[0]
+            yield from self._row(inside_points, base, own=only_later and (y, z) == (0, 0))
 
     def _row(self, points: Whole, base: Whole, *, own: bool) -> Iterator[Pairs]:
-        """The three cells around each point's x in the row that begins at `base`; of the own row,
-        those that come later.
+        """Pairs with the three cells around each point's x in the row whose first cell is `base`;
+        in the `own` row only with later points.
         """
         x = self.at[points, 0]
         last = self.cells[0] - 1
@@ -144,21 +150,24 @@ class Grid:
         yield _within(points, low, self.starts[last_cell + 1])
         if not self.periodic:
             return
-        # Across the border: the cell at the other end of the row.
+        # At the edge of a periodic row one of the three cells is at its other end. Of two opposite
+        # cells in the own row one is enough.
         for edge, cell in ((last, 0), (0, last)):
             if own and edge == 0:
                 continue
-            on = np.flatnonzero(x == edge)
-            beyond = base[on] + cell
-            yield _within(points[on], self.starts[beyond], self.starts[beyond + 1])
+            at_edge = np.flatnonzero(x == edge)
+            opposite_cell = base[at_edge] + cell
+            yield _within(
+                points[at_edge], self.starts[opposite_cell], self.starts[opposite_cell + 1]
+            )
 
 
 def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
-    """Every point with all others from `low` up to `high`."""
-    held = high - low
-    first = np.repeat(points, held)
+    """Every point with all points of ranks `low` up to `high`, except itself."""
+    counts = high - low
+    first = np.repeat(points, counts)
     # Of each point the numbers low, low + 1, ..., high - 1.
-    begin = np.cumsum(held) - held
-    second = np.arange(len(first)) + np.repeat(low - begin, held)
-    other = first != second
-    return first[other], second[other]
+    first_pair = np.cumsum(counts) - counts
+    second = np.arange(len(first)) + np.repeat(low - first_pair, counts)
+    is_other = first != second
+    return first[is_other], second[is_other]

@@ -1,6 +1,4 @@
-"""Sampled oscillations: turning points, amplitude, period, and how an area of phase space shrinks
-or grows.
-"""
+"""Sampled oscillations: turning points, amplitude, period, and areas in phase space."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,27 +7,28 @@ Array = NDArray[np.float64]
 
 
 def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
-    """Times (M,) [s] and places (M,) at which the velocity changes its sign, by cubic Hermite
-    interpolation of (x, v).
+    """Times (M,) [s] and positions (M,) at which the velocity changes sign, from samples t, x, v
+    (T,).
 
-    t, x, v (T,). Times are off by the third power of the interval between samples, places by the
-    fourth.
+    Between two samples x is the cubic Hermite polynomial of (x, v). Errors are of third order in
+    the interval for times, of fourth order for positions.
     """
     moves = v[:-1] != 0
     turns = v[:-1] * v[1:] <= 0
     first = np.flatnonzero(moves & turns)
     h = t[first + 1] - t[first]
-    rise = (x[first + 1] - x[first]) / h
-    before = v[first]
-    after = v[first + 1]
-    square = 3 * (before + after - 2 * rise)
-    linear = 2 * (3 * rise - 2 * before - after)
-    # before + linear s + square s^2 = 0, by the form of the root that does not cancel
-    root = np.sqrt(np.maximum(0.0, linear**2 - 4 * square * before))
-    sign = np.where(before > 0, -1.0, 1.0)
-    s = -2 * before / (linear + sign * root)
-    place = x[first] + h * s * (before + s * (linear / 2 + s * square / 3))
-    return t[first] + h * s, place
+    mean_velocity = (x[first + 1] - x[first]) / h
+    v_before = v[first]
+    v_after = v[first + 1]
+    quadratic = 3 * (v_before + v_after - 2 * mean_velocity)
+    linear = 2 * (3 * mean_velocity - 2 * v_before - v_after)
+    # The velocity at the part s of the interval is v_before + linear s + quadratic s^2. Its root
+    # in the interval is -2 v_before/(linear -+ root), a form that does not cancel.
+    root = np.sqrt(np.maximum(0.0, linear**2 - 4 * quadratic * v_before))
+    sign = np.where(v_before > 0, -1.0, 1.0)
+    s = -2 * v_before / (linear + sign * root)
+    position = x[first] + h * s * (v_before + s * (linear / 2 + s * quadratic / 3))
+    return t[first] + h * s, position
 
 
 def amplitude(t: Array, x: Array, v: Array) -> float:
@@ -39,15 +38,15 @@ def amplitude(t: Array, x: Array, v: Array) -> float:
 
 
 def period(t: Array, x: Array, v: Array) -> float:
-    """Mean time [s] from a turning point to the next but one."""
+    """Mean time [s] between every second turning point."""
     times, _ = turning_points(t, x, v)
     count = (len(times) - 1) // 2
     return float((times[2 * count] - times[0]) / count)
 
 
 def phase_area(x: Array, v: Array) -> Array:
-    """Area (...) of polygons in phase space with corners x, v (..., N) in turn, positive if they go
-    round against the clock.
+    """Area (...) of polygons in phase space with corners x, v (..., N), positive if
+    counter-clockwise: sum (x_i v_i+1 - x_i+1 v_i)/2.
     """
     x_next = np.roll(x, -1, axis=-1)
     v_next = np.roll(v, -1, axis=-1)
@@ -56,11 +55,10 @@ def phase_area(x: Array, v: Array) -> Array:
 
 
 def carried_area(x: Array, v: Array) -> Array:
-    """Area (T - 2,) of the triangle of every three neighbouring samples (T,) of an autonomous
-    motion.
+    """Area (T - 2,) of the triangle of every three successive samples (T,) of an autonomous motion.
 
-    The flow carries the first triangle through all the others; one that is linear carries areas
-    exactly.
+    The flow maps the first triangle to all others, and a linear flow maps straight sides to
+    straight ones: its areas obey Liouville's theorem exactly.
     """
-    corners = np.lib.stride_tricks.sliding_window_view
-    return phase_area(corners(x, 3), corners(v, 3))
+    windows = np.lib.stride_tricks.sliding_window_view
+    return phase_area(windows(x, 3), windows(v, 3))

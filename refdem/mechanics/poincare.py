@@ -1,5 +1,5 @@
-"""Sections of trajectories by a plane of phase space, and Lyapunov exponents with error bars that
-tell periodic from chaotic.
+"""Poincare sections of trajectories, and Lyapunov exponents with standard errors that tell periodic
+from chaotic motion.
 """
 
 from typing import NamedTuple
@@ -20,8 +20,8 @@ class Exponent(NamedTuple):
     error: Array
 
     def regimes(self) -> NDArray[np.str_]:
-        """`chaotic` and `periodic` where the exponent is above or below zero by three standard
-        errors, else `quasi-periodic` (M,).
+        """`chaotic` or `periodic` (M,) where the exponent is above or below zero by three standard
+        errors, else `quasi-periodic`.
         """
         # -1, 0 or 1: below zero, within the errors of it, above zero.
         is_clear = np.abs(self.value) > SIGMAS * self.error
@@ -31,11 +31,11 @@ class Exponent(NamedTuple):
 
 
 def exponent(growth: Array, seconds: Array) -> Exponent:
-    """Exponents (M,) from the growth of the logarithm of a tangent over blocks (M, B) of equal
+    """Exponents (M,) from the logarithmic growth of a tangent vector over blocks (M, B) of equal
     parts of `seconds` (M,).
 
-    The error is that of the mean of the blocks, and not less than 1/seconds: a tangent may differ
-    by a factor e between begin and end of what does not grow.
+    The error is the standard error of the blocks' mean, but at least 1/seconds: a tangent vector
+    that does not grow in the mean may still differ by a factor e between begin and end.
     """
     blocks = growth.shape[1]
     rates = growth * (blocks / seconds[:, None])
@@ -44,30 +44,30 @@ def exponent(growth: Array, seconds: Array) -> Exponent:
 
 
 def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Array]:
-    """Times [s] and places (K,) at which the velocity passes `level`, from samples x (T,) [m] and v
-    (T,) [m/s] of x' = v.
+    """Times [s] and positions (K,) at which the velocity passes `level`, from samples x (T,) [m]
+    and v (T,) [m/s] of x' = v.
 
-    v is interpolated linearly, x by Hermite's cubic: errors are of second order in the samples'
-    interval in time, and, for level 0, of fourth in place.
+    v is interpolated linearly, x by Hermite's cubic: errors are of second order in the sampling
+    interval for times, and, at level 0, of fourth order for positions.
     """
     above = v > level
-    at = np.flatnonzero(above[1:] != above[:-1])
-    h = t[at + 1] - t[at]
-    before = v[at]
-    after = v[at + 1]
+    index = np.flatnonzero(above[1:] != above[:-1])
+    h = t[index + 1] - t[index]
+    v_before = v[index]
+    v_after = v[index + 1]
     # The part s of the interval after which the velocity passes.
-    s = (level - before) / (after - before)
+    s = (level - v_before) / (v_after - v_before)
     # Hermite's cubic: the values at the ends, then the slopes.
-    of_begin = x[at] * (1 + 2 * s) * (1 - s) ** 2
-    of_end = x[at + 1] * s**2 * (3 - 2 * s)
-    of_slopes = h * s * (1 - s) * ((1 - s) * before - s * after)
-    place = of_begin + of_end + of_slopes
-    return t[at] + s * h, place
+    from_begin = x[index] * (1 + 2 * s) * (1 - s) ** 2
+    from_end = x[index + 1] * s**2 * (3 - 2 * s)
+    from_slopes = h * s * (1 - s) * ((1 - s) * v_before - s * v_after)
+    position = from_begin + from_end + from_slopes
+    return t[index] + s * h, position
 
 
 def distinct(values: Array, tolerance: float) -> int:
-    """How many values there are, counting those as one that lie within `tolerance` of their
-    neighbour in size.
+    """The number of distinct values; neighbours in size that differ by at most `tolerance` count as
+    one.
     """
     if not len(values):
         return 0

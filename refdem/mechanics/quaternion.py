@@ -1,4 +1,6 @@
-"""Quaternions (w, x, y, z), unit ones rotating body vectors into space: r_s = q r_b q*."""
+"""Quaternions q = (w, x, y, z) = (w, u); unit ones rotate body vectors into space, r_s = q r_b
+q*.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,27 +9,26 @@ Array = NDArray[np.float64]
 
 
 def product(p: Array, q: Array) -> Array:
-    """The quaternion product p q, (..., 4); it does not commute."""
+    """The quaternion product p q (..., 4): (a, u)(b, v) = (a b - u.v, a v + b u + u x v)."""
     p = np.asarray(p, float)
     q = np.asarray(q, float)
     p_scalar = p[..., :1]
     p_vector = p[..., 1:]
     q_scalar = q[..., :1]
     q_vector = q[..., 1:]
-    # (a, u)(b, v) = (a b - u.v, a v + b u + u x v).
     scalar = p_scalar * q_scalar - np.sum(p_vector * q_vector, axis=-1, keepdims=True)
     vector = p_scalar * q_vector + q_scalar * p_vector + _cross(p_vector, q_vector)
     return np.concatenate([scalar, vector], axis=-1)
 
 
 def conjugate(q: Array) -> Array:
-    """The conjugate (w, -x, -y, -z), (..., 4); of a unit quaternion the inverse."""
-    turned_back: Array = np.asarray(q, float) * np.array([1.0, -1.0, -1.0, -1.0])
-    return turned_back
+    """The conjugate (w, -x, -y, -z) (..., 4), which is the inverse of a unit quaternion."""
+    result: Array = np.asarray(q, float) * np.array([1.0, -1.0, -1.0, -1.0])
+    return result
 
 
 def rotated(q: Array, v: Array) -> Array:
-    """The vector q v q*, (..., 3), for unit q (..., 4)."""
+    """The rotated vector q v q* (..., 3), for unit q (..., 4)."""
     q = np.asarray(q, float)
     v = np.asarray(v, float)
     scalar = q[..., :1]
@@ -38,10 +39,11 @@ def rotated(q: Array, v: Array) -> Array:
 
 
 def angle_between(p: Array, q: Array) -> Array:
-    """Angle (...,) [rad] in [0, pi] of the rotation that takes attitude q to attitude p; q and -q
-    are the same attitude.
+    """Angle (...,) [rad] in [0, pi] of the rotation from attitude q to attitude p; q and -q are the
+    same attitude.
 
-    `2 atan2(|vector part|, |scalar part|)` of p q*: accurate for small angles, where arccos is not.
+    It is 2 atan2(|vector part|, |scalar part|) of p q*, which is accurate for small angles, where
+    arccos is not.
     """
     relative = product(p, conjugate(q))
     sine = np.linalg.norm(relative[..., 1:], axis=-1)
@@ -51,7 +53,7 @@ def angle_between(p: Array, q: Array) -> Array:
 
 
 def matrix(q: Array) -> Array:
-    """The rotation matrix R(q) (..., 3, 3) that maps body vectors to space, for unit q (..., 4)."""
+    """The rotation matrix R(q) (..., 3, 3) from body vectors to space, for unit q (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q, float), -1, 0)
     x_axis = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
     y_axis = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
@@ -61,8 +63,8 @@ def matrix(q: Array) -> Array:
 
 
 def _cross(u: Array, v: Array) -> Array:
-    """u x v (..., 3), to the bit as np.cross; that moves axes first, which takes most of the time
-    for one vector or a few.
+    """u x v (..., 3), to the bit as np.cross, which spends most of its time moving axes for one
+    vector or a few.
     """
     u_x = u[..., 0]
     u_y = u[..., 1]

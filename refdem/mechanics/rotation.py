@@ -1,4 +1,4 @@
-"""Rotation matrices and Euler angles z-x-z, and how they and quaternions become each other (chapter
+"""Rotation matrices and Euler angles z-x-z, and their conversion from and to quaternions (chapter
 1, (1.9) to (1.79)).
 
 Every matrix here maps body vectors to space (the transpose of the chapter's (1.21)).
@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 
 
 def about_axis(axis: int, angle: float) -> Array:
-    """The matrix (3, 3) that turns vectors by `angle` [rad] about x, y or z (0, 1, 2),
-    counter-clockwise seen against the axis.
+    """The rotation matrix (3, 3) by `angle` [rad] about x, y or z (0, 1, 2), counter-clockwise seen
+    from the tip of the axis.
     """
     turn = np.eye(3)
     i = (axis + 1) % 3
@@ -27,8 +27,8 @@ def about_axis(axis: int, angle: float) -> Array:
 
 
 def about_axis_quaternion(axis: Array, angle: float) -> Array:
-    """The unit quaternion (4,) of a turn by `angle` [rad] about the unit vector `axis` (3,)
-    (1.64).
+    """The unit quaternion (cos(angle/2), sin(angle/2) n) (4,) of a rotation by `angle` [rad] about
+    the unit vector n = `axis` (3,) (1.64).
     """
     scalar = np.cos(angle / 2)
     vector = np.sin(angle / 2) * np.asarray(axis, float)
@@ -36,60 +36,60 @@ def about_axis_quaternion(axis: Array, angle: float) -> Array:
 
 
 def quaternion_of_matrix(turn: Array) -> Array:
-    """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3).
+    """The unit quaternion (4,), w >= 0, of a rotation matrix R (3, 3).
 
-    The largest of |w|, |x|, |y|, |z| is taken from the diagonal, so that nothing is divided by a
-    small number (Shepperd 1978).
+    R gives 4 q_i q_j for all pairs of components. The row of the largest component is taken and
+    normalised, so that nothing is divided by a small number (Shepperd 1978).
     """
-    # 4 w^2 = 1 + trace, and 4 x^2 = 1 + 2 R_xx - trace: they are ordered as these numbers are.
+    # 4 w^2 = 1 + trace, and 4 x^2 = 1 + 2 R_xx - trace: |w|, |x|, |y|, |z| are ordered as trace,
+    # R_xx, R_yy, R_zz are.
     trace = np.trace(turn)
-    squares = np.array([trace, *np.diag(turn)])
-    largest = int(np.argmax(squares))
-    # 4 w (x, y, z).
+    ordering = np.array([trace, *np.diag(turn)])
+    largest = int(np.argmax(ordering))
+    # R - R^T holds 4 w (x, y, z).
     skew_x = turn[2, 1] - turn[1, 2]
     skew_y = turn[0, 2] - turn[2, 0]
     skew_z = turn[1, 0] - turn[0, 1]
     skew = np.array([skew_x, skew_y, skew_z])
     if largest == 0:
-        found = np.concatenate([[1 + trace], skew])
+        q = np.concatenate([[1 + trace], skew])
     else:
+        # 4 x (w, x, y, z), if x is the largest: R_xy + R_yx = 4 x y.
         i = largest - 1
-        found = np.concatenate([[skew[i]], turn[i] + turn[:, i]])
-        found[largest] = 1 + 2 * turn[i, i] - trace
-    found /= np.linalg.norm(found)
-    if found[0] < 0:
-        return -found
-    return found
+        q = np.concatenate([[skew[i]], turn[i] + turn[:, i]])
+        q[largest] = 1 + 2 * turn[i, i] - trace
+    q /= np.linalg.norm(q)
+    if q[0] < 0:
+        return -q
+    return q
 
 
 def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
-    """Rz(phi) Rx(theta) Rz(psi), (3, 3): body to space."""
+    """Rz(phi) Rx(theta) Rz(psi) (3, 3), from body to space."""
     return about_axis(2, phi) @ about_axis(0, theta) @ about_axis(2, psi)
 
 
 def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
-    """The unit quaternion (4,) of the Euler angles z-x-z (1.76) to (1.79); its w may be
-    negative.
-    """
+    """The unit quaternion (4,) of Euler angles z-x-z (1.76) to (1.79); its w may be negative."""
     c = np.cos(theta / 2)
     s = np.sin(theta / 2)
-    total = (phi + psi) / 2
-    apart = (phi - psi) / 2
-    w = c * np.cos(total)
-    x = s * np.cos(apart)
-    y = s * np.sin(apart)
-    z = c * np.sin(total)
+    half_sum = (phi + psi) / 2
+    half_difference = (phi - psi) / 2
+    w = c * np.cos(half_sum)
+    x = s * np.cos(half_difference)
+    y = s * np.sin(half_difference)
+    z = c * np.sin(half_sum)
     return np.array([w, x, y, z])
 
 
 def euler_of_matrix(turn: Array) -> Array:
-    """phi, theta, psi (3,) [rad], theta in [0, pi], of a rotation matrix; where sin theta = 0, psi
-    is 0.
+    """Euler angles phi, theta, psi (3,) [rad], theta in [0, pi], of a rotation matrix; psi is 0
+    where sin theta = 0.
     """
     sine = np.hypot(turn[0, 2], turn[1, 2])
     theta = np.arctan2(sine, turn[2, 2])
     if sine == 0:
-        # Only phi + psi, or their difference, is known there.
+        # The matrix depends only on phi + psi (theta = 0) or phi - psi (theta = pi) there.
         phi = np.arctan2(turn[1, 0], turn[0, 0])
         return np.array([phi, theta, 0.0])
     phi = np.arctan2(turn[0, 2], -turn[1, 2])
@@ -111,12 +111,14 @@ def euler_rates(phi: float, theta: float, omega: Array) -> Array:
 
 
 def quaternion_rate(q: Array, omega: Array) -> Array:
-    """q' = omega q/2, (4,) [1/s], for omega (3,) in space axes (1.67): finite at every attitude."""
+    """q' = (0, omega) q/2 (4,) [1/s], for omega (3,) in space axes (1.67): regular at every
+    attitude.
+    """
     return product(np.concatenate([[0.0], omega]), q) / 2
 
 
 def real_matrix(q: Array) -> Array:
-    """The matrix (4, 4) of the product from the left by q (1.57)."""
+    """The matrix (4, 4) of multiplication from the left by q (1.57)."""
     w, x, y, z = q
     rows = [
         [w, -x, -y, -z],
@@ -128,7 +130,7 @@ def real_matrix(q: Array) -> Array:
 
 
 def complex_matrix(q: Array) -> NDArray[np.complex128]:
-    """The matrix (2, 2) w 1 - i (x s1 + y s2 + z s3) with Pauli's matrices: their products are
+    """The matrix w 1 - i (x s1 + y s2 + z s3) (2, 2) with Pauli's matrices s: their products are
     those of quaternions.
     """
     w, x, y, z = q

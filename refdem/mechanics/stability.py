@@ -1,8 +1,7 @@
-"""Stability in dynamics (1.131)-(1.133): neighbours part as a power of the time, or exponentially;
-from how far apart they are.
+"""Stability of a motion (1.131)-(1.133), from the separation of two neighbouring trajectories.
 
-Lyapunov unstable is what diverges as C exp(lambda t), lambda > 0 (1.133); stable what stays below a
-power of the time span (1.132).
+Unstable in Lyapunov's sense is a separation that grows as C exp(lambda t), lambda > 0 (1.133);
+stable one that stays below a power of time (1.132).
 """
 
 from dataclasses import dataclass
@@ -13,19 +12,19 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BLOCKS = 8
-"""Parts of the time in each of which an exponent is taken: their scatter is the error bar of the
+"""Equal parts of the time, each with its own exponent; their scatter is the standard error of the
 mean.
 """
 LARGEST_POWER = 2.0
-"""Neighbours of regular motions part as t (other frequencies, free flight), in a resonance or a
-free fall as t^2.
+"""Largest power of time with which neighbours separate in regular motions: t for different
+frequencies or in free flight, t^2 in a resonance or free fall.
 """
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Exponent [1/time] with its standard error, and the power that growth over the second half of
-    the time would be.
+    """Exponent [1/time] with its standard error, and the power of time that would give the growth
+    over the second half.
     """
 
     exponent: float
@@ -33,25 +32,26 @@ class Growth:
     power: float
 
     def is_exponential(self, errors: float = 3.0) -> bool:
-        """Faster than LARGEST_POWER between the middle and the end, and positive by so many
-        standard errors.
+        """True if the growth over the second half is faster than t^LARGEST_POWER, and the exponent
+        positive by so many standard errors.
         """
         return self.power > LARGEST_POWER and self.exponent > errors * self.error
 
 
 def growth(t: Array, separation: Array) -> Growth:
-    """How the separation (T,) of two neighbours grows with the times t (T,) since they were
-    `separation[0]` > 0 apart.
+    """Growth of the separation (T,) of two neighbours with time t (T,), relative to `separation[0]`
+    > 0.
 
-    The largest separation so far counts: (1.131) and (1.132) bound it, and what oscillates has no
-    other limit. The power is log(d(T)/d(T/2))/log 2, as if d ~ t^p held between.
+    The largest separation so far is used: (1.131) and (1.132) bound it, and an oscillating
+    separation has no limit otherwise. The power is log(d(T)/d(T/2))/log 2, as if d ~ t^p in the
+    second half.
     """
     since = t - t[0]
     logarithm = np.log(np.maximum.accumulate(separation) / separation[0])
-    ends = np.interp(np.linspace(0.0, since[-1], BLOCKS + 1), since, logarithm)
-    rates = np.diff(ends) * BLOCKS / since[-1]
-    half = float(np.interp(since[-1] / 2, since, logarithm))
-    over_second_half = float(logarithm[-1]) - half
+    log_at_block_ends = np.interp(np.linspace(0.0, since[-1], BLOCKS + 1), since, logarithm)
+    rates = np.diff(log_at_block_ends) * BLOCKS / since[-1]
+    log_at_half = float(np.interp(since[-1] / 2, since, logarithm))
+    over_second_half = float(logarithm[-1]) - log_at_half
     return Growth(
         exponent=float(rates.mean()),
         error=float(rates.std(ddof=1) / np.sqrt(BLOCKS)),

@@ -1,5 +1,8 @@
-"""Whether a scene at rest certainly stays at rest: forces that add up to zero, or stacks that stand
-on a plane.
+"""Tests whether a scene at rest stays at rest: forces that add up to zero, or stacks that stand on
+a plane.
+
+A stack stands if every body rests on exactly one support, and the centre of mass of all that it
+carries, projected along gravity, lies in the convex hull of the common face.
 """
 
 from dataclasses import dataclass
@@ -19,23 +22,27 @@ from refdem.solvers import _particles
 Array = NDArray[np.float64]
 
 SLACK = 8 * 2.0**-52
-"""Positions and sums of forces are rounded a few times; what is off by no more balances."""
+"""Relative rounding of positions and of sums of forces; a smaller imbalance counts as none."""
 
 
 def unbalanced(scene: Scene) -> str | None:
-    """None if springs, fields and contacts add up to zero on every body that is not fixed."""
+    """None if springs, gravity, central field and contacts add up to zero on every free body, else
+    the reason.
+    """
     bodies = scene.bodies
     net = np.zeros_like(bodies.position)
-    size = np.zeros(len(bodies))
+    total_magnitude = np.zeros(len(bodies))
 
     def push(body: int, force: Array) -> None:
+        """Adds a force [N] to a body; the world, -1, takes any force."""
         if body >= 0:
             net[body] += force
-            size[body] += np.linalg.norm(force)
+            total_magnitude[body] += np.linalg.norm(force)
 
     for spring in scene.all(Spring):
         line = _end(scene, spring) - bodies.position[spring.a]
         distance = float(np.linalg.norm(line))
+        # The force on the first end: pull(stretch) along the spring.
         stretch = distance - spring.length
         pull = float(spring.pull(np.array(stretch)))
         if distance == 0.0 and spring.length > 0:
@@ -43,28 +50,29 @@ def unbalanced(scene: Scene) -> str | None:
         force = pull * line / (distance or 1.0)
         push(spring.a, force)
         push(spring.b, -force)
-    for number, mass in enumerate(bodies.mass):
+    for body, mass in enumerate(bodies.mass):
         for gravity in scene.all(UniformGravity):
-            push(number, mass * np.array(gravity.g))
-        place = bodies.position[number]
+            push(body, mass * np.array(gravity.g))
+        position = bodies.position[body]
         for field in scene.all(CentralField):
             # F = -gm m r/|r|^3.
-            push(number, -field.gm * mass * place / np.linalg.norm(place) ** 3)
+            push(body, -field.gm * mass * position / np.linalg.norm(position) ** 3)
     for i, j in _particles.pairs(scene):
         overlap, normal = _overlap(scene, i, j)
         law = scene.all(Contact)[0]
+        # F = k d^e along the normal; nothing moves, so dashpots have no force.
         force = law.stiffness * max(overlap, 0.0) ** law.exponent * normal
         push(i, -force)
         push(j, force)
     free = ~bodies.fixed
-    off = np.linalg.norm(net[free], axis=1) > SLACK * size[free]
-    if off.any():
+    imbalanced = np.linalg.norm(net[free], axis=1) > SLACK * total_magnitude[free]
+    if imbalanced.any():
         return "the forces do not add up to zero"
     return None
 
 
 def _end(scene: Scene, spring: Spring) -> Array:
-    """Where the second end of a spring is (3,) [m]: at a body, or fixed in space."""
+    """Position (3,) [m] of a spring's second end: on a body, or fixed in space."""
     if spring.b >= 0:
         end: Array = scene.bodies.position[spring.b]
         return end
@@ -72,8 +80,8 @@ def _end(scene: Scene, spring: Spring) -> Array:
 
 
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
-    """Overlap [m] of sphere i with sphere j or plane -1 - j, and the unit normal from i to the
-    other.
+    """Overlap [m] of sphere i with sphere j (or with plane k, given as j = -1 - k), and the unit
+    normal from i to it.
     """
     bodies = scene.bodies
     if j < 0:
@@ -87,8 +95,8 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
 
 
 def falling(scene: Scene, law: Contact) -> str | None:
-    """None if every body stands on the one plane, or on exactly one other body, with its load's
-    centre over the support.
+    """None if every body stands stably on the plane or on exactly one other body, else the
+    reason.
     """
     load = pressed(scene)
     if isinstance(load, str):
@@ -101,8 +109,9 @@ def falling(scene: Scene, law: Contact) -> str | None:
 
 @dataclass(frozen=True)
 class Load:
-    """Gravity (3,) [m/s^2] on one plane: its part `pressing` against the `normal`, and `along` (3,)
-    the plane.
+    """Gravity [m/s^2] on one plane with unit `normal` (3,) through `point` (3,).
+
+    `gravity` (3,) has the component `pressing` against the normal, and `along` (3,) in the plane.
     """
 
     normal: Array
@@ -112,17 +121,17 @@ class Load:
 
     @property
     def along(self) -> Array:
-        """What is left of gravity without its part against the normal."""
+        """The component of gravity in the plane (3,) [m/s^2]."""
         return np.asarray(self.gravity + self.pressing * self.normal)
 
     @property
     def steepness(self) -> float:
-        """The tangent of the plane's slope: gravity along the plane over gravity against it."""
+        """The tangent of the plane's slope, |along| / pressing."""
         return float(np.linalg.norm(self.along)) / self.pressing
 
 
 def pressed(scene: Scene) -> Load | str:
-    """Gravity on the one plane, or why there is no such thing."""
+    """Gravity resolved on the one plane, or the reason why there is no such plane."""
     planes = scene.all(Plane)
     fields = [np.array(field.g) for field in scene.all(UniformGravity)]
     gravity = np.sum([np.zeros(3), *fields], axis=0)
@@ -136,34 +145,37 @@ def pressed(scene: Scene) -> Load | str:
 
 
 def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
-    """None if the one body slides down the plane without turning: what carries it, tilted by
-    friction, goes through its foot.
+    """None if the one body slides down the plane without tipping over, else the reason.
+
+    While it slides, the plane's force is N (normal) plus mu N uphill. The body does not turn if the
+    line of that force through the centre of mass meets the face on which it slides.
     """
     if not load.steepness > law.friction * (1 + SLACK):
         return "static friction holds it"
     downhill = load.along / np.linalg.norm(load.along)
-    # What carries the body is the normal force with friction mu of it, uphill: this is its reverse.
+    # The reverse of the plane's force n - mu downhill, in units of N.
     down = law.friction * downhill - load.normal
     return _Standing(scene, load.normal, load.point, down).fault()
 
 
 class _Standing:
-    """Bodies on a plane as columns over it: heights of their lowest and highest vertices, and who
-    stands on whom.
+    """Bodies on a plane, each with its lowest and highest face, and the question which stands on
+    which.
+
+    Heights are measured from the plane along its `normal`; `down` is the direction in which weight
+    acts, scaled so that down . normal = -1.
     """
 
     def __init__(self, scene: Scene, normal: Array, point: Array, down: Array) -> None:
         self.scene = scene
         self.normal = normal
         self.down = down
-        self.vertices = [
-            _outline(scene, number, normal) - point for number in range(len(scene.bodies))
-        ]
+        self.vertices = [_outline(scene, body, normal) - point for body in range(len(scene.bodies))]
         self.heights = [v @ normal for v in self.vertices]
         self.size = max(float(np.abs(v).max()) for v in self.vertices)
 
     def faces(self, body: int, highest: bool) -> Array:
-        """Points (M, 3) of the highest or the lowest face."""
+        """Vertices (M, 3) of the highest or of the lowest face."""
         height = self.heights[body]
         if highest:
             edge = height.max()
@@ -173,58 +185,62 @@ class _Standing:
         return level
 
     def below(self, body: int) -> list[int]:
-        """What the lowest face is level with, of that which it stands over: -1 is the plane."""
-        low = self.heights[body].min()
+        """The supports at the height of the body's lowest face and underneath it; -1 is the
+        plane.
+        """
+        lowest = self.heights[body].min()
         rounding = SLACK * self.size
-        if abs(low) <= rounding:
-            found = [-1]
+        if abs(lowest) <= rounding:
+            supports = [-1]
         else:
-            found = []
+            supports = []
         for other in range(len(self.heights)):
             if other == body:
                 continue
-            is_level = abs(self.heights[other].max() - low) <= rounding
+            is_level = abs(self.heights[other].max() - lowest) <= rounding
             if is_level and self._over(body, other):
-                found.append(other)
-        return found
+                supports.append(other)
+        return supports
 
     def _over(self, body: int, other: int) -> bool:
-        """Whether the centre of the lowest face of a body lies over the highest face of another."""
+        """True if the centre of a body's lowest face lies over the highest face of another."""
         centre = self.faces(body, highest=False).mean(axis=0)
         return self._inside(centre, self.faces(other, highest=True))
 
     def _inside(self, point: Array, face: Array) -> bool:
-        """The point, carried down along gravity, lies in the convex hull of the face."""
-        drop = (point - face[0]) @ self.normal
-        flat = face - (point + drop * self.down)
-        axis = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
-        first = np.cross(self.normal, axis)
-        first /= np.linalg.norm(first)
-        x = flat @ first
-        y = flat @ np.cross(self.normal, first)
+        """True if the point, projected along `down` onto the face's plane, lies in the face's
+        convex hull.
+        """
+        height = (point - face[0]) @ self.normal
+        corners = face - (point + height * self.down)
+        reference = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
+        tangent = np.cross(self.normal, reference)
+        tangent /= np.linalg.norm(tangent)
+        x = corners @ tangent
+        y = corners @ np.cross(self.normal, tangent)
         if np.any(np.hypot(x, y) <= SLACK * self.size):
             return True
-        # Inside, no two neighbouring corners are seen more than half a turn apart.
+        # A point is inside if and only if no two neighbouring corners subtend more than pi at it.
         angles = np.sort(np.arctan2(y, x))
         gaps = np.diff([*angles, angles[0] + 2 * np.pi])
         return bool(gaps.max() <= np.pi * (1 + SLACK))
 
     def fault(self) -> str | None:
-        """None if all stand, else what is missing."""
-        under: dict[int, int] = {}
+        """None if all bodies stand, else the first reason why not."""
+        support: dict[int, int] = {}
         for body in range(len(self.heights)):
-            found = self.below(body)
-            if self.scene.bodies.fixed[body] or len(found) != 1:
+            supports = self.below(body)
+            if self.scene.bodies.fixed[body] or len(supports) != 1:
                 return f"body {body} does not stand on exactly one thing"
-            under[body] = found[0]
-        for body in under:
-            load = [other for other in under if body in _path(other, under)]
-            mass = self.scene.bodies.mass[load]
-            place = self.scene.bodies.position[load]
-            centre = mass @ place / mass.sum() - self._origin(body)
+            support[body] = supports[0]
+        for body in support:
+            carried = [other for other in support if body in _path(other, support)]
+            mass = self.scene.bodies.mass[carried]
+            position = self.scene.bodies.position[carried]
+            centre = mass @ position / mass.sum() - self._origin(body)
             faces = [self.faces(body, highest=False)]
-            if under[body] >= 0:
-                faces.append(self.faces(under[body], highest=True))
+            if support[body] >= 0:
+                faces.append(self.faces(support[body], highest=True))
             if not all(self._inside(centre, face) for face in faces):
                 return (
                     f"the centre of mass of what stands on the foot of body {body} is not over it"
@@ -237,19 +253,19 @@ class _Standing:
         return origin
 
 
-def _path(body: int, under: dict[int, int]) -> list[int]:
-    """The body and all that it stands on."""
-    found = []
-    while body >= 0 and body not in found:
-        found.append(body)
-        body = under[body]
-    return found
+def _path(body: int, support: dict[int, int]) -> list[int]:
+    """The body, its support, the support of that, and so on down to the plane."""
+    path = []
+    while body >= 0 and body not in path:
+        path.append(body)
+        body = support[body]
+    return path
 
 
 def _outline(scene: Scene, body: int, normal: Array) -> Array:
-    """Vertices (M, 3) in space; of a sphere its lowest and its highest point."""
+    """Vertices (M, 3) [m] of a body in space; of a sphere its lowest and its highest point."""
     shape = scene.bodies.shape[body]
-    place = scene.bodies.position[body]
+    centre = scene.bodies.position[body]
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:
@@ -258,5 +274,5 @@ def _outline(scene: Scene, body: int, normal: Array) -> Array:
         else:
             radius = 0.0
         from_centre = np.array([-1.0, 1.0])[:, None] * radius * normal
-    outline: Array = place + from_centre
+    outline: Array = centre + from_centre
     return outline

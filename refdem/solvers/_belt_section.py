@@ -1,5 +1,5 @@
-"""The Poincare section of a point on a belt over the frequency of its drive, with the largest
-Lyapunov exponent (kernels/stick_slip.c).
+"""Poincare section of a point on a belt for many drive frequencies, with the largest Lyapunov
+exponent (kernels/stick_slip.c).
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -19,14 +19,18 @@ from refdem.solvers.stick_slip import FAMILY, belt_law
 
 Array = NDArray[np.float64]
 BLOCKS = 16
-"""Parts of the time kept over which the growth of a tangent is taken."""
+"""Blocks of the recorded time; the growth of a tangent vector is summed in each, for a standard
+error.
+"""
 PER_PERIOD = 8
-"""Passages v = 0, x > 0 a period for which there is room."""
+"""Largest number of passages v = 0, x > 0 that are recorded per period of the drive."""
 
 
 class Section(NamedTuple):
-    """Frequencies (M,) [rad/s]; for each, places x > 0 [m] from the spring's anchor + `origin` at
-    which v = 0; exponents (M,) [1/s].
+    """The section at M drive `frequency` (M,) [rad/s].
+
+    `places` holds, for each, the positions x > 0 [m] from the spring's anchor at which v = 0;
+    `exponent` the Lyapunov exponents (M,) [1/s] with their errors.
     """
 
     frequency: Array
@@ -35,22 +39,22 @@ class Section(NamedTuple):
 
 
 def section(scene: Scene, frequency: Array, *, skip: int, keep: int, workers: int = 2) -> Section:
-    """The section after `skip` periods of the drive over `keep` more, for every frequency (M,) > 0
-    of the scene's force.
+    """The section over `keep` periods of the drive, after `skip` periods of transient, for
+    frequencies (M,) > 0.
     """
     axis = np.array(scene.all(Slider)[0].axis)
     origin = float(axis @ single.anchor(scene.all(Spring)[0]))
-    place = float(axis @ scene.bodies.position[0]) - origin
-    speed = float(axis @ scene.bodies.velocity[0])
-    start = [place, speed]
+    x0 = float(axis @ scene.bodies.position[0]) - origin
+    v0 = float(axis @ scene.bodies.velocity[0])
+    start = [x0, v0]
 
-    def part(own: Array) -> tuple[list[Array], Array]:
-        return _part(scene, own, origin, start, skip, keep)
+    def blockwise(frequencies: Array) -> tuple[list[Array], Array]:
+        return _part(scene, frequencies, origin, start, skip, keep)
 
     with ThreadPoolExecutor(workers) as pool:
-        parts = list(pool.map(part, np.array_split(frequency, 4 * workers)))
-    growth = np.concatenate([sums for _, sums in parts])
-    places = tuple(chain.from_iterable(own for own, _ in parts))
+        results = list(pool.map(blockwise, np.array_split(frequency, 4 * workers)))
+    growth = np.concatenate([block_sums for _, block_sums in results])
+    places = tuple(chain.from_iterable(frequencies for frequencies, _ in results))
     seconds = 2 * np.pi / frequency * keep
     return Section(frequency, places, exponent(growth, seconds))
 
@@ -58,20 +62,22 @@ def section(scene: Scene, frequency: Array, *, skip: int, keep: int, workers: in
 def _part(
     scene: Scene, frequency: Array, origin: float, start: list[float], skip: int, keep: int
 ) -> tuple[list[Array], Array]:
-    """Places of some frequencies, and growths (M, BLOCKS); the kernel leaves the interpreter to
-    other threads.
+    """Section positions for some frequencies, and the logarithmic growths (M, BLOCKS) of a tangent
+    vector.
+
+    Runs in a thread: the kernel releases the interpreter's lock.
     """
     count = len(frequency)
-    most = PER_PERIOD * keep
+    capacity = PER_PERIOD * keep
     counts = np.zeros(count)
-    sums = np.zeros((count, BLOCKS))
-    out = np.zeros((count, most))
+    block_sums = np.zeros((count, BLOCKS))
+    positions = np.zeros((count, capacity))
     if count:
         call = KernelCall(
             function="refdem_stick_slip_section",
             inputs=(belt_law(scene), count, frequency, origin, *start),
-            clock=(skip, keep, BLOCKS, most),
-            outputs=(counts, sums, out),
+            clock=(skip, keep, BLOCKS, capacity),
+            outputs=(counts, block_sums, positions),
         )
         call.made(FAMILY)
-    return [row[: int(n)].copy() for row, n in zip(out, counts, strict=True)], sums
+    return [row[: int(n)].copy() for row, n in zip(positions, counts, strict=True)], block_sums

@@ -1,5 +1,7 @@
-"""Many starts of one plane pendulum, stepped together by symplectic methods of order 8 and 10
-(kernels/pendulum_ensemble.c).
+"""Plane pendulums theta'' = -w0^2 sin(theta), many starts stepped together by symplectic methods of
+order 8 and 10 (kernels/pendulum_ensemble.c).
+
+A step is a symmetric composition of Verlet steps of lengths weight_i h.
 """
 
 from time import perf_counter
@@ -59,7 +61,7 @@ V.3.2."""
 
 
 def claimed(name: str, order: int) -> Method:
-    """The claims of a composition of that order."""
+    """The claims of a composition of the given order."""
     return Method(
         name=name,
         summary=(
@@ -75,7 +77,7 @@ def claimed(name: str, order: int) -> Method:
 
 
 class EnsembleSymplectic(Solver):
-    """Angles and rates of all starts in blocks that stay in the cache."""
+    """Angles and angular velocities of all starts, in blocks that fit in the cache."""
 
     answers = Ensemble
     kernels = (FAMILY,)
@@ -84,18 +86,20 @@ class EnsembleSymplectic(Solver):
         self.weights = np.array(WEIGHTS[self.claims.order])
 
     def unsupported(self, problem: Ensemble) -> str | None:
-        """None for starts of one point on a rod that hangs in gravity and swings in a plane."""
+        """None for starts of one point on a rod that swings in a plane with gravity, else the
+        reason.
+        """
         if not problem.scene.all(Rod) or not single.gravity(problem.scene).any():
             return "no rod in gravity"
         return carried_ensemble.METHOD.unsupported(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
+        """Trajectory with `position` [m] and `velocity` [m/s] (T, M, 1, 3) of M starts."""
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Ensemble)
         frame = _Frame(problem.scene)
-        call = load(FAMILY).lib.refdem_pendulum_ensemble
+        kernel = load(FAMILY).lib.refdem_pendulum_ensemble
         seconds = 0.0
         law = (2 * len(self.weights) - 1, pointer(FAMILY, self.weights), frame.square)
         angle, rate = frame.angles(problem.position[:, 0], problem.velocity[:, 0])
@@ -104,10 +108,11 @@ class EnsembleSymplectic(Solver):
         velocity = np.empty(shape)
         position[0] = problem.position
         velocity[0] = problem.velocity
+        # The kernel advances angle and rate in place.
         state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
         for row in range(1, len(problem.times)):
             started = perf_counter()
-            call(*law, request.signed_step, request.stride, len(angle), *state)
+            kernel(*law, request.signed_step, request.stride, len(angle), *state)
             seconds += perf_counter() - started
             position[row, :, 0], velocity[row, :, 0] = frame.placed(angle, rate)
         cost = Cost(
@@ -122,28 +127,30 @@ class EnsembleSymplectic(Solver):
 
 
 class _Frame:
-    """The plane of the swing: unit vectors along gravity and across it, the anchor, the length, and
-    w0^2 = g/l [1/s^2].
+    """The plane of the swing: unit vectors `down` along gravity and `across`, the anchor, the
+    length l, and w0^2 = g/l [1/s^2] as `square`.
+
+    A point at angle theta is at anchor + l (cos(theta) down + sin(theta) across).
     """
 
     def __init__(self, scene: Scene) -> None:
         rod = scene.all(Rod)[0]
         gravity = single.gravity(scene)
         arm = scene.bodies.position[0] - single.anchor(rod)
-        size = float(np.linalg.norm(gravity))
+        magnitude = float(np.linalg.norm(gravity))
         self.anchor = single.anchor(rod)
         self.length = rod.length
-        self.square = size / rod.length
-        self.down = gravity / size
+        self.square = magnitude / rod.length
+        self.down = gravity / magnitude
         # The direction across gravity in which the point is, or else goes.
-        aside = [
+        components = [
             vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
         ]
-        longest = max(aside, key=lambda vector: float(np.linalg.norm(vector)))
+        longest = max(components, key=lambda vector: float(np.linalg.norm(vector)))
         self.across = longest / (np.linalg.norm(longest) or 1.0)
 
     def angles(self, position: Array, velocity: Array) -> tuple[Array, Array]:
-        """Angles [rad] and rates [rad/s] (M,)."""
+        """Angles [rad] and angular velocities [rad/s] (M,) of positions and velocities (M, 3)."""
         arm = position - self.anchor
         angle = np.arctan2(arm @ self.across, arm @ self.down)
         # The velocity at right angles to the rod, over its length.
@@ -153,7 +160,7 @@ class _Frame:
         return angle, rate
 
     def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:
-        """Positions and velocities (M, 3)."""
+        """Positions and velocities (M, 3) at angles [rad] and angular velocities [rad/s] (M,)."""
         s = np.sin(angle)[:, None]
         c = np.cos(angle)[:, None]
         along = c * self.down + s * self.across

@@ -1,4 +1,6 @@
-"""What the methods for free bodies share: centres move uniformly, each attitude is a kernel's."""
+"""Common base of the methods for free bodies: centres move uniformly, attitudes come from a
+kernel.
+"""
 
 from abc import abstractmethod
 from time import perf_counter
@@ -17,16 +19,20 @@ Array = NDArray[np.float64]
 
 
 class FreeBodies(SceneSolver):
-    """Bodies on which nothing acts, turned one after another by calls of a kernel."""
+    """Bodies on which nothing acts; each rotates by itself, by one call of a kernel."""
 
     pattern = ScenePattern()
 
     @abstractmethod
-    def turn(self, request: Request, number: int) -> KernelCall:
-        """The call that fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins."""
+    def turn(self, request: Request, body: int) -> KernelCall:
+        """The kernel call that fills attitude (T, 4) and omega (T, 3) [rad/s] of one rotating
+        body.
+        """
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
+        """Centres at x0 + v (t - t0); attitude and omega from `turn` for the bodies that
+        rotate.
+        """
         begun = perf_counter()
         t = request.problem.times
         bodies = request.problem.scene.bodies
@@ -37,21 +43,21 @@ class FreeBodies(SceneSolver):
         )
         seconds = 0.0
         steps = 0
-        for number in spinning(bodies):
-            call = self.turn(request, number)
+        for body in spinning(bodies):
+            call = self.turn(request, body)
             spent, _ = call.answered(self.kernels[0])
             seconds += spent
             steps = call.steps
-            attitude[:, number], omega[:, number] = call.outputs
+            attitude[:, body], omega[:, body] = call.outputs
         setup = perf_counter() - begun - repeats() * seconds
-        found = Trajectory(
+        trajectory = Trajectory(
             t=t, position=position, velocity=velocity, attitude=attitude, omega=omega
         )
-        return found, Cost(seconds=seconds, setup=setup, steps=steps)
+        return trajectory, Cost(seconds=seconds, setup=setup, steps=steps)
 
 
 class SteppedFreeBodies(FreeBodies):
-    """Bodies that turn by the steps of one function of kernels/rigid_body.c."""
+    """Bodies that rotate by steps of one function of kernels/rigid_body.c."""
 
     kernels = ("rigid_body",)
 
@@ -61,17 +67,17 @@ class SteppedFreeBodies(FreeBodies):
         """Name of the kernel's function."""
 
     def unfit(self, problem: Motion) -> str | None:
-        """None if some body turns."""
+        """None if some body rotates, else the reason."""
         if "rotation" not in problem.scene.features:
             return "nothing turns; uniform motion needs no steps"
         return None
 
-    def turn(self, request: Request, number: int) -> KernelCall:
+    def turn(self, request: Request, body: int) -> KernelCall:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""
         count = len(request.problem.times)
         return KernelCall(
             function=self.function,
-            inputs=first_state(request.problem.scene.bodies, number),
+            inputs=first_state(request.problem.scene.bodies, body),
             clock=steps_to_samples(request),
             outputs=(np.empty((count, 4)), np.empty((count, 3))),
             steps=steps_of(request),
@@ -79,10 +85,10 @@ class SteppedFreeBodies(FreeBodies):
 
 
 def spinning(bodies: Bodies) -> list[int]:
-    """Numbers of the bodies that turn at all."""
-    return [int(number) for number in np.flatnonzero(bodies.omega.any(axis=1))]
+    """Indices of the bodies with an angular velocity."""
+    return [int(body) for body in np.flatnonzero(bodies.omega.any(axis=1))]
 
 
-def first_state(bodies: Bodies, number: int) -> tuple[Array, Array, Array]:
-    """Principal inertia (3,), attitude (4,) and omega (3,) of one body."""
-    return bodies.inertia[number], bodies.attitude[number], bodies.omega[number]
+def first_state(bodies: Bodies, body: int) -> tuple[Array, Array, Array]:
+    """Principal moments of inertia (3,), attitude (4,) and omega (3,) of one body at the start."""
+    return bodies.inertia[body], bodies.attitude[body], bodies.omega[body]

@@ -1,7 +1,7 @@
-"""A method that is one call of a kernel: what is alike in all of them is here, once.
+"""Base of the methods that answer by one call of a C kernel.
 
-A solver says what the kernel is told and where it writes (`prepare`), and what that means as a
-trajectory (`finish`). Buffers become pointers, both clocks run, and the cost is made, in `run`.
+A solver describes the call (`prepare`: inputs, clock, output arrays) and reads the filled arrays
+(`finish`). This module turns arrays into C pointers, makes the call and measures its cost.
 """
 
 from abc import abstractmethod
@@ -23,7 +23,9 @@ Array = NDArray[np.float64]
 
 
 class Struct:
-    """A struct of a kernel's, and the arrays that it points to: they live as long as it does."""
+    """A C struct of a kernel, with the arrays that its fields point to, which live as long as it
+    does.
+    """
 
     def __init__(self, family: str, name: str, fields: Mapping[str, Any]) -> None:
         self.arrays = {
@@ -37,10 +39,11 @@ class Struct:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class KernelCall:
-    """One call of a kernel: `inputs`, `clock` and `outputs` are its arguments, in this order.
+    """One call of a kernel. Its arguments are `inputs`, `clock` and `outputs`, in this order.
 
-    Arrays of inputs and clock are read, those of outputs are written in place; an array without
-    elements, and None, are NULL. `steps` are the steps that it takes, 0 for a method without.
+    Arrays in `inputs` and `clock` are read, those in `outputs` are written in place; an empty array
+    and None become NULL. `steps` is the number of time steps that the call takes, 0 for a method
+    without steps.
     """
 
     function: str
@@ -50,30 +53,31 @@ class KernelCall:
     steps: int = 0
 
     def arguments(self, family: str) -> list[Any]:
-        """The arguments as the function takes them."""
-        told = [_input(family, value) for value in (*self.inputs, *self.clock)]
+        """The arguments as C values and pointers."""
+        inputs = [_input(family, value) for value in (*self.inputs, *self.clock)]
         written = [_output(family, array) for array in self.outputs]
-        return told + written
+        return inputs + written
 
     def made(self, family: str) -> int:
-        """Calls once; returns what the kernel returned."""
+        """Makes the call once and returns the kernel's status."""
         function = getattr(load(family).lib, self.function)
         return int(function(*self.arguments(family)))
 
     def answered(self, family: str) -> tuple[float, int]:
-        """Seconds of one call, and what the kernel returned; within `repeated` it calls more often.
+        """Makes the call and returns its time [s] and the kernel's status; inside `repeated` it is
+        called several times.
 
-        Where the kernel makes something of the start before it is asked for samples, the call has
-        two parts, and the first is set-up.
+        A kernel with a function NAME_prepare is called in two parts, and only the second, NAME_run,
+        is timed.
         """
         lib = load(family).lib
         arguments = self.arguments(family)
         prepare = getattr(lib, f"{self.function}_prepare", None)
         if prepare is None:
             return timed(getattr(lib, self.function), *arguments)
-        motion = prepared(family)
-        prepare(*arguments, motion)
-        return timed(getattr(lib, f"{self.function}_run"), motion)
+        state = prepared(family)
+        prepare(*arguments, state)
+        return timed(getattr(lib, f"{self.function}_run"), state)
 
 
 class KernelRun(Solver):
@@ -81,22 +85,26 @@ class KernelRun(Solver):
 
     @abstractmethod
     def prepare(self, request: Request) -> KernelCall:
-        """What the kernel is told, and the arrays that it fills."""
+        """The call of the kernel, with its output arrays allocated."""
 
     @abstractmethod
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """The trajectory that the filled arrays say; raises EngineError or UnsupportedError where
-        `status`, what the kernel returned, says that it did not come to the end.
+        """The trajectory in the filled arrays of the call.
+
+        Raises EngineError or UnsupportedError if `status`, the kernel's return value, says that it
+        stopped early.
         """
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Prepares, calls, finishes; the cost is that of the call, and of all before it."""
+        """Prepares, calls and finishes. The cost is the time of the call; all before it is
+        set-up.
+        """
         begun = perf_counter()
         call = self.prepare(request)
         seconds, status = call.answered(self.kernels[0])
         setup = perf_counter() - begun - repeats() * seconds
-        found = self.finish(request, call, status)
-        return found, Cost(seconds=seconds, setup=setup, steps=call.steps)
+        trajectory = self.finish(request, call, status)
+        return trajectory, Cost(seconds=seconds, setup=setup, steps=call.steps)
 
 
 class KernelSolver(SceneSolver, KernelRun):
@@ -104,9 +112,10 @@ class KernelSolver(SceneSolver, KernelRun):
 
 
 class Elapsed:
-    """Time since the start, counted upwards in whichever direction the samples go.
+    """Time since the start, counted upwards in either direction of time.
 
-    For kernels that run forward only: a motion backwards is one with flipped velocities.
+    For kernels that run forward only: a motion backward in time is the forward motion with
+    velocities reversed. `sense` is +1 or -1, `since` (T,) [s] the elapsed time at the samples.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -114,41 +123,45 @@ class Elapsed:
         self.sense = float(np.sign(problem.interval))
         self.since: Array = self.sense * (problem.times - problem.times[0])
 
-    def events(self, told: Mapping[str, float]) -> tuple[Event, ...]:
-        """Events of body 0 by their kind, from when they are after the start [s]; those that no
-        sample comes to, and those before the start, are left out.
+    def events(self, times_by_kind: Mapping[str, float]) -> tuple[Event, ...]:
+        """Events of body 0 from their elapsed times [s] by kind; those before the start or after
+        the last sample are left out.
         """
         return tuple(
-            Event(time=float(self.start + self.sense * when), kind=kind, body=0)
-            for kind, when in told.items()
-            if 0 < when <= self.since[-1]
+            Event(time=float(self.start + self.sense * elapsed), kind=kind, body=0)
+            for kind, elapsed in times_by_kind.items()
+            if 0 < elapsed <= self.since[-1]
         )
 
 
 def samples(t: Array) -> tuple[int, Array]:
-    """The clock of a kernel that is told the samples: how many, and when [s]."""
+    """Clock arguments of a kernel that takes sample times: their number, and the times [s]."""
     return len(t), np.ascontiguousarray(t)
 
 
 def samples_from_start(t: Array) -> tuple[float, int, Array]:
-    """The clock of a kernel that is told its start [s] besides."""
+    """Clock arguments of a kernel that also takes the start [s]: start, number of samples, times
+    [s].
+    """
     return float(t[0]), len(t), np.ascontiguousarray(t)
 
 
 def steps_to_samples(request: Request) -> tuple[float, int, int]:
-    """The clock of a kernel that steps: signed step [s], number of samples, steps a sample."""
+    """Clock arguments of a kernel with fixed steps: signed step [s], number of samples, steps per
+    sample.
+    """
     return request.signed_step, len(request.problem.times), request.stride
 
 
 def steps_of(request: Request) -> int:
-    """Steps from the first sample to the last."""
+    """Number of steps from the first sample to the last."""
     return request.stride * (len(request.problem.times) - 1)
 
 
 def turning_states(bodies: Any, columns: Mapping[str, Array]) -> dict[str, Any]:
-    """Columns (T, n) of one body as those of a trajectory, (T, 1, n).
+    """Columns (T, n) of the one body as those of a trajectory, (T, 1, n).
 
-    The first row is the start as it came, not as it is rounded on its way through the kernel.
+    Row 0 becomes the exact initial state, which the kernel may have rounded.
     """
     rows = {}
     for name, values in columns.items():
@@ -158,7 +171,9 @@ def turning_states(bodies: Any, columns: Mapping[str, Array]) -> dict[str, Any]:
 
 
 def _input(family: str, value: Any) -> Any:
-    """A number as it is; of a struct its address; of an array a pointer."""
+    """The C value of an argument: a number itself, a struct's address, an array's pointer, NULL for
+    None.
+    """
     ffi = load(family).ffi
     if isinstance(value, Struct):
         return value.address
@@ -175,7 +190,7 @@ def _input(family: str, value: Any) -> Any:
 
 
 def _output(family: str, array: Any) -> Any:
-    """A pointer to what the kernel writes."""
+    """A pointer to an array that the kernel writes; NULL for None."""
     ffi = load(family).ffi
     if array is None:
         return ffi.NULL

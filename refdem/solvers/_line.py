@@ -1,4 +1,4 @@
-"""A point that moves along one line: the line, its spring, dashpot, weight and drives, read off a
+"""A point that moves along one line, with its spring, dashpot, weight and drives, taken from a
 scene.
 """
 
@@ -28,24 +28,24 @@ PATTERN = ScenePattern(
 )
 """One point on one spring to the world, with at most one dashpot, forces and gravity."""
 ASKEW = 1e-15
-"""Part of a vector that may point off the line: round-off of a scene turned into some other
-direction.
-"""
+"""Largest relative component off the line: round-off of a scene that was rotated."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """`axis` (3,) and `origin` (3,) [m], where the spring is at rest; on it place [m], velocity
-    [m/s] and weight [N] of the point.
+    """Motion x(t) along the unit vector `axis` (3,) from `origin` (3,) [m], where the spring is
+    relaxed.
 
-    `drives` (M, 3): force [N], frequency [rad/s] and phase along the axis; `offset` [m] from the
-    dashpot's anchor to the origin.
+    - `x0` [m] and `v0` [m/s] are x and x' at the start; `weight` [N] acts along the axis.
+    - `damping` and `van_der_pol` are the dashpot's coefficients.
+    - `drives` (M, 3) are amplitude [N] along the axis, frequency [rad/s] and phase of each force.
+    - `offset` [m] is the distance from the dashpot's anchor to the origin.
     """
 
     axis: Array
     origin: Array
-    place: float
-    speed: float
+    x0: float
+    v0: float
     mass: float
     weight: float
     spring: Spring
@@ -55,8 +55,10 @@ class Line:
     drives: Array
 
     def trajectory(self, t: Array, x: Array, v: Array, **more: Any) -> Trajectory:
-        """The motion in space of places x (T,) and velocities v (T,); raises UnsupportedError if it
-        passed the spring's anchor.
+        """The motion in space from positions x (T,) and velocities v (T,) along the line.
+
+        Raises UnsupportedError if the point passed the anchor of a spring of natural length l > 0
+        (x <= -l): the spring's force changes direction there, which the series does not represent.
         """
         if self.spring.length > 0 and np.any(x <= -self.spring.length):
             raise UnsupportedError(
@@ -68,12 +70,12 @@ class Line:
 
 
 def line_of(scene: Scene) -> Line:
-    """The line of a scene that has the pattern."""
+    """The line of a scene that matches PATTERN."""
     bodies = scene.bodies
     spring = scene.all(Spring)[0]
     axis = _axis(scene)
     anchor = single.anchor(spring)
-    # Places count from where the spring is at rest, not from its anchor.
+    # x is measured from where the spring is relaxed, not from its anchor.
     origin = anchor + spring.length * axis
     from_anchor = float(axis @ (bodies.position[0] - anchor))
     dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
@@ -82,8 +84,8 @@ def line_of(scene: Scene) -> Line:
     return Line(
         axis=axis,
         origin=origin,
-        place=from_anchor - spring.length,
-        speed=float(axis @ bodies.velocity[0]),
+        x0=from_anchor - spring.length,
+        v0=float(axis @ bodies.velocity[0]),
         mass=mass,
         weight=mass * float(axis @ single.gravity(scene)),
         spring=spring,
@@ -95,7 +97,7 @@ def line_of(scene: Scene) -> Line:
 
 
 def _drives(scene: Scene, axis: Array) -> Array:
-    """Amplitude along the axis [N], frequency [rad/s] and phase of every force (M, 3)."""
+    """Amplitude along the axis [N], frequency [rad/s] and phase (M, 3) of every force."""
     drives = []
     for force in scene.all(Force):
         amplitude = force.amplitude * float(axis @ np.array(force.axis))
@@ -104,7 +106,9 @@ def _drives(scene: Scene, axis: Array) -> Array:
 
 
 def _axis(scene: Scene) -> Array:
-    """The unit vector of the line; away from the anchor of a spring that has a length."""
+    """The unit vector of the line: from the spring's anchor to the point, else along a force, the
+    velocity or gravity.
+    """
     arm = scene.bodies.position[0] - np.array(scene.all(Spring)[0].anchor_b)
     candidates = [
         arm,
@@ -112,7 +116,7 @@ def _axis(scene: Scene) -> Array:
         scene.bodies.velocity[0],
         single.gravity(scene),
     ]
-    # What rests without a force may be taken along x.
+    # A point at rest without a force may be described along x.
     candidates.append(np.array([1.0, 0.0, 0.0]))
     first = next(vector for vector in candidates if np.any(vector))
     axis: Array = first / np.linalg.norm(first)
@@ -120,7 +124,7 @@ def _axis(scene: Scene) -> Array:
 
 
 def askew(scene: Scene) -> str | None:
-    """None if everything lies on the line."""
+    """None if everything lies on the line, else the reason."""
     if any(link.b >= 0 for link in scene.all(Link)):
         return "a link between bodies"
     axis = _axis(scene)
@@ -130,7 +134,7 @@ def askew(scene: Scene) -> str | None:
     vectors += [np.array(force.axis) for force in scene.all(Force)]
     vectors += [single.anchor(dashpot) - anchor for dashpot in scene.all(Dashpot)]
     for vector in vectors:
-        along = (vector @ axis) * axis
-        if np.linalg.norm(vector - along) > ASKEW * np.linalg.norm(vector):
+        on_line = (vector @ axis) * axis
+        if np.linalg.norm(vector - on_line) > ASKEW * np.linalg.norm(vector):
             return "the motion is not along one line"
     return None

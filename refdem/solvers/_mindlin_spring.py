@@ -1,11 +1,19 @@
-"""Slip against a wall under a tangential spring that stiffens as the root of the overlap: Taylor
-series in a time that makes it smooth.
+"""Tangential slip against a wall under Hertz's contact with a Mindlin spring, whose stiffness grows
+as the root of the overlap d: Taylor series in a time variable that makes the motion analytic.
 
-In units of the greatest overlap and the speed at touch, with w = sqrt(d) and dt = w ds, Hertz's
-contact is w' = v/2, v' = -5/4 w^4 in s, analytic from touch to release. The slip p has the way q,
-q' = w p; while the spring sticks p' = -35/8 (k_t/k) w^2 stretch, while it slides p' = -+35/8 mu w^4
-and its stretch is +-g d, g = mu k/k_t. Pieces end where the spring comes to its limit, is caught,
-or is let go.
+Units: the greatest overlap and the speed at first contact. With w = sqrt(d), v = d' and dt = w ds,
+Hertz's contact reads
+
+  w' = v/2,   v' = -5/4 w^4              (' is d/ds)
+
+analytic from first contact to release. p is the slip velocity and q the slip distance, q' = w p:
+
+  sticking   p' = -35/8 (k_t/k) w^2 (q - q0)      q0 is where the spring is relaxed
+  sliding    p' = -+35/8 mu w^4                   the spring is stretched by +-g d, g = mu k/k_t
+
+35/8 is 5/4 times 7/2, the factor by which a force at the contact point accelerates the slip of a
+solid sphere. The contact is a sequence of pieces; each ends where the spring reaches its limit or
+is released from it.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,56 +28,66 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Value = Callable[[float], float]
 ORDER = 20
+"""Order of the Taylor series."""
 STEP = 0.125
+"""Longest step in s."""
 LOOKS = 8
+"""Points in a step at which the sign of the event functions is looked at."""
 STICKS = 0
-"""The mode; +1 and -1 slide."""
+"""The mode in which the spring sticks; +1 and -1 are sliding in either direction."""
 W, V, P, Q = range(4)
 
 
 @dataclass(frozen=True)
 class Spring:
-    """A tangential spring: `ratio` = k_t/k of the stiffnesses, and `friction` = mu."""
+    """A tangential spring with `ratio` k_t/k and friction coefficient `friction` mu."""
 
     ratio: float
     friction: float
 
     @property
     def slack(self) -> float:
-        """g = mu k/k_t: the longest stretch over the overlap."""
+        """g = mu k/k_t: the largest stretch over the overlap."""
         return self.friction / self.ratio
 
     def series(self, start: Sequence[float], side: int, hangs: float) -> Array:
-        """Taylor coefficients (4, ORDER + 1) of w, v, p, q in s; the stretch is q - hangs while it
-        sticks (side 0).
+        """Taylor coefficients (4, ORDER + 1) in s of the solution w, v, p, q from `start`.
+
+        `side` is the mode. While the spring sticks (0), its stretch is q - `hangs`; else it slides
+        with the sign of `side`.
         """
         c = np.zeros((4, ORDER + 1))
         c[:, 0] = start
-        square, fourth, pull = np.zeros((3, ORDER + 1))
+        w2, w4, pull = np.zeros((3, ORDER + 1))
         for n in range(ORDER):
             # A product's coefficient n is the sum over k of a_k b_(n-k).
-            upto = slice(0, n + 1)
+            first_n = slice(0, n + 1)
             if n:
-                back = slice(n, None, -1)
+                first_n_reversed = slice(n, None, -1)
             else:
-                back = slice(0, 1)
-            square[n] = c[W, upto] @ c[W, back]
-            fourth[n] = square[upto] @ square[back]
+                first_n_reversed = slice(0, 1)
+            w2[n] = c[W, first_n] @ c[W, first_n_reversed]
+            w4[n] = w2[first_n] @ w2[first_n_reversed]
             if side == STICKS:
-                stretch = c[Q, upto] - np.eye(1, n + 1)[0] * hangs
-                pull[n] = self.ratio * (square[upto] @ stretch[::-1])
+                stretch = c[Q, first_n] - np.eye(1, n + 1)[0] * hangs
+                pull[n] = self.ratio * (w2[first_n] @ stretch[::-1])
             else:
-                pull[n] = side * self.friction * fourth[n]
+                pull[n] = side * self.friction * w4[n]
             # w' = v/2, v' = -5/4 w^4, p' = -35/8 pull, q' = w p.
             w_rate = c[V, n] / 2
-            v_rate = -1.25 * fourth[n]
+            v_rate = -1.25 * w4[n]
             p_rate = -4.375 * pull[n]
-            q_rate = c[W, upto] @ c[P, back]
+            q_rate = c[W, first_n] @ c[P, first_n_reversed]
             c[:, n + 1] = np.array([w_rate, v_rate, p_rate, q_rate]) / (n + 1)
         return c
 
     def ends(self, c: Array, side: int, hangs: float) -> list[tuple[Value, int | None]]:
-        """What is positive in a mode, and the mode that follows it, None after release."""
+        """Functions of s that are positive as long as the mode lasts, each with the mode that
+        follows it; None is release.
+
+        Sticking lasts while g d -+ stretch > 0; sliding while |slip| > g d', the speed at which the
+        limit itself moves; the contact while w > 0.
+        """
 
         def limit(to: int, s: float) -> float:
             return self.slack * _at(c[W], s) ** 2 - to * (_at(c[Q], s) - hangs)
@@ -77,91 +95,99 @@ class Spring:
         def slip(s: float) -> float:
             return side * _at(c[P], s) - self.slack * _at(c[V], s)
 
-        apart: tuple[Value, int | None] = (partial(_at, c[W]), None)
+        release: tuple[Value, int | None] = (partial(_at, c[W]), None)
         if side == STICKS:
-            return [(partial(limit, 1), 1), (partial(limit, -1), -1), apart]
-        return [(slip, STICKS), apart]
+            return [(partial(limit, 1), 1), (partial(limit, -1), -1), release]
+        return [(slip, STICKS), release]
 
 
 @dataclass(frozen=True)
 class Course:
-    """Series and lengths, one after another."""
+    """The contact as a sequence of series (4, ORDER + 1), each with its length in s."""
 
     pieces: list[tuple[Array, float]]
 
-    def at(self, depth: float, rate: float) -> tuple[float, float]:
-        """Slip and its way at an overlap and its rate: by the one of w and v that changes faster
-        there.
+    def at(self, overlap: float, rate: float) -> tuple[float, float]:
+        """Slip velocity and slip distance at the moment with the given overlap and rate d'.
+
+        s is found by Newton's method for w(s) or v(s), whichever changes faster there.
         """
         if abs(rate) > 0.7:
-            row = W
-            goal = sqrt(depth)
+            variable = W
+            target = sqrt(overlap)
         else:
-            row = V
-            goal = rate
-        # The rate falls all the time: the first piece that ends at or below it.
+            variable = V
+            target = rate
+        # d' falls throughout, so the moment is in the first piece that ends at or below the rate.
         for c, length in self.pieces:
             if _at(c[V], length) <= rate:
                 break
         s = length / 2
-        slope = polynomial.polyder(c[row])
+        derivative = polynomial.polyder(c[variable])
         for _ in range(50):
-            change = (goal - _at(c[row], s)) / _at(slope, s)
-            s = min(max(s + change, 0.0), length)
-            if abs(change) <= 1e-16:
+            correction = (target - _at(c[variable], s)) / _at(derivative, s)
+            s = min(max(s + correction, 0.0), length)
+            if abs(correction) <= 1e-16:
                 break
         return _at(c[P], s), _at(c[Q], s)
 
     def end(self) -> tuple[float, float]:
-        """Slip and its way where the contact ends."""
+        """Slip velocity and slip distance at release."""
         c, length = self.pieces[-1]
         return _at(c[P], length), _at(c[Q], length)
 
 
 def course(spring: Spring, slip: float) -> Course:
-    """The course of the contact from touch, at a slip > 0 in units of the speed, to release."""
+    """The contact from first contact to release, with initial slip velocity `slip` > 0 in units of
+    the speed.
+    """
     state = [0.0, 1.0, slip, 0.0]
-    hangs = 0.0
+    relaxed_at = 0.0
+    # At first contact the limit of the stretch grows as g d' = g: a faster slip slides at once.
     if slip > spring.slack:
         mode: int | None = 1
     else:
         mode = STICKS
     pieces: list[tuple[Array, float]] = []
     while mode is not None:
-        c = spring.series(state, mode, hangs)
-        length, after = _first(spring.ends(c, mode, hangs), mode)
+        c = spring.series(state, mode, relaxed_at)
+        length, next_mode = _first(spring.ends(c, mode, relaxed_at), mode)
         pieces.append((c, length))
         state = [_at(row, length) for row in c]
-        if mode != STICKS and after == STICKS:
-            hangs = state[Q] - mode * spring.slack * state[W] ** 2
-        mode = after
+        if mode != STICKS and next_mode == STICKS:
+            # When sliding ends the spring is at its limit: q - q0 = +-g d with d = w^2.
+            relaxed_at = state[Q] - mode * spring.slack * state[W] ** 2
+        mode = next_mode
     return Course(pieces)
 
 
 def _at(row: Array, s: float) -> float:
+    """The polynomial with coefficients `row` at s."""
     return float(polynomial.polyval(s, row))
 
 
 def _first(ends: Sequence[tuple[Value, int | None]], mode: int) -> tuple[float, int | None]:
-    """Length of a piece and the next mode: where the first function falls through 0, found by
-    bisection; STEP and the same if none does.
+    """Length of a piece and the mode after it: the first zero of any function, by bisection; STEP
+    and the same mode without one.
     """
-    for look in range(LOOKS):
-        low = STEP * look / LOOKS
-        high = STEP * (look + 1) / LOOKS
-        fallen = []
-        for number, (value, _) in enumerate(ends):
+    for interval in range(LOOKS):
+        low = STEP * interval / LOOKS
+        high = STEP * (interval + 1) / LOOKS
+        zeros = []
+        for index, (value, _) in enumerate(ends):
             if value(high) < 0:
-                fallen.append((_zero(value, low, high), number))
-        if fallen:
-            length, first = min(fallen)
-            _, after = ends[first]
-            return length, after
+                zeros.append((_zero(value, low, high), index))
+        if zeros:
+            length, ended = min(zeros)
+            _, next_mode = ends[ended]
+            return length, next_mode
     return STEP, mode
 
 
 def _zero(value: Value, low: float, high: float) -> float:
-    """Where a function that is positive at `low` and negative at `high` falls through 0."""
+    """The point where a function that is positive at `low` and negative at `high` is zero, by 60
+    bisections.
+    """
     for _ in range(60):
         middle = (low + high) / 2
         if value(middle) > 0:

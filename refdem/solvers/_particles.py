@@ -1,5 +1,5 @@
-"""What the methods for points and spheres share: which scenes they can say, and the scene in the
-kernel's words.
+"""Base of the methods for points and spheres (kernels/particles.c): which scenes they support, and
+the scene as the kernel's struct.
 """
 
 from abc import abstractmethod
@@ -26,6 +26,9 @@ from refdem.solvers._single_point import gravity
 Array = NDArray[np.float64]
 
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
+"""Share of the overlap d by which the lever arm of friction is shorter than the radius R, by
+`branch`.
+"""
 PATTERN = ScenePattern(
     elements={
         Spring: ANY,
@@ -38,20 +41,23 @@ PATTERN = ScenePattern(
 )
 """Points and spheres under springs, gravity, a central field and contact."""
 METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
+"""Numbers of the methods in the kernel."""
 FAMILY = "particles"
 ORIGIN = np.zeros(3)
 FAR = 16.0
-"""Places that are more than so many sizes of the scene away cost digits; nearer ones are left as
-they are given.
+"""Distance from the origin, in sizes of the scene, beyond which positions are counted from the
+scene's middle to save digits.
 """
 MOST_EVENTS = 1024
-"""Events that are told; those after them are left out."""
+"""Largest number of events that are reported; later ones are left out."""
 MANY = 12
-"""Pairs that are looked at one by one in every step, and whose events cut it."""
+"""Largest number of pairs; the kernel examines each in every step and cuts the step at its
+events.
+"""
 
 
 def contact_of(scene: Scene) -> Contact | None:
-    """The contact law, if some shape can meet anything under it."""
+    """The contact law, if any shape can be in contact with anything; else None."""
     laws = scene.all(Contact)
     if laws and _can_meet(scene):
         return laws[0]
@@ -59,7 +65,7 @@ def contact_of(scene: Scene) -> Contact | None:
 
 
 def _can_meet(scene: Scene) -> bool:
-    """Whether there is a pair at all; of many spheres nobody writes all of them down."""
+    """True if a pair exists that can be in contact, without listing the pairs of many spheres."""
     shaped = np.array([not isinstance(shape, Point) for shape in scene.bodies.shape])
     can_move = bool(np.any(shaped & ~scene.bodies.fixed))
     has_partner = bool(np.count_nonzero(shaped) > 1 or scene.all(Plane))
@@ -67,30 +73,32 @@ def _can_meet(scene: Scene) -> bool:
 
 
 def pairs(scene: Scene) -> NDArray[np.int64]:
-    """Pairs (P, 2) of a body with a later one, or with plane k as -1 - k, that can meet and are not
-    both fixed.
+    """Pairs (P, 2) of bodies i < j that can be in contact and are not both fixed; plane k counts as
+    body -1 - k.
     """
     if not scene.all(Contact) or not scene.has_shapes():
         return np.zeros((0, 2), np.int64)
     has_shape = [
-        number for number, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)
+        index for index, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)
     ]
     fixed = scene.bodies.fixed
     planes = range(len(scene.all(Plane)))
-    found = [(i, j) for i, j in combinations(has_shape, 2) if not (fixed[i] and fixed[j])]
-    found += [(i, -1 - plane) for i, plane in product(has_shape, planes) if not fixed[i]]
-    return np.array(found, np.int64).reshape(-1, 2)
+    result = [(i, j) for i, j in combinations(has_shape, 2) if not (fixed[i] and fixed[j])]
+    result += [(i, -1 - plane) for i, plane in product(has_shape, planes) if not fixed[i]]
+    return np.array(result, np.int64).reshape(-1, 2)
 
 
 def unsupported(problem: Motion) -> str | None:
     """None if the scene is points and spheres under springs, gravity, a central field and linear or
-    Hertzian contact.
+    Hertzian contact, else the reason.
     """
     return PATTERN.unsupported(problem) or unfit(problem)
 
 
 def unfit(problem: Motion) -> str | None:
-    """None if springs, bodies and contacts of such a scene are those that the kernel has."""
+    """None if springs, bodies and contacts of a scene with PATTERN are supported by the kernel,
+    else the reason.
+    """
     scene = problem.scene
     for spring in scene.all(Spring):
         if any(spring.anchor_a) or (spring.b >= 0 and any(spring.anchor_b)):
@@ -109,12 +117,16 @@ def unfit(problem: Motion) -> str | None:
 
 
 def _body_unsupported(scene: Scene) -> str | None:
+    """None if no body needs Euler's equations (omega x J omega = 0) and fixed bodies are at rest,
+    else the reason.
+    """
     bodies = scene.bodies
+    # omega in body axes, J omega, and the gyroscopic torque omega x J omega.
     spin = rotated(conjugate(bodies.attitude), bodies.omega)
     momentum = bodies.inertia * spin
     gyroscopic = np.linalg.norm(np.cross(spin, momentum), axis=1)
-    size = np.linalg.norm(spin, axis=1) * np.linalg.norm(momentum, axis=1)
-    if np.any(gyroscopic > 1e-14 * size):
+    magnitude = np.linalg.norm(spin, axis=1) * np.linalg.norm(momentum, axis=1)
+    if np.any(gyroscopic > 1e-14 * magnitude):
         return "a body that tumbles"
     if np.any(bodies.velocity[bodies.fixed]) or np.any(bodies.omega[bodies.fixed]):
         return "a fixed body that moves"
@@ -122,11 +134,13 @@ def _body_unsupported(scene: Scene) -> str | None:
 
 
 def _contact_unsupported(scene: Scene, law: Contact) -> str | None:
+    """None if the contact law and the bodies under it are supported, else the reason."""
     if law.law == "rigid":
         return f"contact law {law.law}"
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return "contact of polyhedra"
     if law.friction > 0:
+        # A torque on a sphere with three equal moments J changes omega by torque/J.
         inertia = scene.bodies.inertia[scene.bodies.radius > 0]
         if np.any(np.ptp(inertia, axis=1) > 1e-12 * inertia.max(axis=1)):
             return "friction on a sphere whose three moments of inertia differ"
@@ -136,24 +150,25 @@ def _contact_unsupported(scene: Scene, law: Contact) -> str | None:
 
 
 def middle(scene: Scene) -> Array:
-    """The middle (3,) [m] of shapes that are far away; else, and where a field has its centre
+    """The middle (3,) [m] of shapes that are far from the origin; else, or with a central field
     there, the origin.
     """
     shapes = scene.bodies.radius > 0
-    places = scene.bodies.position[shapes]
-    if not len(places) or scene.all(CentralField):
+    positions = scene.bodies.position[shapes]
+    if not len(positions) or scene.all(CentralField):
         return ORIGIN
-    found: Array = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    size = float(np.ptp(places, axis=0).max() + scene.bodies.radius[shapes].max())
-    if np.abs(found).max() > FAR * size:
-        return found
+    centre: Array = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+    size = float(np.ptp(positions, axis=0).max() + scene.bodies.radius[shapes].max())
+    if np.abs(centre).max() > FAR * size:
+        return centre
     return ORIGIN
 
 
 class Packed:
-    """A scene in the kernel's words, its places counted from `origin` (3,) [m].
+    """A scene as the kernel's struct, with positions counted from `origin` (3,) [m].
 
-    `turning`: omega and attitude are in the state.
+    `turning` is True if omega and attitude are part of the state. `pairs` (P, 2) are those that can
+    be in contact.
     """
 
     def __init__(self, scene: Scene, origin: Array) -> None:
@@ -188,8 +203,9 @@ class Packed:
         self.struct = Struct(FAMILY, "refdem_particles", fields)
 
     def start(self, scene: Scene, size: int) -> Array:
-        """The state (size,) at the start: of all bodies the places [m], then the velocities [m/s],
-        then spins and attitudes where they are in it, and zeros for the rest.
+        """The initial state (size,): positions [m] of all bodies, then velocities [m/s], then, if
+        they rotate, omega and attitudes; zeros for what the kernel keeps after them (the state of
+        tangential springs).
         """
         bodies = scene.bodies
         columns = [bodies.position - self.origin, bodies.velocity]
@@ -200,7 +216,7 @@ class Packed:
 
 
 def _turn_ease(bodies: Bodies) -> Array:
-    """1/J (N,) of every body, and 0 for those that nothing turns."""
+    """1/J (N,) of every body; 0 for bodies that no torque rotates."""
     inertia = bodies.inertia[:, 0]
     turns = ~bodies.fixed & (inertia > 0)
     safe = np.where(turns, inertia, 1.0)
@@ -208,7 +224,7 @@ def _turn_ease(bodies: Bodies) -> Array:
 
 
 def _law_fields(law: Contact) -> dict[str, Any]:
-    """The contact law in the kernel's words."""
+    """The contact law as fields of the kernel's struct."""
     return {
         "stiffness": law.stiffness,
         "damping": law.damping,
@@ -221,19 +237,21 @@ def _law_fields(law: Contact) -> dict[str, Any]:
 
 
 def _spring_row(spring: Spring, origin: Array) -> tuple[float, ...]:
-    """A spring in the kernel's order of numbers, its anchor counted from `origin` (3,) [m]."""
+    """A spring as a row of numbers in the kernel's order, its anchor counted from `origin` (3,)
+    [m].
+    """
     anchor = spring.anchor_b - origin
     law = (spring.stiffness, spring.length, spring.exponent)
     return (*law, *anchor, spring.quadratic, spring.cubic)
 
 
 def _plane_row(plane: Plane, origin: Array) -> tuple[float, ...]:
-    """A plane in the kernel's order of numbers: its point from `origin` (3,) [m], its normal."""
+    """A plane as a row of numbers: its point from `origin` (3,) [m], its normal."""
     return (*(plane.point - origin), *plane.normal)
 
 
 class ParticleSolver(KernelSolver):
-    """Points and spheres, by the method of kernels/particles.c that the claims name."""
+    """Points and spheres by the method of kernels/particles.c that the claims name."""
 
     pattern = PATTERN
     kernels = (FAMILY,)
@@ -244,11 +262,11 @@ class ParticleSolver(KernelSolver):
 
     @abstractmethod
     def stride(self, request: Request) -> int:
-        """Steps from each sample to the next."""
+        """Number of steps from each sample to the next."""
 
     def prepare(self, request: Request) -> KernelCall:
-        """The scene, the method and its step, and room for modes, work, events, channels and
-        states.
+        """The scene, the method and its step, and arrays for contact modes, work space, events,
+        channels and states.
         """
         scene = request.problem.scene
         count = len(request.problem.times)
@@ -262,18 +280,15 @@ class ParticleSolver(KernelSolver):
             step = request.problem.interval / stride
         else:
             step = request.signed_step
-        outputs = (
-            np.zeros(max(1, len(packed.pairs)), np.int64),
-            np.zeros(lib.refdem_particles_work(packed.struct.address)),
-            np.zeros((MOST_EVENTS, 3)),
-            np.zeros((count, 4)),
-            states,
-        )
+        modes = np.zeros(max(1, len(packed.pairs)), np.int64)
+        work_space = np.zeros(lib.refdem_particles_work(packed.struct.address))
+        events = np.zeros((MOST_EVENTS, 3))
+        channels = np.zeros((count, len(_CHANNELS)))
         return KernelCall(
             function="refdem_particles_run",
             inputs=(packed.struct, METHODS[self.claims.name]),
             clock=(step, count, stride, MOST_EVENTS),
-            outputs=outputs,
+            outputs=(modes, work_space, events, channels, states),
             steps=stride * (count - 1),
         )
 
@@ -281,47 +296,53 @@ class ParticleSolver(KernelSolver):
         """States, channels and events at the samples."""
         scene = request.problem.scene
         packed = Packed(scene, self.origin(scene))
-        # The kernel returns how many events it has told.
-        _, _, told, channel, states = call.outputs
-        return _trajectory(scene, request.problem.times, packed, states, channel, told[:status])
+        # The kernel's status is the number of events that it has written.
+        _, _, event_rows, channel, states = call.outputs
+        return _trajectory(
+            scene, request.problem.times, packed, states, channel, event_rows[:status]
+        )
 
 
 def _trajectory(
     scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array
 ) -> Trajectory:
-    """The kernel's rows as states, channels and events."""
+    """The trajectory from the kernel's rows.
+
+    `out` (T, size) holds the state vectors; `channel` (T, 4) the _CHANNELS; `event` rows of time
+    [s], kind (1 contact, else release) and body.
+    """
     count = len(times)
     n = len(scene.bodies)
     # A row has the numbers of all bodies column by column; after them come the springs' states.
     columns: dict[str, Any] = {}
-    begin = 0
+    first_column = 0
     if packed.turning:
         widths = _COLUMNS
     else:
         widths = _MOVING
     for name, width in widths.items():
-        block = out[:, begin : begin + width * n]
+        block = out[:, first_column : first_column + width * n]
         columns[name] = np.ascontiguousarray(block).reshape(count, n, width)
-        begin += width * n
+        first_column += width * n
     columns["position"] += packed.origin
     columns["position"][0] = scene.bodies.position
     if not packed.turning:
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
-    told = []
-    for t, what, body in event:
-        if what == 1:
+    events = []
+    for t, code, body in event:
+        if code == 1:
             kind = "contact"
         else:
             kind = "release"
-        told.append(Event(time=float(times[0] + t), kind=kind, body=int(body)))
+        events.append(Event(time=float(times[0] + t), kind=kind, body=int(body)))
     channels = {}
     if len(packed.pairs):
         channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True))
-    return Trajectory(t=times, channels=channels, events=tuple(told), **columns)
+    return Trajectory(t=times, channels=channels, events=tuple(events), **columns)
 
 
 _MOVING = {"position": 3, "velocity": 3}
 _COLUMNS = {**_MOVING, "omega": 3, "attitude": 4}
-"""Columns of the kernel's rows in their order, and the numbers that each has of a body."""
+"""Quantities of a state vector in the kernel's order, with the length of each for one body."""
 _CHANNELS = ("contacts", "overlap", "contact_force", "dissipated_work")

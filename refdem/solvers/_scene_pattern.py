@@ -1,4 +1,6 @@
-"""Which scenes a method has, as a table; why it has no other is made from the table."""
+"""Tables of which scenes a method supports; the reason for refusing a scene is derived from the
+table.
+"""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -18,7 +20,7 @@ WORDS = {1: "one", 2: "two"}
 
 @dataclass(frozen=True)
 class Count:
-    """How many there may be: from `least` up to `most`, or without end."""
+    """An allowed number of things: from `least` up to `most`, or unlimited if that is None."""
 
     least: int
     most: int | None = None
@@ -47,9 +49,7 @@ SOME = Count(1)
 
 @dataclass(frozen=True, kw_only=True)
 class ScenePattern:
-    """What a scene must be made of. What depends on values and places is not said here, but by a
-    solver's `unfit`.
-    """
+    """What a scene must consist of. Conditions on values and positions are a solver's `unfit`."""
 
     elements: Mapping[type[Element], Count] = field(default_factory=dict)
     """How many elements of each kind there may be; kinds that are not listed are refused."""
@@ -71,7 +71,7 @@ class ScenePattern:
     """Why the method runs forward in time only; empty if it runs both ways."""
 
     def unsupported(self, problem: Motion) -> str | None:
-        """None if the scene has this pattern, else the first thing that differs."""
+        """None if the scene has this pattern, else the first difference."""
         scene = problem.scene
         return (
             self._of_elements(scene)
@@ -81,6 +81,7 @@ class ScenePattern:
         )
 
     def _of_elements(self, scene: Scene) -> str | None:
+        """None if kinds and numbers of elements are allowed, else the reason."""
         for element in scene.elements:
             if not isinstance(element, tuple(self.elements)):
                 return f"an element of kind {element.kind}; expected {self._kinds()}"
@@ -97,6 +98,7 @@ class ScenePattern:
         return "only " + ", ".join(_name(kind) for kind in self.elements)
 
     def _of_bodies(self, bodies: Bodies) -> str | None:
+        """None if number, shape, inertia and spin of the bodies are allowed, else the reason."""
         if len(bodies) not in self.bodies:
             return f"{len(bodies)} bodies; expected {self.bodies}"
         if self.shape is not None:
@@ -112,6 +114,7 @@ class ScenePattern:
         return None
 
     def _of_motion(self, problem: Motion) -> str | None:
+        """None if direction of time and dimension of the motion are allowed, else the reason."""
         if self.irreversible and problem.interval < 0:
             return f"time runs backwards, but {self.irreversible}"
         if self.in_plane and "dimension:3" in problem.scene.features:
@@ -121,6 +124,7 @@ class ScenePattern:
         return None
 
     def _of_law(self, scene: Scene) -> str | None:
+        """None if every contact has the law, else the reason."""
         if self.law is None:
             return None
         for contact in scene.all(Contact):

@@ -1,5 +1,7 @@
-"""Sliding friction without a tangential spring: does the slip stay on one line, so that its end is
-a zero that it passes?
+"""Sliding friction without a tangential spring: tests whether the slip stays in one plane.
+
+In a plane the slip velocity ends by passing through zero. Out of a plane it turns as it ends, and
+is no smooth function of time there.
 """
 
 import numpy as np
@@ -15,14 +17,13 @@ from refdem.solvers import _particles
 Array = NDArray[np.float64]
 
 ASKEW = 1e-12
-"""Part of a vector that may point off the plane: round-off of a scene turned into some other
-direction.
-"""
+"""Largest relative component off the plane: round-off of a scene that was rotated."""
 
 
 def unsupported(scene: Scene) -> str | None:
-    """None unless slip may end, or begin, out of any plane: its direction there is no smooth
-    function of time, and no method that takes it for one keeps an order above 2."""
+    """The reason if a slip may begin or end outside of any plane, so that no method keeps an order
+    above 2; else None.
+    """
     law = _particles.contact_of(scene)
     if law is None or law.friction == 0 or law.tangential_stiffness > 0 or _in_a_plane(scene):
         return None
@@ -33,56 +34,61 @@ def unsupported(scene: Scene) -> str | None:
 
 
 def _in_a_plane(scene: Scene) -> bool:
-    """Some plane holds normals, motion and loads of all pairs, with every spin across it."""
+    """True if some plane contains normals, relative velocities and loads of all pairs, with all
+    spins perpendicular to it.
+    """
     spins = scene.bodies.omega[scene.bodies.radius > 0]
     loads = _directions(scene)
     normals = _normals(scene)
     vectors = [vector for vector in (*normals, *loads) if np.any(vector)]
-    flat: list[Array] = [vector / float(np.linalg.norm(vector)) for vector in vectors]
-    across = np.cross(flat[0], flat)
-    widest = across[np.argmax(np.linalg.norm(across, axis=1))]
-    if np.linalg.norm(widest) <= ASKEW:  # all on one line: the spins say across which plane
-        turning: list[Array] = [spin - float(spin @ flat[0]) * flat[0] for spin in spins]
-        widest = max(turning, key=lambda spin: float(np.linalg.norm(spin)))
-        if np.linalg.norm(widest) <= ASKEW * max(float(np.linalg.norm(spins)), 1e-300):
+    directions: list[Array] = [vector / float(np.linalg.norm(vector)) for vector in vectors]
+    perpendicular = np.cross(directions[0], directions)
+    longest = perpendicular[np.argmax(np.linalg.norm(perpendicular, axis=1))]
+    if np.linalg.norm(longest) <= ASKEW:  # all on one line: the spins say across which plane
+        perpendicular_spins: list[Array] = [
+            spin - float(spin @ directions[0]) * directions[0] for spin in spins
+        ]
+        longest = max(perpendicular_spins, key=lambda spin: float(np.linalg.norm(spin)))
+        # All spins are along the line too: every plane through it will do.
+        if np.linalg.norm(longest) <= ASKEW * max(float(np.linalg.norm(spins)), 1e-300):
             return True
-    normal = widest / np.linalg.norm(widest)
-    aside = np.linalg.norm(spins - np.outer(spins @ normal, normal), axis=1)
-    is_flat = np.all(np.abs(flat @ normal) <= ASKEW)
-    spins_across = np.all(aside <= ASKEW * np.linalg.norm(spins))
+    normal = longest / np.linalg.norm(longest)
+    in_plane_spin = np.linalg.norm(spins - np.outer(spins @ normal, normal), axis=1)
+    is_flat = np.all(np.abs(directions @ normal) <= ASKEW)
+    spins_across = np.all(in_plane_spin <= ASKEW * np.linalg.norm(spins))
     return bool(is_flat and spins_across)
 
 
 def _normals(scene: Scene) -> list[Array]:
-    """The normals (3,) of every pair that may meet, from body to body, and of planes."""
-    places = scene.bodies.position
+    """Normals (3,) of every pair that may be in contact, not normalised, and of planes."""
+    position = scene.bodies.position
     planes = scene.all(Plane)
-    found = []
+    normals = []
     for i, j in _particles.pairs(scene):
         if j < 0:
-            found.append(np.array(planes[-1 - j].normal))
+            normals.append(np.array(planes[-1 - j].normal))
         else:
-            found.append(places[j] - places[i])
-    return found
+            normals.append(position[j] - position[i])
+    return normals
 
 
 def _directions(scene: Scene) -> list[Array]:
-    """Along which pairs move, and loads pull."""
+    """Relative velocities of all pairs, and directions of the loads, each (3,), not normalised."""
     bodies = scene.bodies
-    found = []
+    directions = []
     for i, j in _particles.pairs(scene):
         if j < 0:
-            other = 0.0
+            other_velocity = 0.0
         else:
-            other = bodies.velocity[j]
-        found.append(bodies.velocity[i] - other)
+            other_velocity = bodies.velocity[j]
+        directions.append(bodies.velocity[i] - other_velocity)
     for spring in scene.all(Spring):
         if spring.b < 0:
             end = np.array(spring.anchor_b)
         else:
             end = bodies.position[spring.b]
-        found.append(bodies.position[spring.a] - end)
-    found += [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
+        directions.append(bodies.position[spring.a] - end)
+    directions += [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
     if scene.all(CentralField):
-        found += list(bodies.position)
-    return found
+        directions += list(bodies.position)
+    return directions

@@ -1,4 +1,4 @@
-"""Many starts of one scene, each by the closed form that one of them has (kernels coulomb,
+"""Many starts of one scene, each in the closed form of a single motion (kernels coulomb,
 linear_oscillator, oscillator, pendulum).
 """
 
@@ -23,14 +23,15 @@ from refdem.solvers.solver import Solver
 Array = NDArray[np.float64]
 Flow = Callable[[Ensemble, Array, Array], None]
 OFF = 1e-12
-"""Part of its size by which a start may be off the line or the rod of the first: round-off of a
-scene turned some other way.
+"""Relative distance of a start from the line or the rod of the first: round-off of a scene that was
+rotated.
 """
 
 
 class CarriedEnsemble(Solver):
-    """Harmonic, damped and driven, dry and pendulum flows; a linear flow is the sum of three
-    motions.
+    """Harmonic, damped, driven, dry-friction and pendulum flows.
+
+    A linear flow is affine in its start, so three motions determine all (see `linear`).
     """
 
     claims = Method(
@@ -44,14 +45,16 @@ class CarriedEnsemble(Solver):
     kernels = ("coulomb", "linear_oscillator", "oscillator", "pendulum")
 
     def unsupported(self, problem: Ensemble) -> str | None:
-        """None for starts of one point on a line or on a rod whose motion has a closed form."""
+        """None for starts of one point, on a line or a rod, whose motion has a closed form, else
+        the reasons.
+        """
         reasons = [solver.unsupported(problem.motion(0)) or "" for solver, _ in FLOWS]
         if all(reasons):
             return "; ".join(reasons)
         return _astray(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
+        """Trajectory with `position` [m] and `velocity` [m/s] (T, M, 1, 3) of M starts."""
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Ensemble)
@@ -67,36 +70,40 @@ class CarriedEnsemble(Solver):
 
 
 def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
-    """The motion from rest at the origin, and what a unit of place and a unit of velocity add to
-    it.
+    """Fills positions and velocities of a linear flow by superposition.
+
+    The state at time t is affine in the initial one, s(t) = rest(t) + x0 by_place(t) + v0
+    by_rate(t): rest is the motion from rest at the origin, the others follow from one motion with a
+    displacement and one with an initial velocity.
     """
     origin, axis = _frame(problem)
     solver = next(
         solver for solver, _ in FLOWS[:2] if solver.unsupported(problem.motion(0)) is None
     )
-    place = (problem.position[:, 0] - origin) @ axis
-    rate = problem.velocity[:, 0] @ axis
-    units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
+    x0 = (problem.position[:, 0] - origin) @ axis
+    v0 = problem.velocity[:, 0] @ axis
+    # Of the size of the starts, so that differences lose no digits.
+    unit = max(float(np.abs(x0).max()), float(np.abs(v0).max()))
 
-    def alone(x: float, v: float) -> Array:
+    def state(x: float, v: float) -> Array:
         return _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
 
-    rest = alone(0.0, 0.0)
-    displaced = alone(units, 0.0)
-    pushed = alone(0.0, units)
-    by_place = (displaced - rest) / units
-    by_rate = (pushed - rest) / units
-    from_place = by_place[:, None] * place[None, :, None]
-    from_rate = by_rate[:, None] * rate[None, :, None]
-    carried = rest[:, None] + from_place + from_rate
-    position[:, :, 0] = origin + carried[..., :1] * axis
-    velocity[:, :, 0] = carried[..., 1:] * axis
+    rest = state(0.0, 0.0)
+    with_displacement = state(unit, 0.0)
+    with_velocity = state(0.0, unit)
+    by_place = (with_displacement - rest) / unit
+    by_rate = (with_velocity - rest) / unit
+    from_place = by_place[:, None] * x0[None, :, None]
+    from_rate = by_rate[:, None] * v0[None, :, None]
+    states = rest[:, None] + from_place + from_rate
+    position[:, :, 0] = origin + states[..., :1] * axis
+    velocity[:, :, 0] = states[..., 1:] * axis
 
 
 def _alone(
     solver: Solver, problem: Ensemble, place: Array, rate: Array, axis: Array, origin: Array
 ) -> Array:
-    """Place and rate (T, 2) along the axis of one motion."""
+    """Position and velocity (T, 2) along the axis of the motion from one start."""
     scene = problem.scene.with_state(position=place[None], velocity=rate[None])
     run, _ = solver.run(Request(problem=Motion(scene, problem.times), method=solver.claims.name))
     x = (run.position[:, 0] - origin) @ axis
@@ -105,15 +112,15 @@ def _alone(
 
 
 def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
-    """The motions under dry friction in exact half cycles, start by start."""
+    """Fills positions and velocities under dry friction, start by start, in exact half cycles."""
     scene = problem.scene
     t = problem.times
     spring = scene.all(Spring)[0]
     slider = scene.all(Slider)[0]
     axis = np.array(slider.axis)
     origin = single.anchor(spring)
-    place = (problem.position[:, 0] - origin) @ axis
-    rate = problem.velocity[:, 0] @ axis
+    x0 = (problem.position[:, 0] - origin) @ axis
+    v0 = problem.velocity[:, 0] @ axis
     law = (
         float(scene.bodies.mass[0]),
         spring.stiffness,
@@ -121,22 +128,23 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
         slider.normal_force,
         float(axis @ single.gravity(scene)),
     )
-    out = np.empty((len(place), len(t), 3))
+    out = np.empty((len(x0), len(t), 3))
     stop = np.empty(1)
-    call = load("coulomb").lib.refdem_coulomb
+    kernel = load("coulomb").lib.refdem_coulomb
     rows = pointer("coulomb", out, output=True)
     samples = pointer("coulomb", t)
     stopped = pointer("coulomb", stop, output=True)
-    begin = float(t[0])
+    start = float(t[0])
     count = len(t)
-    for member, (x, v) in enumerate(zip(place.tolist(), rate.tolist(), strict=True)):
-        call(*law, x, v, begin, count, samples, stopped, rows + 3 * count * member)
+    for member, (x, v) in enumerate(zip(x0.tolist(), v0.tolist(), strict=True)):
+        # The rows of a member begin 3 T numbers after those of the one before.
+        kernel(*law, x, v, start, count, samples, stopped, rows + 3 * count * member)
     position[:, :, 0] = origin + out[..., :1].transpose(1, 0, 2) * axis
     velocity[:, :, 0] = out[..., 1:2].transpose(1, 0, 2) * axis
 
 
 def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
-    """Jacobi functions, start by start."""
+    """Fills positions and velocities of pendulums, start by start, by Jacobi functions."""
     scene = problem.scene
     t = problem.times
     rod = scene.all(Rod)[0]
@@ -150,23 +158,23 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     x, v, force = (pointer("pendulum", column, output=True) for column in out)
     r, u = (pointer("pendulum", column) for column in starts)
     samples = pointer("pendulum", t)
-    call = load("pendulum").lib.refdem_pendulum
+    kernel = load("pendulum").lib.refdem_pendulum
     mass = float(scene.bodies.mass[0])
-    begin = float(t[0])
+    start = float(t[0])
     for member in range(members):
-        at = 3 * member
-        row = 3 * count * member
-        call(
+        first_number = 3 * member
+        first_row = 3 * count * member
+        kernel(
             mass,
             rod.length,
             *fixed,
-            r + at,
-            u + at,
-            begin,
+            r + first_number,
+            u + first_number,
+            start,
             count,
             samples,
-            x + row,
-            v + row,
+            x + first_row,
+            v + first_row,
             force + count * member,
         )
     position[:, :, 0] = out[0].transpose(1, 0, 2)
@@ -179,11 +187,14 @@ FLOWS: tuple[tuple[Any, Flow], ...] = (
     (exact_coulomb.METHOD, coulomb),
     (exact_pendulum.METHOD, pendulum),
 )
+"""Methods with a closed form, each with the function that fills its ensembles; the first that
+supports the scene counts.
+"""
 
 
 def _frame(problem: Ensemble) -> tuple[Array, Array]:
-    """Where the spring is anchored, and the line along which the start that is farthest out
-    moves.
+    """The spring's anchor (3,) [m] and the line of motion (3,): the direction of the largest
+    displacement or velocity.
     """
     origin = single.anchor(problem.scene.all(Spring)[0])
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
@@ -192,7 +203,7 @@ def _frame(problem: Ensemble) -> tuple[Array, Array]:
 
 
 def _astray(problem: Ensemble) -> str | None:
-    """None if every start lies on the line, or the rod, of the first."""
+    """None if every start lies on the line, or on the rod, of the first, else the reason."""
     if problem.scene.all(Rod):
         solver: Solver = exact_pendulum.METHOD
         for member in _doubtful(problem):
@@ -214,8 +225,8 @@ def _astray(problem: Ensemble) -> str | None:
 
 
 def _doubtful(problem: Ensemble) -> list[int]:
-    """Numbers of the starts whose rod or plane seems off: those that the closed form must be asked
-    about one by one.
+    """Indices of the starts that seem off the rod or out of the plane; only these are tested one by
+    one.
     """
     rod = problem.scene.all(Rod)[0]
     arm = problem.position[:, 0] - single.anchor(rod)
@@ -224,11 +235,11 @@ def _doubtful(problem: Ensemble) -> list[int]:
     speed = np.linalg.norm(velocity, axis=1)
     weight = float(np.linalg.norm(down))
     # The rod has another length, or it stretches, or the motion leaves the plane of gravity.
-    length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
-    along = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed
+    wrong_length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
+    stretching = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed
     out_of_plane = np.abs(np.sum(np.cross(arm, down) * velocity, axis=1))
-    sideways = out_of_plane > OFF * rod.length * weight * speed
-    return [int(member) for member in np.flatnonzero(length | along | sideways)]
+    leaves_plane = out_of_plane > OFF * rod.length * weight * speed
+    return [int(member) for member in np.flatnonzero(wrong_length | stretching | leaves_plane)]
 
 
 METHOD = CarriedEnsemble()

@@ -1,4 +1,4 @@
-"""Collisions to round-off: extrapolation (Bulirsch and Stoer 1966) from event to event of the
+"""Collisions to round-off: Bulirsch and Stoer's extrapolation (1966) from event to event of the
 contact law.
 """
 
@@ -14,8 +14,8 @@ from refdem.solvers.rk4 import METHOD as RK4
 
 
 class ContactEvents(_particles.ParticleSolver):
-    """Oblique, spinning, damped, rubbing collisions: contact, stick, slip and release are found to
-    the last bits of the step.
+    """Oblique, spinning, damped collisions with friction; contact, stick, slip and release are
+    located to round-off.
     """
 
     claims = Method(
@@ -30,7 +30,7 @@ class ContactEvents(_particles.ParticleSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """Scenes with linear contact between shapes that can meet."""
+        """None for linear contact between shapes that can meet, else the reason."""
         law = _particles.contact_of(problem.scene)
         if law is None:
             return "no shapes that can meet"
@@ -39,14 +39,16 @@ class ContactEvents(_particles.ParticleSolver):
         return RK4.unfit(problem)
 
     def origin(self, scene: Scene) -> Array:
-        """Places count from the middle of the shapes: far away their rounding would be what no step
-        settles.
+        """The middle of the shapes: far from the origin, rounding of positions would keep a step
+        from converging.
         """
         return _particles.middle(scene)
 
     def stride(self, request: Request) -> int:
-        """A power of two, for steps of at most a twentieth of the shortest contact; events inside a
-        step are found by its ends.
+        """Steps per sample: a power of two for which a step is at most 1/20 of the shortest
+        contact.
+
+        Events inside a step are found from sign changes between its ends.
         """
         scene = request.problem.scene
         # Half a period of the lightest pair lasts pi sqrt(m/(2 k)).

@@ -1,4 +1,6 @@
-"""One free body with damping inside (kernels/dissipating_body.c)."""
+"""A free body with internal damping, by Taylor series in L and the attitude
+(kernels/dissipating_body.c).
+"""
 
 import numpy as np
 
@@ -13,8 +15,8 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
 class DissipatingBody(KernelSolver):
-    """Angular momentum in principal axes and attitude by Taylor series; the centre flies
-    straight.
+    """Angular momentum in principal axes and attitude by Taylor series; the centre moves
+    uniformly.
     """
 
     claims = Method(
@@ -39,12 +41,12 @@ class DissipatingBody(KernelSolver):
     pattern = ScenePattern(elements={InternalDamping: ONE}, bodies=ONE, has_inertia=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None: every body with inertia and damping inside it is done."""
+        """None: every body with inertia and internal damping is supported."""
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """Moments and damping, and rows for angular momentum in principal axes [kg m^2/s] and
-        attitude.
+        """Moments of inertia, damping, and rows of 7: angular momentum in principal axes [kg
+        m^2/s], attitude.
         """
         scene = request.problem.scene
         t = request.problem.times
@@ -62,7 +64,9 @@ class DissipatingBody(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States and the work dissipated at the samples."""
+        """States and dissipated work at the samples; raises EngineError if the kernel stopped
+        early.
+        """
         t = request.problem.times
         if status:
             raise EngineError(
@@ -76,12 +80,13 @@ class DissipatingBody(KernelSolver):
         attitude = states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
         omega = rotated(attitude, momentum / inertia)
         omega[0] = bodies.omega[0]
+        # T = sum L_k^2/(2 J_k); what it loses is the dissipated work.
         energy = 0.5 * np.sum(momentum**2 / inertia, axis=1)
-        flown = (t - t[0])[:, None, None] * bodies.velocity
+        displacement = (t - t[0])[:, None, None] * bodies.velocity
         return Trajectory(
             t=t,
-            position=bodies.position + flown,
-            velocity=np.broadcast_to(bodies.velocity, flown.shape).copy(),
+            position=bodies.position + displacement,
+            velocity=np.broadcast_to(bodies.velocity, displacement.shape).copy(),
             attitude=attitude[:, None],
             omega=omega[:, None],
             channels={"dissipated_work": energy[0] - energy},

@@ -1,5 +1,5 @@
-"""Bodies that rest and stay: every force is balanced, so the state is the start at all times
-(Newton 1687, law I).
+"""Bodies at rest whose forces are balanced: the state at all times is the initial one (Newton 1687,
+law I).
 """
 
 from time import perf_counter
@@ -35,7 +35,7 @@ class Equilibrium(Solver):
     )
 
     def unsupported(self, problem: Motion) -> str | None:
-        """None if nothing moves and nothing will."""
+        """None if nothing moves and all forces balance, else the reason."""
         scene = problem.scene
         if np.any(scene.bodies.velocity) or np.any(scene.bodies.omega):
             return "something moves"
@@ -45,7 +45,7 @@ class Equilibrium(Solver):
         return _particles.unsupported(problem) or _balance.unbalanced(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The start again at every sample; no work is dissipated."""
+        """The initial state at every sample; no work is dissipated."""
         bodies = request.problem.scene.bodies
         times = request.problem.times
         started = perf_counter()
@@ -58,7 +58,7 @@ class Equilibrium(Solver):
 
 
 def _rigid_unsupported(scene: Scene, law: Contact) -> str | None:
-    """None if the bodies stand; a sphere stands only where gravity is along the normal."""
+    """None if the rigid bodies stand stably, else the reason."""
     others = [e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)]
     if others:
         return f"{others[0]} beside rigid contacts"

@@ -1,5 +1,8 @@
-"""A free point that a hook of the world catches at closest approach: a straight line, then a
-circle.
+"""A free point that a hook catches at closest approach: a straight line, then a circle about the
+hook.
+
+r(t) = r0 + v t until t_c = -r0.v/v^2, where r.v = 0; then a circle of radius d = |r(t_c)| at the
+same speed, if d is within the hook's radius.
 """
 
 from time import perf_counter
@@ -14,13 +17,13 @@ from refdem.solvers import _single_point as single
 from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 REACH = 1.0 + 1e-9
-"""A mass that just reaches the hook is caught in any turned frame."""
+"""Factor on the hook's radius: a mass that just reaches it is caught in any rotated frame."""
 ACROSS = 1e-12
-"""Part of the speed along the line to the hook that is rounding: closest approach is now."""
+"""Relative radial velocity that is rounding: closest approach is at the start."""
 
 
 class ExactCapture(SceneSolver):
-    """What is not caught flies on; the force [N] of the hook is m v^2/d."""
+    """Straight flight, or circular motion with the hook's force m v^2/d [N]."""
 
     claims = Method(
         name="exact-capture",
@@ -39,7 +42,7 @@ class ExactCapture(SceneSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None: every free point and every hook is done."""
+        """None: every free point and every hook are supported."""
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -54,23 +57,23 @@ class ExactCapture(SceneSolver):
         speed2 = v @ v
         speed = np.sqrt(speed2)
         # Closest approach: d/dt |arm + v t|^2 = 0 at t = -arm.v/v^2.
-        along = arm @ v
-        late = 0.0
-        if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * speed:
-            late = -along / speed2
-        nearest = arm + v * late
+        radial = arm @ v
+        catch_time = 0.0
+        if speed2 > 0 and abs(radial) > ACROSS * np.linalg.norm(arm) * speed:
+            catch_time = -radial / speed2
+        nearest = arm + v * catch_time
         distance = float(np.linalg.norm(nearest))
-        holds = late >= 0 and 0 < distance <= hook.radius * REACH
+        is_caught = catch_time >= 0 and 0 < distance <= hook.radius * REACH
         # Before the catch: the straight line. After it: a circle of this radius at this speed.
-        if holds:
-            since = (t - t[0]) - late
+        if is_caught:
+            since = (t - t[0]) - catch_time
         else:
             since = np.full(len(t), -1.0)
-        caught = since > 0
-        flight = np.where(since > 0, late, t - t[0])
+        after_catch = since > 0
+        flight_time = np.where(since > 0, catch_time, t - t[0])
         angle = np.zeros((len(t), 1))
         if distance:
-            angle = np.where(caught, speed / distance * since, 0.0)[:, None]
+            angle = np.where(after_catch, speed / distance * since, 0.0)[:, None]
         cosine = np.cos(angle)
         sine = np.sin(angle)
         radius = distance or 1.0
@@ -78,23 +81,25 @@ class ExactCapture(SceneSolver):
             quarter_turn = distance / speed
         else:
             quarter_turn = 0.0
-        ahead = v * quarter_turn
-        on_line = arm + v * flight[:, None]
-        on_circle = nearest * cosine + ahead * sine
+        # r = nearest cos(angle) + ahead sin(angle): `ahead` is where the point is after a quarter
+        # turn, v d/|v|.
+        quarter_turn_ahead = v * quarter_turn
+        on_line = arm + v * flight_time[:, None]
+        on_circle = nearest * cosine + quarter_turn_ahead * sine
         along_circle = v * cosine - nearest * (speed / radius) * sine
-        place = np.where(caught[:, None], on_circle, on_line)
-        velocity = np.where(caught[:, None], along_circle, v)
+        offset = np.where(after_catch[:, None], on_circle, on_line)
+        velocity = np.where(after_catch[:, None], along_circle, v)
         force = np.where(since >= 0, mass * speed2 / radius, 0.0)
         events: tuple[Event, ...] = ()
-        if holds and t[0] + late <= t[-1]:
-            events = (Event(float(t[0] + late), "catch", 0),)
+        if is_caught and t[0] + catch_time <= t[-1]:
+            events = (Event(float(t[0] + catch_time), "catch", 0),)
         cost = Cost(seconds=perf_counter() - begun)
-        position = (place + single.anchor(hook))[:, None]
+        position = (offset + single.anchor(hook))[:, None]
         channels = {"rod_force": force[:, None]}
-        found = Trajectory.of_points(
+        trajectory = Trajectory.of_points(
             t, position, velocity[:, None], channels=channels, events=events
         )
-        return found, cost
+        return trajectory, cost
 
 
 METHOD = ExactCapture()

@@ -1,5 +1,8 @@
-"""A body on a spring and a slider to the world along one line, in exact half cycles
-(kernels/coulomb.c); it stops for ever.
+"""A body on a linear spring with dry friction along one line, in exact half cycles
+(kernels/coulomb.c).
+
+m x'' = -k x - f sgn(x'): each half cycle is harmonic about the centre -+f/k, and the body stops for
+ever at a turning point with k |x| <= f.
 """
 
 import numpy as np
@@ -20,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class ExactCoulomb(KernelSolver):
-    """Half cycles about the shifted centres; exactly at rest after the stop, which is an event."""
+    """Half cycles in closed form; exactly at rest after the stop, which is an event."""
 
     claims = Method(
         name="exact-coulomb",
@@ -39,8 +42,8 @@ class ExactCoulomb(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a linear spring of natural length 0 and a slider that rubs, with the motion
-        along it.
+        """None for a linear spring of natural length 0 and a slider with friction, all along one
+        line, else the reason.
         """
         scene = problem.scene
         spring = scene.all(Spring)[0]
@@ -54,7 +57,9 @@ class ExactCoulomb(KernelSolver):
         return _off_line(scene, np.array(slider.axis))
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law along the axis, the start, and room for the stop and for the samples."""
+        """The law along the axis and the start; arrays for the stop time and for rows at the
+        samples.
+        """
         scene = request.problem.scene
         t = request.problem.times
         spring = scene.all(Spring)[0]
@@ -68,20 +73,20 @@ class ExactCoulomb(KernelSolver):
             slider.normal_force,
             float(axis @ single.gravity(scene)),
         )
-        place = float(axis @ (bodies.position[0] - single.anchor(spring)))
-        speed = float(axis @ bodies.velocity[0])
+        x0 = float(axis @ (bodies.position[0] - single.anchor(spring)))
+        v0 = float(axis @ bodies.velocity[0])
         return KernelCall(
             function="refdem_coulomb",
-            inputs=(*law, place, speed),
+            inputs=(*law, x0, v0),
             clock=samples_from_start(t),
             outputs=(np.empty(1), np.empty((len(t), 3))),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity and the work of friction at the samples; the stop is an event."""
+        """Position, velocity and work of friction at the samples; the stop is an event."""
         scene = request.problem.scene
         t = request.problem.times
-        # A row: place from the anchor, velocity, work.
+        # A row: position from the anchor, velocity, work.
         stop, rows = call.outputs
         axis = np.array(scene.all(Slider)[0].axis)
         position = single.anchor(scene.all(Spring)[0]) + rows[:, :1, None] * axis
@@ -94,7 +99,9 @@ class ExactCoulomb(KernelSolver):
 
 
 def _off_line(scene: Scene, axis: Array) -> str | None:
-    """None if place, velocity and gravity lie along the axis through the anchor."""
+    """None if position, velocity and gravity lie along the axis through the anchor, else the
+    reason.
+    """
     bodies = scene.bodies
     vectors = (
         bodies.position[0] - single.anchor(scene.all(Spring)[0]),

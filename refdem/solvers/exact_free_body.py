@@ -1,5 +1,5 @@
-"""Free bodies in closed form: Euler's equations by Jacobi functions, attitude by one theta function
-(kernels/free_body.c).
+"""Free rigid bodies in closed form: Euler's equations by Jacobi functions, the attitude by theta
+functions (kernels/free_body.c).
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from refdem.solvers._kernel_solver import KernelCall, samples_from_start
 
 
 class ExactFreeBody(FreeBodies):
-    """Any number of free bodies, each at any time at once."""
+    """Any number of free bodies, at any time without steps."""
 
     claims = Method(
         name="exact-free-body",
@@ -29,15 +29,17 @@ class ExactFreeBody(FreeBodies):
     kernels = ("free_body",)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None: every free body is done, turning or not."""
+        """None: every free body is supported, rotating or not."""
         return None
 
-    def turn(self, request: Request, number: int) -> KernelCall:
-        """Attitude (T, 4) and omega (T, 3) at the samples; errors of a few ulp."""
+    def turn(self, request: Request, body: int) -> KernelCall:
+        """The call that fills attitude (T, 4) and omega (T, 3) at the samples; errors of a few
+        ulp.
+        """
         t = request.problem.times
         return KernelCall(
             function="refdem_free_body",
-            inputs=first_state(request.problem.scene.bodies, number),
+            inputs=first_state(request.problem.scene.bodies, body),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 4)), np.empty((len(t), 3))),
         )

@@ -1,5 +1,7 @@
-"""A point on a linear spring of natural length 0 to the world, in uniform gravity or none, in
-closed form (kernels/oscillator.c).
+"""A point on a linear spring of natural length 0, with or without uniform gravity, in closed form
+(kernels/oscillator.c).
+
+m r'' = -k (r - anchor) + m g: harmonic motion about anchor + m g/k.
 """
 
 import numpy as np
@@ -34,14 +36,14 @@ class ExactHarmonic(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a spring that is linear and of natural length 0."""
+        """None for a linear spring of natural length 0, else the reason."""
         spring = problem.scene.all(Spring)[0]
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law, the start, and columns for position and velocity."""
+        """The law and the start; arrays for position and velocity."""
         scene = request.problem.scene
         t = request.problem.times
         spring = scene.all(Spring)[0]

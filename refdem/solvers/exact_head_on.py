@@ -1,5 +1,7 @@
-"""Two spheres that meet along the line of their centres, in closed form (kernels/head_on.c); both
-cut-offs, any damping.
+"""Two spheres in head-on collision under the linear law, in closed form (kernels/head_on.c).
+
+The overlap d obeys m_eff d'' = -k d - c d' from contact to release, by either cut-off and for any
+damping. The centre of mass moves uniformly.
 """
 
 from math import hypot
@@ -18,13 +20,13 @@ from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 Array = NDArray[np.float64]
 
 ROUNDED = 4 * 2.0**-52
-"""Overlaps of so many times the distance, and sideways speeds of so many times the speed, are
+"""Overlaps of so many times the distance, and transverse speeds of so many times the speed, are
 rounding.
 """
 
 
 class ExactHeadOn(KernelSolver):
-    """Free flight, damped sine, free flight, about a centre of mass in uniform motion."""
+    """Free flight, a damped sine, free flight; the centre of mass moves uniformly."""
 
     claims = Method(
         name="exact-head-on",
@@ -44,7 +46,7 @@ class ExactHeadOn(KernelSolver):
 
     def unfit(self, problem: Motion) -> str | None:
         """None for spheres that meet along the line of their centres, and forward in time if the
-        contact is damped.
+        contact is damped, else the reason.
         """
         scene = problem.scene
         if problem.interval < 0 and scene.all(Contact)[0].damping > 0:
@@ -57,7 +59,7 @@ class ExactHeadOn(KernelSolver):
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law, the start along the line of centres, and room for the times of touch and
+        """The law and the start along the line of centres; arrays for the times of contact and
         release and for the rows.
         """
         scene = request.problem.scene
@@ -65,6 +67,7 @@ class ExactHeadOn(KernelSolver):
         law = scene.all(Contact)[0]
         overlap, closing, _ = approach(scene)
         start = min(unrounded(scene, overlap), 0.0)
+        # The kernel begins before or at contact: with an overlap of at most 0.
         no_pull = law.cutoff == "zero_force"
         return KernelCall(
             function="refdem_head_on",
@@ -81,26 +84,27 @@ class ExactHeadOn(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States at the samples; a run backwards is one with flipped velocities."""
+        """States at the samples; a run backward in time is one with velocities reversed."""
         scene = request.problem.scene
         overlap, _, _ = approach(scene)
         start = min(unrounded(scene, overlap), 0.0)
-        touch, rows = call.outputs
+        times, rows = call.outputs
         # A row: overlap, its rate, contacts, force, dissipated work.
-        pressed, rate, contacts, force, work = rows.T
+        overlaps, rate, contacts, force, work = rows.T
         channels = {
-            "overlap": np.maximum(pressed, 0.0),
+            "overlap": np.maximum(overlaps, 0.0),
             "contacts": contacts.copy(),
             "contact_force": force.copy(),
             "dissipated_work": work.copy(),
         }
-        told = {"contact": touch[0], "release": touch[1]}
-        return met(request.problem, pressed - start, rate, channels, told)
+        events = {"contact": times[0], "release": times[1]}
+        return met(request.problem, overlaps - start, rate, channels, events)
 
 
 def approach(scene: Scene) -> tuple[float, float, float]:
-    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start; no square
-    of a small length underflows.
+    """Overlap [m], closing speed [m/s] and transverse speed [m/s] at the start.
+
+    Lengths by hypot: the square of a very small length would underflow.
     """
     bodies = scene.bodies
     normal = along(scene)
@@ -111,7 +115,7 @@ def approach(scene: Scene) -> tuple[float, float, float]:
 
 
 def unrounded(scene: Scene, overlap: float) -> float:
-    """The overlap [m] at the start; 0 where it is what rounding leaves of a touch."""
+    """The initial overlap [m]; 0 where it is only the rounding of a contact."""
     if abs(overlap) > ROUNDED * scene.bodies.radius.sum():
         return overlap
     return 0.0
@@ -124,15 +128,17 @@ def met(
     channels: dict[str, Array],
     told: dict[str, float],
 ) -> Trajectory:
-    """The trajectory of two spheres whose overlap has grown by `pressed` (T,) [m] and whose
-    overlap's rate is `rate` (T,) [m/s], time counted upwards; `told`: when its events are [s].
+    """The trajectory of two spheres from their relative motion.
+
+    `pressed` (T,) [m] is the growth of the overlap since the start, `rate` (T,) [m/s] the overlap's
+    rate in elapsed time, `told` the elapsed times [s] of events by kind.
     """
     scene = problem.scene
     bodies = scene.bodies
     elapsed = Elapsed(problem)
     _, closing, _ = approach(scene)
-    sped = elapsed.sense * rate - closing
-    position, velocity = states(scene, elapsed.since * elapsed.sense, pressed, sped)
+    rate_change = elapsed.sense * rate - closing
+    position, velocity = states(scene, elapsed.since * elapsed.sense, pressed, rate_change)
     return Trajectory(
         t=problem.times,
         position=position,
@@ -151,15 +157,16 @@ def along(scene: Scene) -> Array:
 
 
 def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
-    """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m]
-    and `sped` [m/s].
+    """Positions and velocities (T, 2, 3) after the overlap has grown by `pressed` [m] and its rate
+    by `sped` [m/s].
     """
     bodies = scene.bodies
-    total = bodies.mass.sum()
-    centre = bodies.mass @ bodies.velocity / total
-    # Of a change of the overlap, m2/(m1 + m2) moves the first and m1/(m1 + m2) the second.
-    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / total * along(scene)
-    position = bodies.position + centre * t[:, None, None] + pressed[:, None, None] * share
+    total_mass = bodies.mass.sum()
+    centre_velocity = bodies.mass @ bodies.velocity / total_mass
+    # The centre of mass does not feel the contact: of a change of the overlap m2/(m1 + m2) moves
+    # the first sphere forward, and m1/(m1 + m2) the second one back.
+    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / total_mass * along(scene)
+    position = bodies.position + centre_velocity * t[:, None, None] + pressed[:, None, None] * share
     return position, bodies.velocity + sped[:, None, None] * share
 
 

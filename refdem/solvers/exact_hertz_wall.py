@@ -1,8 +1,10 @@
-"""One sphere against a wall under Hertz's law: kernels/power_contact.c along the normal, sliding
-friction by its impulse.
+"""One sphere against a wall under Hertz's law: the normal motion in closed form
+(kernels/power_contact.c), sliding friction by its impulse.
 
-Across, whatever the friction, the slip p and its way q say all: of what the slip loses the velocity
-takes 2/7 and the spin, times R, 5/7, and the work done against friction is m (p0^2 - p^2)/7.
+Across the normal the slip velocity p and the slip distance q = integral p dt determine everything.
+For a solid sphere (J = 2/5 m R^2) a tangential impulse per mass i changes the velocity by i and R
+omega by 5/2 i, so p by 7/2 i. So of a loss of p the velocity takes 2/7 and R omega 5/7, and
+friction dissipates m (p0^2 - p^2)/7.
 """
 
 from time import perf_counter
@@ -23,13 +25,14 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 ROUNDED = 4 * 2.0**-52
+"""Relative size of overlaps, slips and differences of inertia that are rounding."""
 
 
 class ExactHertzWall(SceneSolver):
-    """A sphere against a wall under Hertz's law; its slip keeps its line.
+    """A sphere against a wall under Hertz's law, whose slip stays on one line.
 
-    Sliding, the slip falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a
-    tangential spring takes it.
+    While it slides, the slip falls by 7/2 mu times the normal impulse per mass, and stays zero
+    afterwards; or a tangential spring changes it (`_mindlin_spring`).
     """
 
     claims = Method(
@@ -54,17 +57,19 @@ class ExactHertzWall(SceneSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a sphere at or before the plane whose slip keeps its line."""
+        """None for a sphere at or before the plane whose slip stays on one line, else the
+        reason.
+        """
         scene = problem.scene
         bodies = scene.bodies
         law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         radius = bodies.radius[0]
-        moment = 0.4 * bodies.mass[0] * radius**2
-        solid = np.all(np.abs(bodies.inertia[0] - moment) <= ROUNDED * moment)
-        if law.friction > 0 and (law.branch != "R" or not solid):
+        solid_moment = 0.4 * bodies.mass[0] * radius**2
+        is_solid = np.all(np.abs(bodies.inertia[0] - solid_moment) <= ROUNDED * solid_moment)
+        if law.friction > 0 and (law.branch != "R" or not is_solid):
             return "friction with another lever than R, or on a sphere that is not solid"
-        if np.any(bodies.omega) and not (solid and np.all(bodies.omega[0, :2] == 0)):
+        if np.any(bodies.omega) and not (is_solid and np.all(bodies.omega[0, :2] == 0)):
             return "the sphere turns about another axis than z"
         height = (bodies.position[0] - np.array(plane.point)) @ np.array(plane.normal)
         if float(height) - radius < -ROUNDED * radius:
@@ -78,25 +83,25 @@ class ExactHertzWall(SceneSolver):
         t = request.problem.times
         impact = Impact(scene)
         started = perf_counter()
-        since = t - t[0]
-        out, touch = impact.normal(since)
+        elapsed = t - t[0]
+        overlap_and_rate, times = impact.normal(elapsed)
         if impact.springs:
-            across = impact.bent
+            slip_law = impact.bent
         else:
-            across = impact.rubbed
-        lost, missed = across(since, out, touch)
-        found = impact.moved(since, out, lost, missed)
+            slip_law = impact.rubbed
+        slip_loss, distance_loss = slip_law(elapsed, overlap_and_rate, times)
+        columns = impact.moved(elapsed, overlap_and_rate, slip_loss, distance_loss)
         events = []
-        for when, kind in ((touch[0], "contact"), (touch[2], "release")):
-            if 0 < when <= since[-1]:
+        for when, kind in ((times[0], "contact"), (times[2], "release")):
+            if 0 < when <= elapsed[-1]:
                 events.append(Event(time=float(t[0] + when), kind=kind, body=0))
-        trajectory = Trajectory(t=t, events=tuple(events), **found)
+        trajectory = Trajectory(t=t, events=tuple(events), **columns)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         return trajectory, cost
 
 
 class Impact:
-    """The start, split into its parts along and across the normal n into the wall."""
+    """The initial state, resolved along and across the unit normal n into the wall."""
 
     def __init__(self, scene: Scene) -> None:
         bodies = scene.bodies
@@ -118,9 +123,9 @@ class Impact:
         self.across = self.velocity - self.rate * self.n
         # Velocity of the point of contact: v + R omega x n, without its part along n.
         slip = self.across + self.radius * np.cross(self.omega, self.n)
-        size = float(np.linalg.norm(slip))
-        if size > ROUNDED * np.linalg.norm(self.velocity):
-            self.slip = size
+        speed = float(np.linalg.norm(slip))
+        if speed > ROUNDED * np.linalg.norm(self.velocity):
+            self.slip = speed
         else:
             self.slip = 0.0
         if self.slip:
@@ -131,7 +136,9 @@ class Impact:
         self.springs = self.slip > 0 and has_spring
 
     def normal(self, t: Array) -> tuple[Array, Array]:
-        """Overlap and rate (T, 2), and when it touches, turns and parts."""
+        """Overlap and its rate (T, 2) at elapsed times t, and the times (3,) of contact, greatest
+        overlap and release.
+        """
         out = np.empty((len(t), 2))
         touch = np.empty(3)
         law = np.array([self.law.stiffness, self.law.exponent])
@@ -145,8 +152,9 @@ class Impact:
         return out, touch
 
     def stop(self, impulse: float, touch: Array) -> float:
-        """When the normal impulse per mass has come to `impulse`, by bisection (the motion is
-        smooth there).
+        """The time [s] at which the normal impulse per mass has reached `impulse`, by bisection.
+
+        The impulse per mass up to time t is rate(0) - rate(t).
         """
         low = touch[0]
         high = touch[2]
@@ -160,8 +168,11 @@ class Impact:
         return float(low + high) / 2
 
     def rubbed(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
-        """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,)
-        [m].
+        """Loss of slip velocity (T,) [m/s] by sliding friction, and loss of slip distance (T,) [m],
+        its integral.
+
+        The loss is 7/2 mu J, with the normal impulse per mass J = rate(0) - rate(t), until it has
+        used up the slip.
         """
         if self.slip > 0:
             friction = self.law.friction
@@ -169,62 +180,72 @@ class Impact:
             friction = 0.0
         # The impulse per mass that ends the slip: 7/2 mu J = slip.
         if friction:
-            enough = self.slip * 2 / 7 / friction
+            stopping_impulse = self.slip * 2 / 7 / friction
         else:
-            enough = np.inf
-        if enough < 2 * self.rate:
-            end = self.stop(enough, touch)
+            stopping_impulse = np.inf
+        if stopping_impulse < 2 * self.rate:
+            stop_time = self.stop(stopping_impulse, touch)
         else:
-            end = np.inf
-        # The integral of the impulse per mass over the time: while it slides, then while it rolls.
-        until = np.minimum(t, end)
-        then, _ = self.normal(until)
-        way = self.rate * until - (then[:, 0] - self.overlap)
-        rolled = np.zeros_like(t)
-        if np.isfinite(end):
-            rolled = enough * (t - until)
-        impulse = np.minimum(self.rate - out[:, 1], enough)
-        return 3.5 * friction * impulse, 3.5 * friction * (way + rolled)
+            stop_time = np.inf
+        # The time integral of J: rate(0) t - (d(t) - d(0)) while it slides, then constant J.
+        sliding_until = np.minimum(t, stop_time)
+        state_then, _ = self.normal(sliding_until)
+        sliding_integral = self.rate * sliding_until - (state_then[:, 0] - self.overlap)
+        rolling_integral = np.zeros_like(t)
+        if np.isfinite(stop_time):
+            rolling_integral = stopping_impulse * (t - sliding_until)
+        impulse = np.minimum(self.rate - out[:, 1], stopping_impulse)
+        return 3.5 * friction * impulse, 3.5 * friction * (sliding_integral + rolling_integral)
 
     def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
-        """The same by a tangential spring, which begins unstretched at touch."""
+        """The losses of `rubbed` with a tangential spring that is relaxed at first contact."""
         # Units of the series: the speed at touch, and the greatest overlap.
         speed = self.rate
-        turned, _ = self.normal(touch[1:2])
-        deep = float(turned[0, 0])
+        at_turn, _ = self.normal(touch[1:2])
+        greatest_overlap = float(at_turn[0, 0])
         spring = Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction)
-        found = course(spring, self.slip / speed)
+        contact = course(spring, self.slip / speed)
         slip = np.full(len(t), self.slip)
-        way = self.slip * t
-        last, gone = found.end()
+        distance = self.slip * t
+        final_slip, final_distance = contact.end()
         after = t - touch[2]
+        # During the contact from the series; after it the slip is constant.
         for n in np.flatnonzero((t > touch[0]) & (after < 0)):
-            depth = max(out[n, 0], 0.0) / deep
-            p, q = found.at(depth, out[n, 1] / speed)
+            depth = max(out[n, 0], 0.0) / greatest_overlap
+            p, q = contact.at(depth, out[n, 1] / speed)
             slip[n] = p * speed
-            way[n] = self.slip * touch[0] + q * deep
-        parted = after >= 0
-        slip[parted] = last * speed
-        way[parted] = self.slip * touch[0] + gone * deep + last * speed * after[parted]
-        return self.slip - slip, self.slip * t - way
+            distance[n] = self.slip * touch[0] + q * greatest_overlap
+        is_released = after >= 0
+        slip[is_released] = final_slip * speed
+        distance[is_released] = (
+            self.slip * touch[0]
+            + final_distance * greatest_overlap
+            + final_slip * speed * after[is_released]
+        )
+        return self.slip - slip, self.slip * t - distance
 
-    def moved(self, t: Array, out: Array, lost: Array, missed: Array) -> dict[str, Any]:
-        """Columns and channels of a trajectory, from what the slip has lost and its way misses."""
-        pressed = out[:, 0] - self.overlap
+    def moved(
+        self, t: Array, overlap_and_rate: Array, slip_loss: Array, distance_loss: Array
+    ) -> dict[str, Any]:
+        """Columns and channels of a trajectory, from the losses of slip velocity and slip
+        distance.
+        """
+        overlap_growth = overlap_and_rate[:, 0] - self.overlap
         # Of what the slip loses the velocity takes 2/7, and the spin, times R, 5/7.
-        flown = self.place + self.across * t[:, None]
-        held_back = missed[:, None] * self.along * (2 / 7)
-        position = flown + pressed[:, None] * self.n - held_back
-        braked = lost[:, None] * self.along * (2 / 7)
-        velocity = self.across + out[:, 1:] * self.n - braked
-        turning = np.cross(self.n, self.along)
-        omega = self.omega - lost[:, None] * turning * (5 / 7 / self.radius)
-        work = self.mass / 7 * lost * (2 * self.slip - lost)
-        depth = np.maximum(out[:, 0], 0.0)
-        force = self.law.stiffness * depth**self.law.exponent
+        free_flight = self.place + self.across * t[:, None]
+        shift_back = distance_loss[:, None] * self.along * (2 / 7)
+        position = free_flight + overlap_growth[:, None] * self.n - shift_back
+        velocity_loss = slip_loss[:, None] * self.along * (2 / 7)
+        velocity = self.across + overlap_and_rate[:, 1:] * self.n - velocity_loss
+        spin_axis = np.cross(self.n, self.along)
+        omega = self.omega - slip_loss[:, None] * spin_axis * (5 / 7 / self.radius)
+        # Friction dissipates m (p0^2 - p^2)/7 = m lost (2 p0 - lost)/7.
+        work = self.mass / 7 * slip_loss * (2 * self.slip - slip_loss)
+        overlap = np.maximum(overlap_and_rate[:, 0], 0.0)
+        force = self.law.stiffness * overlap**self.law.exponent
         channels = {
-            "overlap": depth,
-            "contacts": (depth > 0).astype(float),
+            "overlap": overlap,
+            "contacts": (overlap > 0).astype(float),
             "contact_force": force,
             "dissipated_work": work,
         }

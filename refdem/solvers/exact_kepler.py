@@ -1,4 +1,4 @@
-"""A point on a bound orbit in a central field, in closed form: Kepler's equation
+"""A point on a bound orbit in a central field, in closed form by Kepler's equation
 (kernels/kepler.c).
 """
 
@@ -14,7 +14,7 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
 class ExactKepler(KernelSolver):
-    """Ellipses of any eccentricity below 1."""
+    """Elliptical orbits of any eccentricity below 1."""
 
     claims = Method(
         name="exact-kepler",
@@ -31,7 +31,7 @@ class ExactKepler(KernelSolver):
     pattern = ScenePattern(elements={CentralField: ONE}, bodies=ONE, only_points=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a bound orbit that misses the centre."""
+        """None for a bound orbit that misses the centre, else the reason."""
         return _unbound(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
@@ -53,22 +53,23 @@ class ExactKepler(KernelSolver):
 
 
 def _unbound(scene: Scene) -> str | None:
-    """None if the point comes back and misses the centre."""
+    """None if the orbit is bound and misses the centre, else the reason."""
     gm = scene.all(CentralField)[0].gm
     position = scene.bodies.position[0]
     velocity = scene.bodies.velocity[0]
     distance = float(np.linalg.norm(position))
-    square = float(velocity @ velocity)
-    # r/a = 2 - r v^2/gm by the energy, and 1 - e^2 = L^2 (r/a)/(r gm).
+    speed2 = float(velocity @ velocity)
+    # With the semi-major axis a: r/a = 2 - r v^2/gm from the energy, and
+    # 1 - e^2 = L^2/(a gm) = L^2 (r/a)/(r gm) from the angular momentum L per mass.
     if distance > 0:
-        inverse = 2.0 - distance * square / gm
+        distance_over_a = 2.0 - distance * speed2 / gm
     else:
-        inverse = -1.0
-    if inverse <= 1e-9:
+        distance_over_a = -1.0
+    if distance_over_a <= 1e-9:
         return "the orbit is not bound"
-    moment = np.cross(position, velocity)
-    flatness = float(moment @ moment) * inverse / (distance * gm)
-    if flatness <= 1e-9:
+    momentum = np.cross(position, velocity)
+    one_minus_e2 = float(momentum @ momentum) * distance_over_a / (distance * gm)
+    if one_minus_e2 <= 1e-9:
         return "the orbit goes through the centre"
     return None
 

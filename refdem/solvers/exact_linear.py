@@ -1,5 +1,7 @@
-"""A point on a linear spring and a linear dashpot, driven or not, along a line, in closed form
+"""A point on a linear spring and a linear dashpot along a line, driven or not, in closed form
 (kernels/linear_oscillator.c).
+
+m x'' + c x' + k x = weight + sum f_i cos(w_i t + phase_i).
 """
 
 import numpy as np
@@ -15,7 +17,9 @@ from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samp
 
 
 class ExactLinear(KernelSolver):
-    """Under-damped, critically damped and over-damped, with periodic forces, also at resonance."""
+    """Under-damped, critically damped and over-damped motion, with periodic forces, also at
+    resonance.
+    """
 
     claims = Method(
         name="exact-linear",
@@ -29,8 +33,8 @@ class ExactLinear(KernelSolver):
     pattern = _line.PATTERN
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a linear spring that pulls, and a dashpot or a force; without these the motion
-        is harmonic.
+        """None for a linear restoring spring with a linear dashpot or a force, else the reason;
+        without these the motion is harmonic.
         """
         scene = problem.scene
         spring = scene.all(Spring)[0]
@@ -43,7 +47,7 @@ class ExactLinear(KernelSolver):
         return _line.askew(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law and the start along the line, and rows for place and velocity."""
+        """The law and the start along the line; rows for x and v."""
         line = _line.line_of(request.problem.scene)
         law = {
             "mass": line.mass,
@@ -56,16 +60,16 @@ class ExactLinear(KernelSolver):
         t = request.problem.times
         return KernelCall(
             function="refdem_linear_oscillator",
-            inputs=(Struct("linear_oscillator", "refdem_linear", law), line.place, line.speed),
+            inputs=(Struct("linear_oscillator", "refdem_linear", law), line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 2)),),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """Position and velocity at the samples."""
-        place, speed = call.outputs[0].T
+        x, v = call.outputs[0].T
         line = _line.line_of(request.problem.scene)
-        return line.trajectory(request.problem.times, place, speed)
+        return line.trajectory(request.problem.times, x, v)
 
 
 METHOD = ExactLinear()

@@ -1,4 +1,6 @@
-"""A point on a rod to the world in uniform gravity, in closed form (kernels/pendulum.c)."""
+"""A point on a rod in uniform gravity, moving in a plane, in closed form by Jacobi functions
+(kernels/pendulum.c).
+"""
 
 import numpy as np
 
@@ -13,13 +15,13 @@ from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples_from
 from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 PLANAR = 1e-12
-"""Part of the speed that may point out of the plane or along the rod: round-off of a scene turned
-into some other plane.
+"""Relative velocity out of the plane or along the rod that is round-off of a scene that was
+rotated.
 """
 
 
 class ExactPendulum(KernelSolver):
-    """Swinging, rotating, on the separatrix, at rest at the bottom or at the top, in any plane that
+    """Swinging, rotating, on the separatrix, or at rest at the bottom or the top, in any plane that
     contains gravity.
     """
 
@@ -38,20 +40,20 @@ class ExactPendulum(KernelSolver):
     pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a point that moves on the rod in a plane with gravity."""
+        """None for a point on the rod whose motion is in a plane with gravity, else the reason."""
         return _astray(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Mass, rod, gravity and start, and columns for position, velocity and rod force."""
+        """Mass, rod, gravity and start; arrays for position, velocity and rod force."""
         scene = request.problem.scene
         t = request.problem.times
         rod = scene.all(Rod)[0]
         bodies = scene.bodies
-        hung = (bodies.mass[0], rod.length, single.gravity(scene), single.anchor(rod))
+        constants = (bodies.mass[0], rod.length, single.gravity(scene), single.anchor(rod))
         shapes = ((len(t), 1, 3), (len(t), 1, 3), (len(t), 1))
         return KernelCall(
             function="refdem_pendulum",
-            inputs=(*hung, bodies.position[0], bodies.velocity[0]),
+            inputs=(*constants, bodies.position[0], bodies.velocity[0]),
             clock=samples_from_start(t),
             # Filled, not only allocated: the first touch of memory is set-up.
             outputs=tuple(np.full(shape, np.nan) for shape in shapes),
@@ -65,20 +67,20 @@ class ExactPendulum(KernelSolver):
 
 
 def _astray(scene: Scene) -> str | None:
-    """None if position and velocity agree with a rod that swings in a plane."""
+    """None if position and velocity fit a rod that swings in a plane, else the reason."""
     rod = scene.all(Rod)[0]
     arm = scene.bodies.position[0] - single.anchor(rod)
     velocity = scene.bodies.velocity[0]
     gravity = single.gravity(scene)
     speed = float(np.linalg.norm(velocity))
-    reach = float(np.linalg.norm(arm))
-    if abs(reach - rod.length) > 1e-9 * rod.length:
-        return f"the rod of length {rod.length} starts {reach} long"
-    if abs(arm @ velocity) > PLANAR * reach * speed:
+    distance = float(np.linalg.norm(arm))
+    if abs(distance - rod.length) > 1e-9 * rod.length:
+        return f"the rod of length {rod.length} starts {distance} long"
+    if abs(arm @ velocity) > PLANAR * distance * speed:
         return "the point starts with a speed along the rod"
-    pull = float(np.linalg.norm(gravity))
+    g = float(np.linalg.norm(gravity))
     out_of_plane = abs(np.cross(arm, gravity) @ velocity)
-    if out_of_plane > PLANAR * reach * pull * speed:
+    if out_of_plane > PLANAR * distance * g * speed:
         return "the motion is not in a plane: a spherical pendulum"
     return None
 

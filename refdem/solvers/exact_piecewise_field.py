@@ -1,4 +1,4 @@
-"""A point that moves along the axis of a piecewise linear field, in closed form phase by phase
+"""A point on the axis of a piecewise linear field, in closed form phase by phase
 (kernels/piecewise_field.c).
 """
 
@@ -14,7 +14,9 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
 class ExactPiecewiseField(KernelSolver):
-    """Free flight, a hyperbola, an ellipse, free flight."""
+    """Free flight, a hyperbolic phase on the rising flank of the force, a harmonic one on the
+    falling flank, free flight.
+    """
 
     claims = Method(
         name="exact-piecewise",
@@ -31,7 +33,7 @@ class ExactPiecewiseField(KernelSolver):
     pattern = ScenePattern(elements={PiecewiseField: ONE}, bodies=ONE, may_spin=False)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a velocity along the axis of the field."""
+        """None for a velocity along the field's axis, else the reason."""
         scene = problem.scene
         velocity = scene.bodies.velocity[0]
         across = np.cross(velocity, scene.all(PiecewiseField)[0].axis)
@@ -40,38 +42,40 @@ class ExactPiecewiseField(KernelSolver):
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """The field, the start along its axis, and rows for place and velocity."""
+        """The field and the start along its axis; rows for position and velocity."""
         scene = request.problem.scene
         elapsed = Elapsed(request.problem)
         field = scene.all(PiecewiseField)[0]
-        place, speed = _along(scene)
+        x0, v0 = _along(scene)
         law = (float(scene.bodies.mass[0]), field.k1, field.k2, field.x1, field.x2)
         return KernelCall(
             function="refdem_piecewise_field",
-            inputs=(*law, place, elapsed.sense * speed),
+            inputs=(*law, x0, elapsed.sense * v0),
             clock=samples(elapsed.since),
             outputs=(np.empty((len(elapsed.since), 2)),),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States at the samples; a run backwards is one with flipped velocities."""
+        """States at the samples; a run backward in time is one with velocities reversed."""
         scene = request.problem.scene
         bodies = scene.bodies
         sense = Elapsed(request.problem).sense
-        place, speed = _along(scene)
+        x0, v0 = _along(scene)
         (rows,) = call.outputs
         axis = np.array(scene.all(PiecewiseField)[0].axis)
-        position = bodies.position + (rows[:, :1, None] - place) * axis
-        velocity = bodies.velocity + sense * (rows[:, 1:, None] - sense * speed) * axis
+        position = bodies.position + (rows[:, :1, None] - x0) * axis
+        velocity = bodies.velocity + sense * (rows[:, 1:, None] - sense * v0) * axis
         return Trajectory.of_points(request.problem.times, position, velocity)
 
 
 def _along(scene: Scene) -> tuple[float, float]:
-    """Place [m] from the field's point, and velocity [m/s], along the axis at the start."""
+    """Position [m] from the field's reference point and velocity [m/s] at the start, both along the
+    axis.
+    """
     field = scene.all(PiecewiseField)[0]
     axis = np.array(field.axis)
-    place = float((scene.bodies.position[0] - field.point) @ axis)
-    return place, float(scene.bodies.velocity[0] @ axis)
+    x0 = float((scene.bodies.position[0] - field.point) @ axis)
+    return x0, float(scene.bodies.velocity[0] @ axis)
 
 
 METHOD = ExactPiecewiseField()

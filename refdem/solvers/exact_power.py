@@ -1,5 +1,5 @@
-"""A point on a spring whose force is a power of its stretch, in closed form
-(kernels/power_oscillator.c).
+"""A point on a spring whose force is a power of its stretch, m x'' + k |x|^n sgn x = 0, in closed
+form (kernels/power_oscillator.c).
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 
 class ExactPower(KernelSolver):
-    """m x'' + k |x|^n sgn x = 0, n > 1, through any number of zero crossings."""
+    """The power-law oscillator, n > 1, through any number of zero crossings."""
 
     claims = Method(
         name="exact-power",
@@ -31,10 +31,10 @@ class ExactPower(KernelSolver):
     pattern = ScenePattern(elements={Spring: ONE}, bodies=ONE, only_points=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for one power above 1 of the stretch from natural length 0."""
+        """None for one power above 1 of the stretch from natural length 0, else the reason."""
         spring = problem.scene.all(Spring)[0]
-        more = spring.length or spring.quadratic or spring.cubic
-        if more or not (spring.exponent > 1 and spring.stiffness > 0):
+        other_terms = spring.length or spring.quadratic or spring.cubic
+        if other_terms or not (spring.exponent > 1 and spring.stiffness > 0):
             return (
                 "the spring does not pull with one power above 1 of its stretch from natural"
                 " length 0"
@@ -42,22 +42,22 @@ class ExactPower(KernelSolver):
         return _line.askew(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law and the start along the line, and rows for place and velocity."""
+        """The law and the start along the line; rows for x and v."""
         line = _line.line_of(request.problem.scene)
         law = (line.mass, line.spring.stiffness, line.spring.exponent)
         t = request.problem.times
         return KernelCall(
             function="refdem_power_oscillator",
-            inputs=(*law, line.place, line.speed),
+            inputs=(*law, line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 2)),),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """Position and velocity at the samples."""
-        place, speed = call.outputs[0].T
+        x, v = call.outputs[0].T
         line = _line.line_of(request.problem.scene)
-        return line.trajectory(request.problem.times, place, speed)
+        return line.trajectory(request.problem.times, x, v)
 
 
 METHOD = ExactPower()

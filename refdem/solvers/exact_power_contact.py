@@ -1,4 +1,4 @@
-"""Two spheres that meet along the line of their centres under Hertz's law, in closed form
+"""Two spheres in head-on collision under Hertz's law, m_eff d'' = -k d^(3/2), in closed form
 (kernels/power_contact.c).
 """
 
@@ -18,9 +18,7 @@ Array = NDArray[np.float64]
 
 
 class ExactPowerContact(KernelSolver):
-    """Free flight, a contact in closed form, free flight, about a centre of mass in uniform
-    motion.
-    """
+    """Free flight, a contact in closed form, free flight; the centre of mass moves uniformly."""
 
     claims = Method(
         name="exact-hertz",
@@ -39,44 +37,44 @@ class ExactPowerContact(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for spheres that meet along the line of their centres."""
+        """None for spheres that meet along the line of their centres, else the reason."""
         _, closing, sideways = approach(problem.scene)
         if sideways > ROUNDED * abs(closing):
             return "the spheres do not meet along the line of their centres"
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law, the start along the line of centres, and room for the times of touch, turn and
-        parting and for overlaps and rates.
+        """The law and the start along the line of centres; arrays for the times of contact,
+        greatest overlap and release, and for overlaps and rates.
         """
         scene = request.problem.scene
         elapsed = Elapsed(request.problem)
         contact = scene.all(Contact)[0]
         overlap, closing, _ = approach(scene)
         mass = scene.bodies.mass
-        reduced = float(mass.prod() / mass.sum())
+        effective_mass = float(mass.prod() / mass.sum())
         law = np.array([contact.stiffness, contact.exponent])
         start = (unrounded(scene, overlap), elapsed.sense * closing)
         return KernelCall(
             function="refdem_power_contact",
-            inputs=(reduced, law, law, *start),
+            inputs=(effective_mass, law, law, *start),
             clock=samples(elapsed.since),
             outputs=(np.empty(3), np.empty((len(elapsed.since), 2))),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States at the samples; a run backwards is one with flipped velocities."""
+        """States at the samples; a run backward in time is one with velocities reversed."""
         scene = request.problem.scene
         overlap, _, _ = approach(scene)
-        touch, rows = call.outputs
-        pressed, rate = rows.T
-        channels = _channels(np.maximum(pressed, 0.0), scene.all(Contact)[0])
-        told = {"contact": touch[0], "release": touch[2]}
-        return met(request.problem, pressed - unrounded(scene, overlap), rate, channels, told)
+        times, rows = call.outputs
+        overlaps, rate = rows.T
+        channels = _channels(np.maximum(overlaps, 0.0), scene.all(Contact)[0])
+        events = {"contact": times[0], "release": times[2]}
+        return met(request.problem, overlaps - unrounded(scene, overlap), rate, channels, events)
 
 
 def _channels(overlap: Array, law: Contact) -> dict[str, Array]:
-    """The channels of the contact, each (T,), from the overlap >= 0 (T,) [m]."""
+    """The contact's channels, each (T,), from the overlap >= 0 (T,) [m]; the force is k d^n."""
     return {
         "overlap": overlap,
         "contacts": (overlap > 0).astype(float),

@@ -1,5 +1,5 @@
-"""Points that rods hold as one rigid body, on which nothing acts: the free body's closed form
-(kernels/free_body.c).
+"""Points that rods hold together as one rigid body, on which nothing acts: the free body's closed
+form (kernels/free_body.c).
 """
 
 from time import perf_counter
@@ -18,13 +18,15 @@ from refdem.solvers._scene_pattern import SOME, ScenePattern, SceneSolver
 from refdem.solvers._single_point import Array
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what rigid rods allow: rounding."""
+"""Relative error of lengths and speeds at the start that counts as rounding."""
 START = np.array([1.0, 0.0, 0.0, 0.0])
+"""The identity attitude: principal axes at the start."""
 
 
 class ExactRigidCluster(SceneSolver):
-    """Centre of mass in a straight line, all else turned about it; rod forces from the
-    accelerations, of least squares if redundant.
+    """The centre of mass moves uniformly and the points rotate about it.
+
+    Rod forces follow from the accelerations; those of redundant rods by least squares.
     """
 
     claims = Method(
@@ -42,7 +44,7 @@ class ExactRigidCluster(SceneSolver):
     pattern = ScenePattern(elements={Rod: SOME}, only_points=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for points that are not in one plane, all held by rods."""
+        """None for points not in one plane that rods hold as one body, else the reason."""
         scene = problem.scene
         if any(rod.b < 0 for rod in scene.all(Rod)):
             return "a rod to the world; expected rods between the points"
@@ -53,48 +55,54 @@ class ExactRigidCluster(SceneSolver):
         begun = perf_counter()
         scene = request.problem.scene
         t = np.ascontiguousarray(request.problem.times)
-        place, drift, arms, tensor, omega = _body(scene)
+        centre, centre_velocity, arms, tensor, omega = _body(scene)
         moments, axes = np.linalg.eigh(tensor)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
         attitude = np.empty((len(t), 4))
-        spin = np.empty((len(t), 3))
-        given = [
+        omega_body = np.empty((len(t), 3))
+        inputs = [
             pointer("free_body", np.ascontiguousarray(column))
             for column in (moments, START, axes.T @ omega)
         ]
-        out = [pointer("free_body", column, output=True) for column in (attitude, spin)]
+        outputs = [pointer("free_body", column, output=True) for column in (attitude, omega_body)]
         started = perf_counter()
-        load("free_body").lib.refdem_free_body(*given, t[0], len(t), pointer("free_body", t), *out)
+        load("free_body").lib.refdem_free_body(
+            *inputs, t[0], len(t), pointer("free_body", t), *outputs
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        turn = axes @ matrix(attitude) @ axes.T
-        away = np.einsum("tij,nj->tni", turn, arms)
-        omega_space = spin @ axes.T
-        velocity = drift + np.cross(omega_space[:, None], away)
-        position = (place + np.outer(t - t[0], drift))[:, None] + away
+        # The kernel's attitude Q maps principal axes at the start to those now: R = A Q A^T in
+        # space, with the columns of A the initial principal axes.
+        rotation = axes @ matrix(attitude) @ axes.T
+        arms_now = np.einsum("tij,nj->tni", rotation, arms)
+        omega_space = omega_body @ axes.T
+        velocity = centre_velocity + np.cross(omega_space[:, None], arms_now)
+        position = (centre + np.outer(t - t[0], centre_velocity))[:, None] + arms_now
         position[0] = scene.bodies.position
         velocity[0] = scene.bodies.velocity
-        channels = {"rod_force": _tension(scene, away, velocity)}
+        channels = {"rod_force": _tension(scene, arms_now, velocity)}
         return Trajectory.of_points(t, position, velocity, channels=channels), cost
 
 
 def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
-    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega
-    (3,) at the start.
+    """The cluster at the start: centre of mass, its velocity, arms from it (N, 3), inertia tensor
+    (3, 3), omega (3,).
 
-    By differences from the heaviest point: far from the origin the mean of the places would be
-    rounded on their scale. Arms and rates are means of differences: of a point that is nearly the
-    centre of mass they are small, and rounded as such.
+    Means are taken of differences from the heaviest point, and arms as means of differences: far
+    from the origin, or for a point almost at the centre of mass, the rounding then stays small
+    relative to the arms.
     """
     mass = scene.bodies.mass
     bodies = scene.bodies
-    part = mass / mass.sum()
-    base = int(np.argmax(mass))
+    weight = mass / mass.sum()
+    heaviest = int(np.argmax(mass))
 
     def mean(column: Array) -> Array:
-        return np.asarray(column[base] + part @ (column - column[base]))
+        """The mass-weighted mean of a column (N, 3)."""
+        return np.asarray(column[heaviest] + weight @ (column - column[heaviest]))
 
     def from_mean(column: Array) -> Array:
-        return np.asarray(np.einsum("j,ijk->ik", part, column[:, None] - column))
+        """The column (N, 3) less its mass-weighted mean, as sum over j of weight_j (x_i - x_j)."""
+        return np.asarray(np.einsum("j,ijk->ik", weight, column[:, None] - column))
 
     arms = from_mean(bodies.position)
     rates = from_mean(bodies.velocity)
@@ -105,51 +113,58 @@ def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     return mean(bodies.position), mean(bodies.velocity), arms, tensor, omega
 
 
-def _rows(scene: Scene, away: Array) -> Array:
-    """Constraint Jacobian (T, rods, N, 3): the direction of each rod at its ends."""
+def _rows(scene: Scene, arms: Array) -> Array:
+    """Constraint Jacobian G (T, rods, N, 3): the unit vector of each rod at its ends, with opposite
+    signs.
+    """
     rods = scene.all(Rod)
-    rows = np.zeros((len(away), len(rods), len(scene.bodies), 3))
-    for number, rod in enumerate(rods):
-        apart = away[:, rod.a] - away[:, rod.b]
-        apart = apart / np.linalg.norm(apart, axis=1, keepdims=True)
-        rows[:, number, rod.a] = apart
-        rows[:, number, rod.b] = -apart
+    rows = np.zeros((len(arms), len(rods), len(scene.bodies), 3))
+    for index, rod in enumerate(rods):
+        direction = arms[:, rod.a] - arms[:, rod.b]
+        direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
+        rows[:, index, rod.a] = direction
+        rows[:, index, rod.b] = -direction
     return rows
 
 
 def _loose(scene: Scene) -> str | None:
-    """None if the rods hold every point, have their lengths, and the points move as one body."""
+    """None if the rods hold every point, have their lengths, and the points move as one body, else
+    the reason.
+    """
     bodies = scene.bodies
     n = len(scene.bodies)
     rows = _rows(scene, bodies.position[None])[0].reshape(len(scene.all(Rod)), 3 * n)
+    # A rigid body has 6 degrees of freedom: the rods must remove the other 3 n - 6.
     if n < 4 or np.linalg.matrix_rank(rows, tol=FITS) < 3 * n - 6:
         return "the rods do not make one rigid body of the points"
     for rod in scene.all(Rod):
-        found = float(rod.distance(bodies.position[None], bodies.attitude[None])[0])
-        if abs(found - rod.length) > FITS * rod.length:
-            return f"a rod of length {rod.length} starts {found} long"
+        length = float(rod.distance(bodies.position[None], bodies.attitude[None])[0])
+        if abs(length - rod.length) > FITS * rod.length:
+            return f"a rod of length {rod.length} starts {length} long"
     _, drift, arms, _, omega = _body(scene)
-    off = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
-    if off > FITS * np.linalg.norm(omega) * np.abs(arms).max():
+    residual = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
+    if residual > FITS * np.linalg.norm(omega) * np.abs(arms).max():
         return "a rod starts with a speed along it"
     return None
 
 
-def _tension(scene: Scene, away: Array, velocity: Array) -> Array:
-    """Tension (T, rods) [N]: what makes the points turn, G M^-1 G^T T = |relative
-    velocity|^2/length, of least squares.
+def _tension(scene: Scene, arms: Array, velocity: Array) -> Array:
+    """Tension (T, rods) [N] of the rods from the accelerations of rotation.
+
+    A rod of length l keeps its length if e.(a1 - a2) = -|v1 - v2|^2/l. With accelerations -M^-1 G^T
+    T this is G M^-1 G^T T = |v1 - v2|^2/l, solved by least squares.
     """
     rods = scene.all(Rod)
-    rows = _rows(scene, away)
-    weighted = rows / scene.bodies.mass[:, None]
-    coupling = np.einsum("tink,tjnk->tij", rows, weighted)
-    wanted = []
+    jacobian = _rows(scene, arms)
+    weighted = jacobian / scene.bodies.mass[:, None]
+    coupling = np.einsum("tink,tjnk->tij", jacobian, weighted)
+    centripetal = []
     for rod in rods:
         relative = velocity[:, rod.a] - velocity[:, rod.b]
-        wanted.append(np.sum(relative**2, axis=1) / rod.length)
+        centripetal.append(np.sum(relative**2, axis=1) / rod.length)
     inverse = np.linalg.pinv(coupling, hermitian=True, rcond=1e-12)
-    solved: Any = np.einsum("tij,tj->ti", inverse, np.stack(wanted, axis=1))
-    return np.ascontiguousarray(solved)
+    tension: Any = np.einsum("tij,tj->ti", inverse, np.stack(centripetal, axis=1))
+    return np.ascontiguousarray(tension)
 
 
 METHOD = ExactRigidCluster()

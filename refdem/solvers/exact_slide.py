@@ -1,5 +1,5 @@
-"""A rigid block that slides from rest on a plane under gravity and Coulomb friction: constant
-acceleration down the plane.
+"""A rigid block that slides from rest down a plane under gravity and Coulomb friction, with
+constant acceleration.
 """
 
 from time import perf_counter
@@ -18,8 +18,8 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern, SceneSolver
 
 
 class ExactSlide(SceneSolver):
-    """One polyhedron with a face on one plane; where friction holds it, the method `equilibrium`
-    has it.
+    """One polyhedron with a face on one plane; a block that friction holds is answered by the
+    method `equilibrium`.
     """
 
     claims = Method(
@@ -41,7 +41,7 @@ class ExactSlide(SceneSolver):
 
     def unfit(self, problem: Motion) -> str | None:
         """None for a block at rest on a plane that is too steep for friction to hold it, and that
-        does not tip it.
+        does not tip over, else the reason.
         """
         scene = problem.scene
         if np.any(scene.bodies.velocity):
@@ -52,34 +52,37 @@ class ExactSlide(SceneSolver):
         return _balance.tipping(scene, scene.all(Contact)[0], load)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """s = a t^2/2, a = g (sin - mu cos), down the steepest line of the plane."""
+        """s = a t^2/2 down the steepest line of the plane, with a = g (sin - mu cos) and friction's
+        work mu N s.
+        """
         begun = perf_counter()
         scene = request.problem.scene
         times = request.problem.times
         load = _balance.pressed(scene)
         assert not isinstance(load, str)
         steepness = load.steepness
-        rise = (1 - scene.all(Contact)[0].friction / steepness) * load.along
+        # g sin - mu g cos = g sin (1 - mu/tan), along gravity's component in the plane.
+        acceleration = (1 - scene.all(Contact)[0].friction / steepness) * load.along
         started = perf_counter()
         t = (times - times[0])[:, None, None]
         bodies = scene.bodies
-        position = bodies.position + rise * (t * t / 2)
-        velocity = rise * t
+        position = bodies.position + acceleration * (t * t / 2)
+        velocity = acceleration * t
         seconds = perf_counter() - started
         friction = scene.all(Contact)[0].friction * load.pressing * bodies.mass[0]
         work = friction * np.linalg.norm(position - bodies.position, axis=-1)[:, 0]
-        still = {
+        attitude_columns = {
             "attitude": np.repeat(bodies.attitude[None], len(times), axis=0),
             "omega": np.zeros_like(velocity),
         }
-        found = Trajectory(
+        trajectory = Trajectory(
             t=times,
             position=position,
             velocity=velocity,
             channels={"dissipated_work": work},
-            **still,
+            **attitude_columns,
         )
-        return found, Cost(seconds=seconds, setup=started - begun)
+        return trajectory, Cost(seconds=seconds, setup=started - begun)
 
 
 METHOD = ExactSlide()

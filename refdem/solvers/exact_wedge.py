@@ -1,4 +1,8 @@
-"""A wedge that meets a wall, turns and leaves, in closed form (kernels/power_contact.c)."""
+"""A wedge that hits a wall, turns round and leaves, in closed form (kernels/power_contact.c).
+
+The force is k2 d^2 while the edge points at the wall and k1 d while the side does. The wedge turns
+by pi at the greatest overlap, so one law acts on the way in and the other on the way out.
+"""
 
 from dataclasses import dataclass
 
@@ -14,11 +18,13 @@ from refdem.solvers._kernel_solver import Elapsed, KernelCall, KernelSolver, sam
 from refdem.solvers._scene_pattern import ONE, ScenePattern
 
 TURN = np.array([0.0, 0.0, 0.0, 1.0])
-"""By pi about the body's z axis."""
+"""The rotation by pi about the body's z axis."""
 
 
 class ExactWedge(KernelSolver):
-    """Free flight, in with one law, out with the other, free flight; the orientation chooses."""
+    """Free flight, in under one law, out under the other, free flight; the orientation selects the
+    law.
+    """
 
     claims = Method(
         name="exact-wedge",
@@ -34,7 +40,7 @@ class ExactWedge(KernelSolver):
     pattern = ScenePattern(elements={Wedge: ONE}, bodies=ONE, may_spin=False)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a velocity along the normal of the wall."""
+        """None for a velocity along the wall's normal, else the reason."""
         scene = problem.scene
         velocity = scene.bodies.velocity[0]
         across = np.cross(velocity, scene.all(Wedge)[0].normal)
@@ -43,8 +49,8 @@ class ExactWedge(KernelSolver):
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """Both laws, the start along the normal, and room for the times of touch, turn and parting
-        and for overlaps and rates.
+        """Both laws and the start along the normal; arrays for the times of contact, turn and
+        release, and for overlaps and rates.
         """
         elapsed = Elapsed(request.problem)
         meeting = _meeting(request.problem, elapsed.sense)
@@ -56,40 +62,42 @@ class ExactWedge(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States at the samples; a run backwards is one with flipped velocities."""
+        """States at the samples; a run backward in time is one with velocities reversed."""
         elapsed = Elapsed(request.problem)
         sense = elapsed.sense
         meeting = _meeting(request.problem, sense)
         scene = request.problem.scene
         bodies = scene.bodies
-        touch, rows = call.outputs
+        times, rows = call.outputs
         normal = np.array(scene.all(Wedge)[0].normal)
-        turned = (elapsed.since > touch[1]) & (touch[1] > 0)
-        half_turned = product(bodies.attitude, TURN)
+        has_turned = (elapsed.since > times[1]) & (times[1] > 0)
+        turned_attitude = product(bodies.attitude, TURN)
         position = bodies.position - (rows[:, :1, None] - meeting.overlap) * normal
         velocity = bodies.velocity - sense * (rows[:, 1:, None] - meeting.rate) * normal
-        pressed = np.maximum(rows[:, 0], 0.0)
+        overlap = np.maximum(rows[:, 0], 0.0)
         channels = {
-            "overlap": pressed,
-            "contacts": (pressed > 0).astype(float),
-            "dissipated_work": np.where(turned, -meeting.gained, 0.0),
+            "overlap": overlap,
+            "contacts": (overlap > 0).astype(float),
+            "dissipated_work": np.where(has_turned, -meeting.gained, 0.0),
         }
         kinds = ("contact", "turn", "release")
         return Trajectory(
             t=request.problem.times,
             position=position,
             velocity=velocity,
-            attitude=np.where(turned[:, None, None], half_turned, bodies.attitude),
+            attitude=np.where(has_turned[:, None, None], turned_attitude, bodies.attitude),
             omega=np.zeros_like(velocity),
             channels=channels,
-            events=elapsed.events(dict(zip(kinds, touch, strict=True))),
+            events=elapsed.events(dict(zip(kinds, times, strict=True))),
         )
 
 
 @dataclass(frozen=True)
 class _Meeting:
-    """A wedge of some `mass` [kg] and its wall: laws on the way in and out, each a factor and an
-    exponent of the overlap; overlap [m] and its rate [m/s] at the start.
+    """A wedge and its wall along the normal at the start.
+
+    `mass` [kg]; `inward` and `outward`: the contact laws on the way in and out, each (factor,
+    exponent) of the overlap; `overlap` [m] and its `rate` [m/s].
     """
 
     mass: float
@@ -100,16 +108,16 @@ class _Meeting:
 
     @property
     def gained(self) -> float:
-        """Energy [J] that the turn at the greatest overlap adds."""
+        """Energy [J] that the turn at the greatest overlap adds: stored under the outward law less
+        under the inward law.
+        """
         deepest = _deepest(self.mass, self.inward, self.outward, self.overlap, self.rate)
         return _stored(self.outward, deepest) - _stored(self.inward, deepest)
 
 
 def _meeting(problem: Problem, sense: float) -> _Meeting:
-    """Wedge and wall at the start.
-
-    `sense` is -1 for a run backwards, which is a run forwards with the velocities reversed. The
-    force is k2 d^2 of an edge, k1 d of a side.
+    """Wedge and wall at the start; `sense` -1 for a run backward in time, which runs forward with
+    velocities reversed.
     """
     scene = problem.scene
     bodies = scene.bodies
@@ -134,17 +142,22 @@ def _stored(law: np.ndarray, overlap: float) -> float:
 
 
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
-    """Whether the way in is, or was, edge first: it turns in between."""
-    edge = bool(wall.edge_first(scene.bodies.attitude[0]))
+    """True if the edge points at the wall on the way in. On the way out, after the turn, it is the
+    other way round.
+    """
+    edge_now = bool(wall.edge_first(scene.bodies.attitude[0]))
     if overlap > 0 and rate < 0:
-        return not edge
-    return edge
+        return not edge_now
+    return edge_now
 
 
 def _deepest(
     mass: float, inward: np.ndarray, outward: np.ndarray, overlap: float, rate: float
 ) -> float:
-    """Greatest overlap [m] of the contact; 0 if there is none."""
+    """Greatest overlap [m] of the contact; 0 if there is none.
+
+    From the energy: factor D^p/p = m v^2/2 + factor d^p/p with p = exponent + 1.
+    """
     if overlap <= 0 and rate <= 0:
         return 0.0
     is_leaving = overlap > 0 and rate < 0
@@ -154,9 +167,9 @@ def _deepest(
         factor, exponent = inward
     power = exponent + 1
     # factor d^power/power = m v^2/2 + factor d0^power/power at the turning point.
-    moving = 0.5 * mass * rate**2 * power / factor
-    pressed = max(overlap, 0.0) ** power
-    return float((moving + pressed) ** (1 / power))
+    kinetic_term = 0.5 * mass * rate**2 * power / factor
+    overlap_term = max(overlap, 0.0) ** power
+    return float((kinetic_term + overlap_term) ** (1 / power))
 
 
 METHOD = ExactWedge()

@@ -1,9 +1,8 @@
 """Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity
-Verlet with a neighbour list.
+Verlet with a neighbour list (kernels/gas.c).
 
-The kernel is gas.c. The environment variable REFDEM_THREADS is the number of threads of a run, 1 if
-it is not set: worker processes share the cores already.
-No bit of the result depends on it.
+The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set, since
+worker processes already share the cores. No bit of the result depends on it.
 """
 
 import os
@@ -34,35 +33,40 @@ from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, Count, ScenePatter
 Array = NDArray[np.float64]
 
 STATE = {"position": 3, "velocity": 3, "omega": 3, "attitude": 4}
+"""Quantities of the state in the kernel's order, with their lengths."""
 MOVING = ("position", "velocity")
+"""Quantities that the kernel also integrates for spheres that do not rotate."""
 FEWEST = 2.5
-"""Diameters in the edge of a box, at least: a body meets one image of another at a time, and the
+"""Smallest edge of a box, in diameters: a body then meets one image of another at a time, and the
 list has a skin.
 """
 PACKED = 0.74048
-"""The closest packing of spheres: pairs within a diameter and a skin of half of one are limited by
-it.
+"""Packing fraction of the closest packing of spheres, which limits the number of pairs within a
+diameter and a skin of half a diameter.
 """
 TOUCHING = 4
-"""Contacts of a body with later ones: 3 in the closest random packing."""
+"""Room for contacts per body with later bodies: 3 in the closest random packing."""
 MOST_EVENTS = 100_000
-"""Contacts whose begin is told; of a motion with more none is, so that those told are all."""
+"""Largest number of contacts whose begin is reported; of a motion with more none is, so that the
+reported ones are all.
+"""
 
 
 NO_THREADS = 2
-"""What the kernel returns if it cannot have its threads."""
+"""Status of the kernel if it cannot start its threads."""
 ASTRAY = 3
-"""What it returns if a body flew so far that the motion must have diverged."""
+"""Status of the kernel if a body flew so far that the motion must have diverged."""
 THREADS = "REFDEM_THREADS"
+"""Name of the environment variable."""
 MOST_THREADS = 64
 
 
 class Gas(KernelSolver):
-    """Second order in energy: a contact that begins within a step is hit or missed by a part of it,
-    as often early as late.
+    """Second order in energy: a contact that begins inside a step is integrated wrongly by a part
+    of it, with a random sign.
 
-    With friction first order: what a tangential spring forgets at its limit, it forgets at the end
-    of a step.
+    With friction first order: a tangential spring that reaches its limit is shortened at the end of
+    the step.
     """
 
     claims = Method(
@@ -91,41 +95,45 @@ class Gas(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for many equal spheres in one kind of bounds, with a tangential spring if there is
-        friction.
+        """None for many equal spheres with one kind of bounds, and a tangential spring if there is
+        friction, else the reason.
         """
         scene = problem.scene
         return _of_bodies(scene) or _of_bounds(scene) or _of_contact(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """The gas and its threads, and room for lists, events, channels and states; the start is in
-        its place.
+        """The gas and its threads; arrays for the kernel's work space, events, channels and states,
+        with the start in row 0.
         """
         scene = request.problem.scene
         count = len(request.problem.times)
         fields = _fields(scene)
         struct = Struct("gas", "refdem_gas", fields)
-        members = min(threads(), len(scene.bodies))
-        size = load("gas").lib.refdem_gas_room(struct.address, members)
-        room = np.empty(size, np.uint8)
-        begun = np.zeros(members, np.int64)
-        told = np.empty((members, MOST_EVENTS, 2))
+        n_threads = min(threads(), len(scene.bodies))
+        n_bytes = load("gas").lib.refdem_gas_room(struct.address, n_threads)
+        work_space = np.empty(n_bytes, np.uint8)
+        event_counts = np.zeros(n_threads, np.int64)
+        event_rows = np.empty((n_threads, MOST_EVENTS, 2))
         channels = np.empty((count, 2))
         states = _states(scene, count, bool(fields["turning"]))
         return KernelCall(
             function="refdem_gas_run",
-            inputs=(struct, members),
+            inputs=(struct, n_threads),
             clock=(*steps_to_samples(request), MOST_EVENTS),
-            outputs=(room, begun, told, channels, *states),
+            outputs=(work_space, event_counts, event_rows, channels, *states),
             steps=steps_of(request),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States at the samples, number of contacts, dissipated work and where contacts begin."""
+        """States at the samples, number of contacts, dissipated work, and the events of contacts
+        that begin.
+        """
         t = request.problem.times
-        _, begun, told, channel, *states = call.outputs
+        _, event_counts, event_rows, channel_rows, *states = call.outputs
         if status == NO_THREADS:
-            raise EngineError(f"gas: {len(begun)} threads asked for by {THREADS} could not be had")
+            raise EngineError(
+                f"gas: {len(event_counts)} threads asked for by {THREADS} could not be had"
+            )
         if status == ASTRAY:
             raise EngineError(
                 "gas: the motion diverged (a body is more than 2e9 boxes away); a smaller step"
@@ -136,14 +144,18 @@ class Gas(KernelSolver):
                 "gas: more bodies in one place than spheres can be; a smaller step would keep"
                 " them apart"
             )
-        contacts, work = channel.T.copy()
+        contacts, work = channel_rows.T.copy()
         channels = {"contacts": contacts, "dissipated_work": work}
-        events = _begins(begun, told, float(t[0]))
-        columns = {name: rows for name, rows in zip(STATE, states, strict=True) if rows is not None}
+        events = _begins(event_counts, event_rows, float(t[0]))
+        columns: dict[str, Array] = {}
+        for name, rows in zip(STATE, states, strict=True):
+            if rows is not None:
+                columns[name] = rows
         return _trajectory(request.problem.scene, t, columns, channels, events)
 
 
 def _of_bodies(scene: Scene) -> str | None:
+    """None if all bodies are equal spheres, else the reason."""
     bodies = scene.bodies
     if not bodies.radius.all():
         return "bodies that are no spheres"
@@ -153,6 +165,9 @@ def _of_bodies(scene: Scene) -> str | None:
 
 
 def _of_bounds(scene: Scene) -> str | None:
+    """None for a large enough box, or planes, or the open, and more than a few bodies, else the
+    reason.
+    """
     boxes = scene.all(PeriodicBox)
     walls = scene.all(Plane)
     n = len(scene.bodies)
@@ -166,6 +181,7 @@ def _of_bounds(scene: Scene) -> str | None:
 
 
 def _of_contact(scene: Scene) -> str | None:
+    """None unless there is friction without a tangential spring."""
     law = scene.all(Contact)[0]
     if law.friction > 0 and law.tangential_stiffness == 0:
         return "friction without a tangential spring"
@@ -173,7 +189,7 @@ def _of_contact(scene: Scene) -> str | None:
 
 
 def _fields(scene: Scene) -> dict[str, Any]:
-    """The fields of the kernel's struct."""
+    """The fields of the kernel's struct `refdem_gas`."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     walls = [(*plane.point, *plane.normal) for plane in scene.all(Plane)]
@@ -199,8 +215,10 @@ def _fields(scene: Scene) -> dict[str, Any]:
 
 
 def _room_fields(scene: Scene, size: float) -> dict[str, int]:
-    """The most pairs and contacts there can be, as at three times the density of the start, but at
-    most closest packing; `size` is the edge of the box [m], or 0.
+    """Capacities of the kernel's lists: the most pairs and contacts at three times the initial
+    density, at most closest packing.
+
+    `size` [m] is the edge of the box, or 0 without one.
     """
     bodies = scene.bodies
     n = len(bodies)
@@ -212,17 +230,18 @@ def _room_fields(scene: Scene, size: float) -> dict[str, int]:
         volume = float(np.prod(np.maximum(np.ptp(bodies.position, axis=0), diameter)))
     # The part of space that the spheres would fill at three times their density.
     sphere = np.pi / 6 * diameter**3
-    filled = min(PACKED, 0.05 + 3 * n * sphere / volume)
-    # Half the partners of a sphere within 1.5 diameters, and some; never more than all pairs.
-    partners = 20 + 0.5 * 8 * 1.5**3 * filled
-    pairs = int(min(n * (n - 1) / 2, n * partners)) + n * planes
+    packing = min(PACKED, 0.05 + 3 * n * sphere / volume)
+    # Half the neighbours of a sphere: a ball of 1.5 diameters radius is 8 1.5^3 sphere volumes,
+    # filled with spheres to this part, and 20 more for fluctuations.
+    later_neighbours = 20 + 0.5 * 8 * 1.5**3 * packing
+    pairs = int(min(n * (n - 1) / 2, n * later_neighbours)) + n * planes
     contacts = TOUCHING * n + n * min(planes, 3)
     return {"most_pairs": pairs, "most_contacts": min(pairs, contacts)}
 
 
 def _states(scene: Scene, samples: int, turning: bool) -> list[Array | None]:
-    """Room for the states in the kernel's order, the start in row 0; None for those that are not
-    told.
+    """Arrays for the states in the kernel's order, with the start in row 0; None for quantities
+    that it does not write.
     """
     rows: list[Array | None] = []
     for name, width in STATE.items():
@@ -236,25 +255,27 @@ def _states(scene: Scene, samples: int, turning: bool) -> list[Array | None]:
 
 
 def threads() -> int:
-    """The number of threads that REFDEM_THREADS asks for; raises UsageError for what is no number
-    of threads.
+    """The number of threads from REFDEM_THREADS; raises UsageError if it is not a whole number from
+    1 to 64.
     """
-    said = os.environ.get(THREADS, "1")
-    if not said.isdecimal() or not 1 <= int(said) <= MOST_THREADS:
-        raise UsageError(f"{THREADS} is {said!r}; expected a whole number from 1 to {MOST_THREADS}")
-    return int(said)
+    text = os.environ.get(THREADS, "1")
+    if not text.isdecimal() or not 1 <= int(text) <= MOST_THREADS:
+        raise UsageError(f"{THREADS} is {text!r}; expected a whole number from 1 to {MOST_THREADS}")
+    return int(text)
 
 
-def _begins(begun: NDArray[np.int64], told: Array, start: float) -> tuple[Event, ...]:
-    """Contacts that begin, in time and then in the order of the threads, which is that of the list;
-    none if there were too many.
+def _begins(counts: NDArray[np.int64], rows_by_thread: Array, start: float) -> tuple[Event, ...]:
+    """Events of contacts that begin, in time; none if there were too many to report all.
+
+    Equal times keep the order of threads, which is that of the list, so the result does not depend
+    on their number.
     """
-    if begun.sum() > MOST_EVENTS:
+    if counts.sum() > MOST_EVENTS:
         return ()
-    by_thread = [rows[:count] for rows, count in zip(told, begun, strict=True)]
-    found = np.concatenate(by_thread)
-    in_time = found[np.argsort(found[:, 0], kind="stable")]
-    return tuple(Event(start + when, "contact", int(body)) for when, body in in_time.tolist())
+    by_thread = [of_thread[:count] for of_thread, count in zip(rows_by_thread, counts, strict=True)]
+    rows = np.concatenate(by_thread)
+    in_time = rows[np.argsort(rows[:, 0], kind="stable")]
+    return tuple(Event(start + time, "contact", int(body)) for time, body in in_time.tolist())
 
 
 def _trajectory(
@@ -264,13 +285,15 @@ def _trajectory(
     channels: dict[str, Array],
     events: tuple[Event, ...],
 ) -> Trajectory:
-    """The kernel's rows as states; where spins and friction are not there, no sphere turns."""
+    """The trajectory from the kernel's columns; spheres that it does not rotate keep attitude and
+    omega = 0.
+    """
     shape = (len(t), len(scene.bodies))
-    still: dict[str, Any] = {
+    defaults: dict[str, Any] = {
         "attitude": np.broadcast_to(scene.bodies.attitude, (*shape, 4)),
         "omega": np.broadcast_to(np.zeros(3), (*shape, 3)),
     }
-    return Trajectory(t=t, channels=channels, events=events, **{**still, **states})
+    return Trajectory(t=t, channels=channels, events=events, **{**defaults, **states})
 
 
 METHOD = Gas()

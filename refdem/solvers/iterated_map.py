@@ -1,5 +1,5 @@
-"""Maps applied again and again in C (kernels/maps.c): logistic map and equation, billiards in a
-rectangle and in a stadium.
+"""Iterated maps (kernels/maps.c): logistic map and logistic equation, billiards in a rectangle and
+in a stadium.
 """
 
 from typing import Any
@@ -28,7 +28,9 @@ FUNCTIONS: dict[type[Map], str] = {
 
 
 class IteratedMap(KernelRun):
-    """Each iterate from the one before, or from the start where that is possible."""
+    """Each iterate is computed from the one before, or from the start where a closed form
+    exists.
+    """
 
     claims = Method(
         name="iterated-map",
@@ -43,28 +45,28 @@ class IteratedMap(KernelRun):
     kernels = ("maps",)
 
     def unsupported(self, problem: Iteration) -> str | None:
-        """None for the maps that it has."""
+        """None for the maps in FUNCTIONS, else the reason."""
         if type(problem.map) in FUNCTIONS:
             return None
         return f"no map {problem.map.kind}"
 
     def prepare(self, request: Request) -> KernelCall:
-        """The map and its start, and rows for the iterates asked for."""
+        """The map and its start; rows for the requested iterates."""
         problem = request.problem
         assert isinstance(problem, Iteration)
-        asked = problem.map
+        mapping = problem.map
         start = np.ascontiguousarray(problem.start, float)
         inputs: tuple[Any, ...]
-        if isinstance(asked, Billiard):
-            inputs = (asked.width, asked.height, start)
+        if isinstance(mapping, Billiard):
+            inputs = (mapping.width, mapping.height, start)
         else:
-            assert isinstance(asked, Logistic)
-            inputs = (asked.eta, start[0])
+            assert isinstance(mapping, Logistic)
+            inputs = (mapping.eta, start[0])
         return KernelCall(
-            function=FUNCTIONS[type(asked)],
+            function=FUNCTIONS[type(mapping)],
             inputs=inputs,
             clock=samples(problem.times),
-            outputs=(np.empty((len(problem.times), asked.dimension)),),
+            outputs=(np.empty((len(problem.times), mapping.dimension)),),
             steps=problem.n,
         )
 

@@ -1,5 +1,8 @@
-"""A point on one spring along a line by Verlet's method on a lattice, exactly reversible
-(kernels/lattice.c).
+"""A point on one spring along a line, by Verlet's method on a lattice of numbers, exactly
+reversible (kernels/lattice.c).
+
+Positions and velocities are whole multiples of two powers of two. Every update adds a rounded
+increment, which the way back subtracts again, bit by bit.
 """
 
 from math import ceil, frexp, ldexp, log2, sqrt
@@ -21,19 +24,18 @@ from refdem.solvers._line import Line
 
 FAMILY = "lattice"
 ROOM = 1.7
-"""By which the potential at the ends of the lattice exceeds the energy: a start and its return then
-choose the same units.
+"""Factor by which the potential at the lattice's ends exceeds the energy, so that a start and its
+return choose the same units.
 """
 WIDEST = 64
-"""Doublings of the start's size after which a motion counts as unbound."""
+"""Doublings of the initial size after which a motion counts as unbounded."""
 
 
 class LatticeVerlet(KernelSolver):
-    """Places and velocities are whole multiples of powers of two, which binary64 holds: a run back
-    ends in the very bits of its start.
+    """Verlet's method in 53-bit whole numbers: a run back ends in the very bits of its start.
 
     A start that is finer than the lattice is rounded to it first, by at most 2^-54 of the powers of
-    two above place and velocity.
+    two above position and velocity.
     """
 
     claims = Method(
@@ -54,7 +56,9 @@ class LatticeVerlet(KernelSolver):
     pattern = _line.PATTERN
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a conservative oscillator on a line whose motion has ends."""
+        """None for a conservative oscillator on a line whose motion is bounded, else the
+        reason.
+        """
         scene = problem.scene
         line = _line.line_of(scene)
         if line.damping or line.van_der_pol or len(line.drives):
@@ -74,45 +78,51 @@ class LatticeVerlet(KernelSolver):
         """The law and the start along the line, and the units of the lattice."""
         line = _line.line_of(request.problem.scene)
         spring = line.spring
-        reach = _reach(line) or (1.0, 1.0)
-        place, speed = (ldexp(size, -self.bits) for size in reach)
+        bounds = _reach(line) or (1.0, 1.0)
+        position_unit, velocity_unit = (ldexp(bound, -self.bits) for bound in bounds)
         law = {
             "mass": line.mass,
             "stiffness": spring.stiffness,
             "exponent": spring.exponent,
             "cubic": spring.cubic,
             "weight": line.weight,
-            "place": place,
-            "speed": speed,
+            "place": position_unit,
+            "speed": velocity_unit,
         }
         return KernelCall(
             function="refdem_lattice_verlet",
-            inputs=(Struct(FAMILY, "refdem_lattice", law), line.place, line.speed),
+            inputs=(Struct(FAMILY, "refdem_lattice", law), line.x0, line.v0),
             clock=steps_to_samples(request),
             outputs=(np.empty((len(request.problem.times), 2)),),
             steps=steps_of(request),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Places and velocities after each `stride` steps; the first row is the start as given."""
-        place, speed = call.outputs[0].T
+        """Positions and velocities at the samples; row 0 is the given start."""
+        x, v = call.outputs[0].T
         line = _line.line_of(request.problem.scene)
-        return line.trajectory(request.problem.times, place.copy(), speed.copy())
+        return line.trajectory(request.problem.times, x.copy(), v.copy())
 
 
 def _reach(line: Line) -> tuple[float, float] | None:
-    """Powers of two [m], [m/s] beyond which the motion does not go; None if there are none."""
+    """Powers of two [m] and [m/s] that bound position and velocity of the motion; None if it is
+    unbounded.
+
+    The motion stays in |x| < size if the potential at both ends exceeds ROOM times its energy, both
+    above the lowest potential; then m v^2/2 is at most that energy.
+    """
     spring = line.spring
 
     def potential(x: float) -> float:
-        power = spring.stiffness * abs(x) ** (spring.exponent + 1) / (spring.exponent + 1)
-        energy: float = power + spring.cubic * x**4 / 4 - line.weight * x
+        """V(x) = k |x|^(n + 1)/(n + 1) + cubic x^4/4 - weight x [J]."""
+        spring_energy = spring.stiffness * abs(x) ** (spring.exponent + 1) / (spring.exponent + 1)
+        energy: float = spring_energy + spring.cubic * x**4 / 4 - line.weight * x
         return energy
 
-    energy = potential(line.place) + line.mass * line.speed**2 / 2
-    size = ldexp(1.0, frexp(abs(line.place) or abs(line.speed) or 1.0)[1] - 2)
+    energy = potential(line.x0) + line.mass * line.v0**2 / 2
+    size = ldexp(1.0, frexp(abs(line.x0) or abs(line.v0) or 1.0)[1] - 2)
     for _ in range(WIDEST):
-        lowest = min(potential(size * part / 16) for part in range(-16, 17))
+        lowest = min(potential(size * sixteenth / 16) for sixteenth in range(-16, 17))
         # The barrier, and what the motion has of it, with room.
         barrier = min(potential(size), potential(-size)) - lowest
         needed = ROOM * (energy - lowest)

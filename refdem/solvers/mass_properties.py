@@ -1,5 +1,5 @@
-"""Mass properties of solids: polyhedra by signed tetrahedra, plates by signed triangles, round ones
-by stretching (mechanics).
+"""Mass properties of solids by the functions of `mechanics.mass_properties`: signed tetrahedra,
+signed triangles, closed forms.
 """
 
 from time import perf_counter
@@ -38,11 +38,11 @@ class MassProperties(Solver):
     answers = Solid
 
     def unsupported(self, problem: Solid) -> str | None:
-        """None: every shape that a solid can have is known."""
+        """None: every shape is supported."""
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Mass, centre of mass and tensor of every solid."""
+        """Mass, centre of mass and inertia tensor of every solid."""
         problem = request.problem
         assert isinstance(problem, Solid)
         started = perf_counter()
@@ -51,26 +51,28 @@ class MassProperties(Solver):
 
 
 def said(piece: Piece) -> dict[str, float]:
-    """All that is asked of one solid."""
-    found = of_piece(piece)
+    """Mass, centre and inertia tensor of one solid by name, the tensor about the point asked for or
+    the centre of mass.
+    """
+    solid = of_piece(piece)
     if piece.about is None:
-        tensor = found.inertia
+        tensor = solid.inertia
     else:
-        tensor = found.about(piece.about)
-    return body(found.mass, found.centre, tensor)
+        tensor = solid.about(piece.about)
+    return body(solid.mass, solid.centre, tensor)
 
 
 def of_piece(piece: Piece) -> mechanics.MassProperties:
-    """The mass properties of one solid, hollowed and turned."""
-    found = of_shape(piece.shape, piece.density)
+    """Mass properties of one solid, less its hollow, after its rotation."""
+    solid = of_shape(piece.shape, piece.density)
     if piece.hollow is not None:
-        found = found - of_shape(piece.hollow, piece.density)
+        solid = solid - of_shape(piece.hollow, piece.density)
     attitude = np.array(piece.attitude)
-    return found.turned(matrix(attitude / np.linalg.norm(attitude)))
+    return solid.turned(matrix(attitude / np.linalg.norm(attitude)))
 
 
 def of_shape(shape: Any, density: float) -> mechanics.MassProperties:
-    """The mass properties of one shape at the origin."""
+    """Mass properties of one shape at the origin with a density [kg/m^3] (polygons: [kg/m^2])."""
     match shape:
         case Points():
             return mechanics.of_points(shape.mass, shape.position)

@@ -1,5 +1,8 @@
-"""Two spheres that rub on each other in a plane, by Taylor series from event to event
-(kernels/oblique.c).
+"""Oblique contact of two spheres with friction and a tangential spring in a plane, by Taylor series
+from event to event (kernels/oblique.c).
+
+The kernel integrates the relative motion: overlap d along the line of centres, transverse velocity
+u across it, the line's angle, and both spins.
 """
 
 import numpy as np
@@ -21,14 +24,19 @@ FAMILY = "oblique"
 ROUNDED = 4 * 2.0**-52
 """Overlaps of so many times the distance are rounding."""
 ASKEW = 1e-15
-"""Part of a vector that may point off the plane or its normal: round-off of a scene turned into
-some other direction.
+"""Largest relative component off the plane or its normal: round-off of a scene that was
+rotated.
 """
 COLUMNS = 12
+"""Length of a row: d, d', u, angle of the line, 2 spins, 2 angles turned, work, contacts, force,
+dissipated work.
+"""
 
 
 class ObliqueContact(KernelSolver):
-    """Hold, slip, release and the pull of a dashpot are zeros of series, to the last bits."""
+    """Stick, slip, release and a dashpot that would pull are zeros of series, located to
+    round-off.
+    """
 
     claims = Method(
         name="oblique-contact",
@@ -51,7 +59,9 @@ class ObliqueContact(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for spheres that touch and press, with spins across the plane of their motion."""
+        """None for spheres in contact that approach, with spins normal to the plane of their
+        motion, else the reason.
+        """
         scene = problem.scene
         bodies = scene.bodies
         law = scene.all(Contact)[0]
@@ -63,7 +73,7 @@ class ObliqueContact(KernelSolver):
         return _parting(law, beginning(scene, axes)) or _leaning(bodies.omega, axes[2])
 
     def prepare(self, request: Request) -> KernelCall:
-        """The pair and its start, and room for the release and for the rows."""
+        """The pair and its start; arrays for the release time and for the rows."""
         scene = request.problem.scene
         t = request.problem.times
         since = t - t[0]
@@ -75,23 +85,26 @@ class ObliqueContact(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States of both, contact channels and the release; raises EngineError if hold and slip
-        change without end.
+        """States of both spheres, contact channels and the release.
+
+        Raises EngineError if stick and slip alternate without end.
         """
         scene = request.problem.scene
         t = request.problem.times
         release, rows = call.outputs
-        # The kernel returns how many samples it has reached.
+        # The kernel's status is the number of samples that it has reached.
         if status < len(t):
             raise EngineError(f"hold and slip change without end at t = {t[status]:g} s")
-        told: tuple[Event, ...] = ()
+        events: tuple[Event, ...] = ()
         if release[0] <= t[-1] - t[0]:
-            told = (Event(time=float(t[0] + release[0]), kind="release", body=0),)
-        return _trajectory(scene, frame(scene), t, rows, told)
+            events = (Event(time=float(t[0] + release[0]), kind="release", body=0),)
+        return _trajectory(scene, frame(scene), t, rows, events)
 
 
 def _parting(law: Contact, start: Array) -> str | None:
-    """None if the spheres touch and approach at the start, and their force presses them."""
+    """None if the spheres touch and approach at the start, and their force pushes, else the
+    reason.
+    """
     overlap = start[0]
     rate = start[1]
     if overlap < 0 or (overlap == 0 and rate <= 0):
@@ -103,16 +116,16 @@ def _parting(law: Contact, start: Array) -> str | None:
 
 
 def _leaning(omega: Array, normal: Array) -> str | None:
-    """None if the spins (2, 3) point along the normal of the plane of the motion."""
-    aside = np.linalg.norm(omega - np.outer(omega @ normal, normal), axis=1)
-    if np.any(aside > ASKEW * np.linalg.norm(omega, axis=1)):
+    """None if the spins (2, 3) are along the normal of the plane of motion, else the reason."""
+    tangential = np.linalg.norm(omega - np.outer(omega @ normal, normal), axis=1)
+    if np.any(tangential > ASKEW * np.linalg.norm(omega, axis=1)):
         return "a spin turns the motion out of its plane"
     return None
 
 
 def frame(scene: Scene) -> Array:
-    """Rows (3, 3): from the first centre to the second; across it in the plane of the motion; the
-    normal of that plane.
+    """Rows (3, 3): unit vector from the first centre to the second; across it in the plane of
+    motion; the plane's normal.
     """
     bodies = scene.bodies
     line = bodies.position[1] - bodies.position[0]
@@ -120,25 +133,26 @@ def frame(scene: Scene) -> Array:
     along = line / np.linalg.norm(line)
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
-        # Head on: the spins say in which plane they will move, or else any plane does.
+        # Head-on: the spheres will move in the plane normal to their spins; without spins any
+        # plane through the line of centres will do.
         spin = bodies.omega[np.argmax(np.linalg.norm(bodies.omega, axis=1))]
         across = np.cross(spin, along)
         if not np.any(across):
-            least = np.argmin(np.abs(along))
-            across = np.cross(along, np.eye(3)[least])
+            smallest = np.argmin(np.abs(along))
+            across = np.cross(along, np.eye(3)[smallest])
     across = across / np.linalg.norm(across)
     return np.array([along, across, np.cross(along, across)])
 
 
 def beginning(scene: Scene, axes: Array) -> Array:
-    """Overlap [m], its rate and the transverse velocity [m/s], angle 0, spins [rad/s]; an overlap
-    that is rounding is none.
+    """The kernel's initial state: overlap [m] (0 if it is rounding), its rate, transverse velocity
+    [m/s], angle 0, spins [rad/s].
     """
     bodies = scene.bodies
-    reach = float(bodies.radius.sum())
+    contact_distance = float(bodies.radius.sum())
     relative = bodies.velocity[1] - bodies.velocity[0]
-    overlap = reach - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
-    if abs(overlap) <= ROUNDED * reach:
+    overlap = contact_distance - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
+    if abs(overlap) <= ROUNDED * contact_distance:
         overlap = 0.0
     rate = -(relative @ axes[0])
     transverse = relative @ axes[1]
@@ -147,7 +161,7 @@ def beginning(scene: Scene, axes: Array) -> Array:
 
 
 def words(scene: Scene, longest: float) -> Struct:
-    """The pair in the kernel's words."""
+    """The pair as the kernel's struct; `longest` [s] is the duration."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     radius_i, radius_j = bodies.radius.tolist()
@@ -170,41 +184,48 @@ def words(scene: Scene, longest: float) -> Struct:
 
 
 def _turn_ease(inertia: float) -> float:
-    """1/J, and 0 for a sphere that nothing turns."""
+    """1/J of a sphere, 0 for one without inertia, which no torque rotates."""
     if inertia > 0:
         return 1.0 / inertia
     return 0.0
 
 
 def _trajectory(
-    scene: Scene, axes: Array, t: Array, out: Array, events: tuple[Event, ...]
+    scene: Scene, axes: Array, t: Array, rows: Array, events: tuple[Event, ...]
 ) -> Trajectory:
-    """The kernel's rows about a centre of mass in uniform motion."""
+    """The trajectory from the kernel's rows (T, COLUMNS), about a centre of mass in uniform
+    motion.
+    """
     bodies = scene.bodies
-    overlap, rate, transverse, angle = out[:, :4].T
+    overlap, rate, transverse, angle = rows[:, :4].T
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]
     across = np.stack([-np.sin(angle), np.cos(angle)], axis=-1) @ axes[:2]
     line = bodies.position[1] - bodies.position[0]
-    total = bodies.mass.sum()
-    apart = (bodies.radius.sum() - overlap)[:, None] * along - line
+    total_mass = bodies.mass.sum()
+    # The branch vector is (R1 + R2 - d) along; its time derivative u across - d' along.
+    branch_change = (bodies.radius.sum() - overlap)[:, None] * along - line
     relative = transverse[:, None] * across - rate[:, None] * along
-    share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total
-    centre = bodies.mass @ bodies.velocity / total
-    position = bodies.position + centre * (t - t[0])[:, None, None] + apart[:, None] * share
-    velocity = centre + relative[:, None] * share
-    half = 0.5 * out[:, 6:8, None]
-    turned = np.concatenate([np.cos(half), np.sin(half) * axes[2]], axis=-1)
+    share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total_mass
+    centre_velocity = bodies.mass @ bodies.velocity / total_mass
+    position = (
+        bodies.position
+        + centre_velocity * (t - t[0])[:, None, None]
+        + branch_change[:, None] * share
+    )
+    velocity = centre_velocity + relative[:, None] * share
+    half_angle = 0.5 * rows[:, 6:8, None]
+    rotation = np.concatenate([np.cos(half_angle), np.sin(half_angle) * axes[2]], axis=-1)
     columns = {
         "position": position,
         "velocity": velocity,
-        "omega": out[:, 4:6, None] * axes[2],
-        "attitude": product(turned, np.broadcast_to(bodies.attitude, turned.shape)),
+        "omega": rows[:, 4:6, None] * axes[2],
+        "attitude": product(rotation, np.broadcast_to(bodies.attitude, rotation.shape)),
     }
     channels = {
-        "contacts": out[:, 9].copy(),
+        "contacts": rows[:, 9].copy(),
         "overlap": np.maximum(overlap, 0.0),
-        "contact_force": out[:, 10].copy(),
-        "dissipated_work": out[:, 11].copy(),
+        "contact_force": rows[:, 10].copy(),
+        "dissipated_work": rows[:, 11].copy(),
     }
     for name in ("position", "velocity", "omega", "attitude"):
         columns[name][0] = getattr(bodies, name)

@@ -1,5 +1,5 @@
-"""Points on rods in uniform gravity and on springs: velocity Verlet with constraints, RATTLE
-(kernels/rattle.c).
+"""Points on rods, in uniform gravity and on springs, by RATTLE: velocity Verlet with constraints on
+positions and velocities (kernels/rattle.c).
 """
 
 import numpy as np
@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 
 
 class Rattle(KernelSolver):
-    """Rods are held in position and in velocity; the rod force is that of the sampled state."""
+    """Rods hold in position and in velocity; the reported rod force is that of the sampled
+    state.
+    """
 
     claims = Method(
         name="rattle",
@@ -49,33 +51,38 @@ class Rattle(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for springs whose force is one power of their stretch."""
+        """None for springs whose force is one power of their stretch, else the reason."""
         if any(spring.quadratic or spring.cubic for spring in problem.scene.all(Spring)):
             return "a spring with a square or a cube"
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """Masses, gravity, rods and springs, and room for work, position, velocity and force."""
+        """Masses, gravity, rods and springs; arrays for work space, position, velocity and rod
+        force.
+        """
         scene = request.problem.scene
         n = len(scene.bodies)
         rods = scene.all(Rod)
         springs = scene.all(Spring)
+        # A fixed body is one of infinite mass.
         mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
         length = np.array([rod.length for rod in rods])
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
-        held = (len(rods), *_links(rods), length)
-        sprung = (len(springs), *_links(springs), law)
-        work = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
+        rod_fields = (len(rods), *_links(rods), length)
+        spring_fields = (len(springs), *_links(springs), law)
+        work_space = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
         return KernelCall(
             function="refdem_rattle",
-            inputs=(n, mass, single.gravity(scene), *held, *sprung),
+            inputs=(n, mass, single.gravity(scene), *rod_fields, *spring_fields),
             clock=steps_to_samples(request),
-            outputs=(work, *_room(scene, len(request.problem.times), len(rods))),
+            outputs=(work_space, *_room(scene, len(request.problem.times), len(rods))),
             steps=steps_of(request),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity and the force [N] of every rod after each `stride` steps."""
+        """Position, velocity and force [N] of every rod at the samples; raises EngineError if a
+        step has no solution.
+        """
         if status:
             raise EngineError(
                 f"rattle: no multipliers hold the rods before sample {status - 1} at a step of"
@@ -87,16 +94,20 @@ class Rattle(KernelSolver):
 
 
 def _links(links: "list[Rod] | list[Spring]") -> tuple[NDArray[np.int64], Array]:
-    """Ends (M, 2) and world anchors (M, 3) as the kernel reads them."""
-    every: list[Link] = list(links)
-    pairs = [(link.a, max(link.b, -1)) for link in every]
+    """Bodies at the ends (M, 2), -1 for the world, and anchors in the world (M, 3), as the kernel
+    reads them.
+    """
+    all_links: list[Link] = list(links)
+    pairs = [(link.a, max(link.b, -1)) for link in all_links]
     ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    anchors = np.array([link.anchor_b for link in every], dtype=float).reshape(-1, 3)
+    anchors = np.array([link.anchor_b for link in all_links], dtype=float).reshape(-1, 3)
     return ends, anchors
 
 
 def _room(scene: Scene, samples: int, rods: int) -> tuple[Array, Array, Array]:
-    """Arrays for position, velocity (T, N, 3) with the start in row 0, and force (T, rods)."""
+    """Arrays for position and velocity (T, N, 3) with the start in row 0, and for rod forces (T,
+    rods).
+    """
     n = len(scene.bodies)
     position = np.empty((samples, n, 3))
     velocity = np.empty((samples, n, 3))

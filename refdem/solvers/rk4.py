@@ -1,5 +1,5 @@
-"""Classical Runge-Kutta of fourth order (Kutta 1901) for points and spheres, its steps cut where a
-contact begins or ends.
+"""The classical Runge-Kutta method of fourth order (Kutta 1901) for points and spheres, with steps
+cut where a contact begins or ends.
 """
 
 from refdem.core.engine import Method
@@ -11,8 +11,8 @@ from refdem.solvers._particles import Array
 
 
 class RungeKutta(_particles.ParticleSolver):
-    """Fourth order, through contacts too; neither symplectic nor reversible; momentum is kept,
-    angular momentum is not.
+    """Fourth order, also through contacts; neither symplectic nor reversible. It conserves
+    momentum, but not angular momentum.
     """
 
     claims = Method(
@@ -28,19 +28,19 @@ class RungeKutta(_particles.ParticleSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """The reason why the problem is unsupported, as for velocity Verlet; springs must also be
-        smooth at their natural length.
+        """None if velocity Verlet supports the problem and springs are smooth at their natural
+        length, else the reason.
         """
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
         return _particles.unfit(problem) or _sliding.unsupported(problem.scene)
 
     def origin(self, scene: Scene) -> Array:
-        """Places count from where they are given."""
+        """The origin of space: positions stay as they are given."""
         return _particles.ORIGIN
 
     def stride(self, request: Request) -> int:
-        """The steps from sample to sample, as many as the request asks for."""
+        """The number of steps per sample that the request asks for."""
         return request.stride
 
 

@@ -1,5 +1,5 @@
-"""Free rigid bodies by the classical Runge-Kutta method on the quaternion and the body's angular
-momentum (Kutta 1901).
+"""Free rigid bodies by the classical Runge-Kutta method (Kutta 1901), in the quaternion and the
+angular momentum in body axes.
 """
 
 from refdem.core.engine import Method
@@ -7,7 +7,7 @@ from refdem.solvers._free_bodies import SteppedFreeBodies
 
 
 class Rk4FreeBody(SteppedFreeBodies):
-    """Order 4, neither symplectic nor reversible: there to be measured."""
+    """Order 4, neither symplectic nor reversible: a method to be measured against others."""
 
     claims = Method(
         name="rk4-free-body",

@@ -1,5 +1,8 @@
-"""Points on rods one below the other, in a plane, from a pivot that rests or moves by a law of time
-(kernels/rod_chain.c).
+"""A chain of points on rods, one below the other, in a plane, from a fixed pivot or one that moves
+as a function of time (kernels/rod_chain.c).
+
+Angles theta_i are measured from (0, -1), so that rod i is l_i (sin theta_i, -cos theta_i). The
+kernel integrates the turns since the start, theta_i - theta_i(0), by Taylor series.
 """
 
 from typing import Any, NamedTuple
@@ -20,14 +23,13 @@ from refdem.solvers._scene_pattern import ANY, OPTIONAL, Count, ScenePattern
 from refdem.solvers._single_point import Array
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what rigid rods and the moved pivot
-allow: rounding.
-"""
+"""Relative error of lengths and speeds at the start that counts as rounding."""
 MOST = 8
+"""Largest number of rods."""
 
 
 class RodChain(KernelSolver):
-    """Angles by Taylor series; places, velocities and rod forces from them."""
+    """Angles by Taylor series; positions, velocities and rod forces from the angles."""
 
     claims = Method(
         name="rod-chain",
@@ -51,31 +53,33 @@ class RodChain(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a chain from one pivot whose start fits its rods."""
+        """None for a chain from one pivot whose start fits its rods, else the reason."""
         return _broken(problem.scene) or _astray(problem)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Rods, directions at the start, masses and drive, and rows for angles from the start
-        [rad], rates [rad/s] and the work of the pivot.
+        """Rods, initial directions, masses and drive; rows for turns [rad], their rates [rad/s] and
+        the work of the pivot.
         """
         scene = request.problem.scene
         t = request.problem.times
         chain = _chain(scene)
-        aim, rate = _aim(scene, chain, _pivot(scene, t))
-        count = len(chain.bobs)
-        states = np.empty((len(t), 2 * count + 1))
-        states[0] = np.concatenate([np.zeros(count), rate, [0.0]])
+        directions, rate = _aim(scene, chain, _pivot(scene, t))
+        n_rods = len(chain.bobs)
+        states = np.empty((len(t), 2 * n_rods + 1))
+        states[0] = np.concatenate([np.zeros(n_rods), rate, [0.0]])
         mass = scene.bodies.mass[chain.bobs]
         gravity = single.gravity(scene)[:2]
         return KernelCall(
             function="refdem_rod_chain",
-            inputs=(count, _lengths(chain), aim, mass, gravity, *_drive(scene)),
+            inputs=(n_rods, _lengths(chain), directions, mass, gravity, *_drive(scene)),
             clock=samples(t),
             outputs=(states,),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity and the force [N] of every rod at the samples."""
+        """Position, velocity and force [N] of every rod at the samples; raises EngineError if the
+        series do not reach them.
+        """
         (states,) = call.outputs
         if status or not np.all(np.isfinite(states)):
             raise EngineError(
@@ -86,8 +90,8 @@ class RodChain(KernelSolver):
         t = request.problem.times
         chain = _chain(scene)
         pivot = _pivot(scene, t)
-        aim, _ = _aim(scene, chain, pivot)
-        arms = _lengths(chain)[:, None] * aim
+        directions, _ = _aim(scene, chain, pivot)
+        arms = _lengths(chain)[:, None] * directions
         position, velocity = _places(scene, chain, pivot, arms, states[:, :-1])
         channels = {"rod_force": _tension(scene, pivot, position, velocity)}
         if chain.pivot >= 0:
@@ -96,8 +100,8 @@ class RodChain(KernelSolver):
 
 
 class Chain(NamedTuple):
-    """Numbers of the bobs from the pivot on, the rod above each, and the body that is the pivot
-    (-1: a place of the world).
+    """Indices of the bobs from the pivot downwards, the rod above each, and the body that is the
+    pivot (-1: a point of the world).
     """
 
     bobs: list[int]
@@ -106,7 +110,7 @@ class Chain(NamedTuple):
 
 
 class Pivot(NamedTuple):
-    """Place, velocity and acceleration of the pivot, each (T, 3)."""
+    """Position, velocity and acceleration of the pivot, each (T, 3)."""
 
     place: Array
     velocity: Array
@@ -114,17 +118,17 @@ class Pivot(NamedTuple):
 
 
 def _chain(scene: Scene) -> Chain:
-    """The chain as far as its rods go; bobs that no rod reaches are left out."""
+    """The chain as far as its rods reach; bobs without a rod to it are left out."""
     anchors = scene.all(MovingAnchor)
     if anchors:
         end = anchors[0].a
     else:
         end = -1
     chain = Chain([], [], end)
-    left = list(scene.all(Rod))
-    while following := [rod for rod in left if end in (rod.a, rod.b)]:
-        rod = following[0]
-        left.remove(rod)
+    remaining = list(scene.all(Rod))
+    while attached := [rod for rod in remaining if end in (rod.a, rod.b)]:
+        rod = attached[0]
+        remaining.remove(rod)
         if rod.b == end:
             end = rod.a
         else:
@@ -135,12 +139,12 @@ def _chain(scene: Scene) -> Chain:
 
 
 def _lengths(chain: Chain) -> Array:
-    """Lengths (N,) [m] of the rods from the pivot on."""
+    """Lengths (N,) [m] of the rods from the pivot downwards."""
     return np.array([rod.length for rod in chain.rods])
 
 
 def _broken(scene: Scene) -> str | None:
-    """None if the rods are one chain from one pivot that holds every body."""
+    """None if the rods are one chain from one pivot that holds every body, else the reason."""
     anchors = scene.all(MovingAnchor)
     rods = scene.all(Rod)
     if anchors and any(rod.b < 0 for rod in rods):
@@ -157,137 +161,146 @@ def _broken(scene: Scene) -> str | None:
 
 
 def _astray(problem: Motion) -> str | None:
-    """None if the start fits rods and pivot in place and in velocity."""
+    """None if the start fits rods and pivot in position and velocity, else the reason."""
     scene = problem.scene
     bodies = problem.scene.bodies
     chain = _chain(scene)
     pivot = _pivot(scene, problem.times[:1])
     for anchor in scene.all(MovingAnchor):
-        size = sum(rod.length for rod in chain.rods)
-        off = np.linalg.norm(bodies.position[anchor.a] - pivot.place[0]) / size
-        rate = np.linalg.norm(bodies.velocity[anchor.a] - pivot.velocity[0])
-        if off > FITS or rate > FITS * abs(anchor.amplitude * anchor.frequency):
+        chain_length = sum(rod.length for rod in chain.rods)
+        distance = np.linalg.norm(bodies.position[anchor.a] - pivot.place[0]) / chain_length
+        speed_error = np.linalg.norm(bodies.velocity[anchor.a] - pivot.velocity[0])
+        if distance > FITS or speed_error > FITS * abs(anchor.amplitude * anchor.frequency):
             return "the pivot does not start where its law of time has it"
-    for arm, speed, rod in zip(*_parts(scene, chain, pivot), chain.rods, strict=True):
+    for arm, relative_velocity, rod in zip(*_parts(scene, chain, pivot), chain.rods, strict=True):
         if abs(np.linalg.norm(arm) - rod.length) > FITS * rod.length:
             return f"a rod of length {rod.length} starts {np.linalg.norm(arm)} long"
-        if abs(arm @ speed) > FITS * rod.length * np.linalg.norm(speed):
+        if abs(arm @ relative_velocity) > FITS * rod.length * np.linalg.norm(relative_velocity):
             return "a rod starts with a speed along it"
     return None
 
 
 def _drive(scene: Scene) -> tuple[Array, float, float]:
-    """Amplitude along both axes (2,) [m], frequency [rad/s] and phase of the pivot."""
+    """The pivot's motion in x and y: amplitude (2,) [m], frequency [rad/s], phase."""
     for anchor in scene.all(MovingAnchor):
         return anchor.amplitude * np.array(anchor.axis[:2]), anchor.frequency, anchor.phase
     return np.zeros(2), 0.0, 0.0
 
 
 def _pivot(scene: Scene, t: Array) -> Pivot:
-    """The pivot's motion; at rest where the first rod hangs from the world."""
+    """The pivot's motion at times t (T,); at rest where the first rod hangs from the world."""
     for anchor in scene.all(MovingAnchor):
-        place = anchor.place(t)
+        position = anchor.place(t)
         # a = -w^2 x about the middle of the motion.
-        acceleration = -(anchor.frequency**2) * (place - np.array(anchor.anchor_b))
-        return Pivot(place, anchor.velocity(t), acceleration)
-    hung = next(rod for rod in scene.all(Rod) if rod.b < 0)
-    rest = np.zeros((len(t), 3))
-    return Pivot(rest + single.anchor(hung), rest, rest)
+        acceleration = -(anchor.frequency**2) * (position - np.array(anchor.anchor_b))
+        return Pivot(position, anchor.velocity(t), acceleration)
+    first_rod = next(rod for rod in scene.all(Rod) if rod.b < 0)
+    zero = np.zeros((len(t), 3))
+    return Pivot(zero + single.anchor(first_rod), zero, zero)
 
 
 def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
-    """The vectors (N, 3) [m] from each bob's support to the bob at the start, and the relative
-    velocities.
+    """Initial vectors (N, 3) [m] from each bob's support to the bob, and relative velocities (N,
+    3).
     """
-    place = np.concatenate([pivot.place[:1], scene.bodies.position[chain.bobs]])
+    position = np.concatenate([pivot.place[:1], scene.bodies.position[chain.bobs]])
     velocity = np.concatenate([pivot.velocity[:1], scene.bodies.velocity[chain.bobs]])
-    return np.diff(place, axis=0), np.diff(velocity, axis=0)
+    return np.diff(position, axis=0), np.diff(velocity, axis=0)
 
 
 def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
-    """Sines and cosines (N, 2) of the angles from (0, -1) at the start, and the rates (N,)."""
-    arm, speed = _parts(scene, chain, pivot)
+    """Sine and cosine of the initial angles (N, 2), and the angular velocities (N,)."""
+    arm, relative_velocity = _parts(scene, chain, pivot)
     length = np.linalg.norm(arm, axis=1, keepdims=True)
-    aim = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / length
+    directions = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / length
     # theta' = (r x v)_z/r^2.
-    turning = arm[:, 0] * speed[:, 1] - arm[:, 1] * speed[:, 0]
-    return aim, turning / np.sum(arm**2, axis=1)
+    moment = arm[:, 0] * relative_velocity[:, 1] - arm[:, 1] * relative_velocity[:, 0]
+    return directions, moment / np.sum(arm**2, axis=1)
 
 
 def _places(
-    scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array
+    scene: Scene, chain: Chain, pivot: Pivot, rods_at_start: Array, states: Array
 ) -> tuple[Array, Array]:
-    """Position and velocity (T, bodies, 3) of all bodies.
+    """Position and velocity (T, bodies, 3) of all bodies; row 0 is the given start.
 
-    `aim` (N, 2) times the lengths. Row 0 is the start as it came.
+    `rods_at_start` (N, 2) are the rods at the start, l (sin theta0, cos theta0); `states` (T, 2 N)
+    are the turns and their rates.
     """
     turn, rate = np.split(states, 2, axis=1)
     sine = np.sin(turn)
     cosine = np.cos(turn)
-    nothing = np.zeros_like(turn)
-    x = aim[:, 0] * cosine + aim[:, 1] * sine
-    down = aim[:, 1] * cosine - aim[:, 0] * sine
-    outward = np.stack([x, -down, nothing], axis=2)
-    sideways = rate[..., None] * np.stack([down, x, nothing], axis=2)
+    zero = np.zeros_like(turn)
+    # l sin(theta0 + turn) and l cos(theta0 + turn); the rod is (x, -down).
+    x = rods_at_start[:, 0] * cosine + rods_at_start[:, 1] * sine
+    down = rods_at_start[:, 1] * cosine - rods_at_start[:, 0] * sine
+    rod_vectors = np.stack([x, -down, zero], axis=2)
+    relative_velocity = rate[..., None] * np.stack([down, x, zero], axis=2)
     shape = (len(states), len(scene.bodies), 3)
     position = np.empty(shape)
     velocity = np.empty(shape)
     if chain.pivot >= 0:
         position[:, chain.pivot] = pivot.place
         velocity[:, chain.pivot] = pivot.velocity
-    position[:, chain.bobs] = pivot.place[:, None] + np.cumsum(outward, axis=1)
-    velocity[:, chain.bobs] = pivot.velocity[:, None] + np.cumsum(sideways, axis=1)
+    position[:, chain.bobs] = pivot.place[:, None] + np.cumsum(rod_vectors, axis=1)
+    velocity[:, chain.bobs] = pivot.velocity[:, None] + np.cumsum(relative_velocity, axis=1)
     position[0] = scene.bodies.position
     velocity[0] = scene.bodies.velocity
     return position, velocity
 
 
 def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Array:
-    """Tension (T, rods) [N] in the scene's order: what keeps every rod's length, e.(a1 - a2) = -|v1
-    - v2|^2/length.
+    """Tension (T, rods) [N] of the rods in the scene's order.
+
+    A rod of length l in direction e keeps its length if e.(a1 - a2) = -|v1 - v2|^2/l. With
+    accelerations g - M^-1 G^T T of the bobs and that of the pivot given, this is a linear system G
+    M^-1 G^T T = b for the tensions T, where b = |v1 - v2|^2/l + e.g (bobs) - e.a (pivot).
     """
     rods = scene.all(Rod)
     chain = _chain(scene)
     mass = scene.bodies.mass
     gravity = single.gravity(scene)
-    rows = np.zeros((len(position), len(rods), len(mass), 3))
-    wanted = np.zeros((len(position), len(rods)))
+    jacobian = np.zeros((len(position), len(rods), len(mass), 3))
+    right_hand_side = np.zeros((len(position), len(rods)))
 
     def at(column: Array, end: int, of_pivot: Array) -> Array:
-        """What an end of a rod has: a body's column, or the pivot's where it hangs from it."""
+        """The column of a body at a rod's end, or of the pivot where the rod hangs from the
+        world.
+        """
         if end >= 0:
-            own: Array = column[:, end]
+            result: Array = column[:, end]
         else:
-            own = of_pivot
-        return own
+            result = of_pivot
+        return result
 
-    for number, rod in enumerate(rods):
-        apart = at(position, rod.a, pivot.place) - at(position, rod.b, pivot.place)
+    for index, rod in enumerate(rods):
+        rod_vector = at(position, rod.a, pivot.place) - at(position, rod.b, pivot.place)
         relative = at(velocity, rod.a, pivot.velocity) - at(velocity, rod.b, pivot.velocity)
-        direction = apart / rod.length
-        wanted[:, number] = np.sum(relative**2, axis=1) / rod.length
+        direction = rod_vector / rod.length
+        right_hand_side[:, index] = np.sum(relative**2, axis=1) / rod.length
         # The ends that the force moves: bobs, not the pivot.
         sides = {rod.a: 1.0, rod.b: -1.0}
         ends = {end: side for end, side in sides.items() if end >= 0 and end != chain.pivot}
         for end, side in ends.items():
-            rows[:, number, end] = side * direction
-            wanted[:, number] += side * direction @ gravity
+            jacobian[:, index, end] = side * direction
+            right_hand_side[:, index] += side * direction @ gravity
         if len(ends) == 1:
             (side,) = ends.values()
-            wanted[:, number] -= side * np.sum(direction * pivot.acceleration, axis=1)
-    coupling = np.einsum("tink,tjnk->tij", rows, rows / mass[:, None])
-    solved: Any = np.linalg.solve(coupling, wanted[..., None])[..., 0]
-    return np.ascontiguousarray(solved)
+            right_hand_side[:, index] -= side * np.sum(direction * pivot.acceleration, axis=1)
+    coupling = np.einsum("tink,tjnk->tij", jacobian, jacobian / mass[:, None])
+    tension: Any = np.linalg.solve(coupling, right_hand_side[..., None])[..., 0]
+    return np.ascontiguousarray(tension)
 
 
-def _lost(scene: Scene, number: int, pivot: Pivot, work: Array) -> Array:
-    """Energy (T,) [J] that the scene has lost to the anchor since the start: less what it did on
-    the chain and on the pivot's mass.
+def _lost(scene: Scene, pivot_body: int, pivot: Pivot, work: Array) -> Array:
+    """Energy (T,) [J] that the scene has lost through the moving anchor since the start.
+
+    It is minus the work done by the anchor on the chain, and on the pivot's own mass: the change of
+    its energy.
     """
     # Energy of the pivot per mass [J/kg].
     kinetic = 0.5 * np.sum(pivot.velocity**2, axis=1)
     energy: Array = kinetic - pivot.place @ single.gravity(scene)
-    lost: Array = work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
+    lost: Array = work[0] - work - scene.bodies.mass[pivot_body] * (energy - energy[0])
     return lost
 
 

@@ -1,5 +1,5 @@
-"""A point on a rod to the world, in space, in Cartesian coordinates with its constraint force
-(kernels/rod_taylor.c).
+"""A point on a rod in uniform gravity, in three dimensions, in Cartesian coordinates with the rod's
+force (kernels/rod_taylor.c).
 """
 
 from math import inf, sqrt
@@ -20,12 +20,11 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 Array = NDArray[np.float64]
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what a rigid rod allows: rounding.
-"""
+"""Relative error of length and speed at the start that counts as rounding."""
 
 
 class RodTaylor(KernelSolver):
-    """The plane and the spherical pendulum: no angles, so that no direction is special."""
+    """The plane and the spherical pendulum, without angles, so that no direction is singular."""
 
     claims = Method(
         name="rod-taylor",
@@ -45,15 +44,15 @@ class RodTaylor(KernelSolver):
     pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a point that starts on its rod, and at no speed along it."""
+        """None for a point that starts on its rod without a speed along it, else the reason."""
         scene = problem.scene
         rod = scene.all(Rod)[0]
         arm = scene.bodies.position[0] - single.anchor(rod)
         velocity = scene.bodies.velocity[0]
-        reach = float(np.linalg.norm(arm))
+        distance = float(np.linalg.norm(arm))
         speed = float(np.linalg.norm(velocity))
-        if abs(reach - rod.length) > FITS * rod.length:
-            return f"the rod of length {rod.length} starts {reach} long"
+        if abs(distance - rod.length) > FITS * rod.length:
+            return f"the rod of length {rod.length} starts {distance} long"
         if abs(float(arm @ velocity)) > FITS * rod.length * speed:
             return "the point starts with a speed along the rod"
         return None
@@ -68,16 +67,18 @@ class RodTaylor(KernelSolver):
         # Accelerations are as the square of the unit, velocities as the unit.
         gravity = single.gravity(scene) * unit**2
         velocity = bodies.velocity[0] * unit
-        hung = (float(bodies.mass[0]), rod.length, gravity, single.anchor(rod))
+        constants = (float(bodies.mass[0]), rod.length, gravity, single.anchor(rod))
         return KernelCall(
             function="refdem_rod_taylor",
-            inputs=(*hung, bodies.position[0], velocity),
+            inputs=(*constants, bodies.position[0], velocity),
             clock=samples_from_start(t / unit),
             outputs=(np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity and rod force [N] at the samples."""
+        """Position, velocity and rod force [N] at the samples; raises EngineError if the series do
+        not reach them.
+        """
         position, velocity, force = call.outputs
         if not np.isfinite(force).all():
             raise EngineError(
@@ -91,7 +92,7 @@ class RodTaylor(KernelSolver):
 
 
 def _time_unit(scene: Scene) -> float:
-    """The kernel's unit of time [s]."""
+    """The kernel's unit of time [s], near the shorter of sqrt(l/g) and l/|v|."""
     length = scene.all(Rod)[0].length
     swing = swing_time(length, single.gravity(scene))
     turn = turn_time(length, scene.bodies.velocity[0])
@@ -100,17 +101,17 @@ def _time_unit(scene: Scene) -> float:
 
 def swing_time(length: float, gravity: Array) -> float:
     """sqrt(l/g) [s]; infinite without gravity."""
-    size = float(np.linalg.norm(gravity))
-    if size > 0:
-        return sqrt(length / size)
+    g = float(np.linalg.norm(gravity))
+    if g > 0:
+        return sqrt(length / g)
     return inf
 
 
 def turn_time(length: float, velocity: Array) -> float:
-    """The time l/|v| [s] in which the point would fly a rod's length; infinite at rest."""
-    size = float(np.linalg.norm(velocity))
-    if size > 0:
-        return length / size
+    """l/|v| [s], the time in which the point would fly a rod's length; infinite at rest."""
+    speed = float(np.linalg.norm(velocity))
+    if speed > 0:
+        return length / speed
     return inf
 
 

@@ -1,4 +1,6 @@
-"""Rotation algebra and degrees of freedom by the functions of mechanics."""
+"""Rotation algebra and degrees of freedom by the functions of `mechanics`: the answers to questions
+without time.
+"""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -19,38 +21,38 @@ Array = NDArray[np.float64]
 
 
 def turn(axis: Array, angle: Array) -> Array:
-    """The rotation matrix (3, 3) about a unit vector."""
+    """The rotation matrix (3, 3) about a unit vector by an angle (1,) [rad]."""
     return matrix(rotation.about_axis_quaternion(axis, angle[0]))
 
 
 def plane(angle: Array) -> Array:
-    """The rotation matrix (2, 2) of a turn by an angle (1,) [rad]."""
+    """The rotation matrix (2, 2) by an angle (1,) [rad]."""
     return rotation.about_axis(2, angle[0])[:2, :2]
 
 
 def mirror(angle: Array) -> Array:
-    """The reflection matrix (2, 2) at the line with this angle to x."""
+    """The reflection matrix (2, 2) at the line that makes this angle with x."""
     return plane(2 * angle) * (1, -1)
 
 
 def above(eigenvalues: NDArray[Any]) -> Array:
-    """Real part and imaginary part >= 0 of an eigenvalue that has its conjugate beside it."""
+    """Real part, and imaginary part >= 0, of the first of two conjugate eigenvalues."""
     return np.array([eigenvalues[0].real, abs(eigenvalues[0].imag)])
 
 
 def parts(z: complex) -> Array:
-    """The real and the imaginary part (2,) of a complex number."""
+    """Real and imaginary part (2,) of a complex number."""
     return np.array([z.real, z.imag])
 
 
 def turn_angle(m: Array) -> Array:
-    """Angle [rad] of a rotation matrix."""
+    """Angle (1,) [rad] of a rotation matrix, 2 atan2(|vector part|, w) of its quaternion."""
     q = rotation.quaternion_of_matrix(m)
     return np.array([2 * np.arctan2(np.linalg.norm(q[1:]), q[0])])
 
 
 def complex_product(p: Array, q: Array) -> Array:
-    """The product of quaternions by their complex matrices: the first column holds (w - i z, y - i
+    """The product of quaternions from their complex matrices, whose first column is (w - i z, y - i
     x).
     """
     (first, _), (second, _) = rotation.complex_matrix(p) @ rotation.complex_matrix(q)
@@ -63,7 +65,7 @@ def pure(v: Array) -> Array:
 
 
 def pairs(rods: Array) -> list[tuple[int, int]]:
-    """The pairs of points that the rods (2 R,) join."""
+    """The pairs of points that the rods (2 R,) connect."""
     return [(int(a), int(b)) for a, b in rods.reshape(-1, 2)]
 
 
@@ -119,6 +121,7 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     ),
     "rigid-freedom": lambda size, x: freedom.rigid_freedom(x.reshape(-1, int(size[0]))),
 }
+"""The function that computes each operation of core.algebra."""
 
 
 class RotationAlgebra(Solver):
@@ -133,7 +136,7 @@ class RotationAlgebra(Solver):
     answers = Identity
 
     def unsupported(self, problem: Identity) -> str | None:
-        """None: it knows every operation."""
+        """None: every operation is supported."""
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -141,8 +144,8 @@ class RotationAlgebra(Solver):
         problem = request.problem
         assert isinstance(problem, Identity)
         started = perf_counter()
-        found = Trajectory.of_values(problem.times, results(problem, ANSWERS))
-        return found, Cost(seconds=perf_counter() - started)
+        trajectory = Trajectory.of_values(problem.times, results(problem, ANSWERS))
+        return trajectory, Cost(seconds=perf_counter() - started)
 
 
 METHOD = RotationAlgebra()

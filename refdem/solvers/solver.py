@@ -1,4 +1,4 @@
-"""What every method of the reference implementation is: claims, a refusal, and a run over C
+"""Base class of every method of the reference implementation: claims, a refusal, and a run over C
 kernels.
 """
 
@@ -11,10 +11,10 @@ from refdem.core.trajectory import Cost, Trajectory
 
 
 class Solver(ABC):
-    """One method. A file in solvers/ with an instance named METHOD is found by itself.
+    """One method. A file in solvers/ with an instance named METHOD is discovered automatically.
 
     `kernels` names every C family that the method calls: their digests are part of a run's key.
-    `answers` is the kind of question that it answers; `unsupported` and `run` see no other.
+    `answers` is the kind of problem that it solves; `unsupported` and `run` get no other.
     """
 
     claims: Method
@@ -23,10 +23,10 @@ class Solver(ABC):
 
     @abstractmethod
     def unsupported(self, problem: Any) -> str | None:
-        """None if it can run the problem (judged by the scene's content, never by a case's name),
-        else why not.
+        """None if the method can solve the problem, else the reason; judged by the scene's content,
+        never by a case's name.
         """
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Runs the request; the cost is the time in the kernel alone."""
+        """The trajectory, and the cost, which is the time in the kernel alone."""

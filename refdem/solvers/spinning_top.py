@@ -1,4 +1,6 @@
-"""A rigid body about a ball joint of the world, in uniform gravity (kernels/spinning_top.c)."""
+"""A rigid body on a ball joint fixed to the world, in uniform gravity, by Taylor series in attitude
+and omega (kernels/spinning_top.c).
+"""
 
 import numpy as np
 
@@ -16,11 +18,11 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 from refdem.solvers._single_point import Array
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss the joint: rounding."""
+"""Relative error of the joint's position and velocity at the start that counts as rounding."""
 
 
 class SpinningTop(KernelSolver):
-    """Attitude and omega by Taylor series; place and velocity from them."""
+    """Attitude and omega by Taylor series; position and velocity from them."""
 
     claims = Method(
         name="spinning-top",
@@ -49,7 +51,9 @@ class SpinningTop(KernelSolver):
     pattern = ScenePattern(elements={BallJoint: ONE, UniformGravity: ANY}, bodies=ONE)
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a body with inertia that fits a joint of the world on one of its axes."""
+        """None for a body with inertia whose joint is on one of its principal axes and closed, else
+        the reason.
+        """
         scene = problem.scene
         if np.count_nonzero(scene.all(BallJoint)[0].anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"
@@ -58,7 +62,9 @@ class SpinningTop(KernelSolver):
         return _astray(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Moments about the joint, arm and weight, and rows for attitude and omega in body axes."""
+        """Moments about the joint, arm and weight; rows of 7 for attitude and omega in body
+        axes.
+        """
         scene = request.problem.scene
         t = request.problem.times
         bodies = scene.bodies
@@ -74,7 +80,9 @@ class SpinningTop(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity, attitude and omega at the samples."""
+        """Position, velocity, attitude and omega at the samples; raises EngineError if the series
+        do not reach them.
+        """
         if status:
             raise EngineError(
                 f"spinning-top: the series do not reach sample {status - 1}; expected a motion"
@@ -84,10 +92,10 @@ class SpinningTop(KernelSolver):
         (states,) = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         omega = rotated(attitude, states[:, 4:])
-        reach = rotated(attitude, _arm(scene))
+        arm = rotated(attitude, _arm(scene))
         columns = {
-            "position": reach + single.anchor(scene.all(BallJoint)[0]),
-            "velocity": np.cross(omega, reach),
+            "position": arm + single.anchor(scene.all(BallJoint)[0]),
+            "velocity": np.cross(omega, arm),
             "attitude": attitude,
             "omega": omega,
         }
@@ -100,24 +108,26 @@ def _arm(scene: Scene) -> Array:
 
 
 def _about_joint(scene: Scene) -> Array:
-    """Principal moments (3,) about the joint: m l^2 more about the two axes across the arm."""
+    """Principal moments of inertia (3,) about the joint: larger by m l^2 about the two axes
+    perpendicular to the arm.
+    """
     arm = np.array(scene.all(BallJoint)[0].anchor_a)
     inertia: Array = scene.bodies.inertia[0] + scene.bodies.mass[0] * (arm @ arm - arm**2)
     return inertia
 
 
 def _astray(scene: Scene) -> str | None:
-    """None if the joint is closed at the start, in place and in velocity."""
+    """None if the joint is closed at the start, in position and velocity, else the reason."""
     bodies = scene.bodies
     joint = scene.all(BallJoint)[0]
     arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
-    size = float(np.linalg.norm(arm))
+    arm_length = float(np.linalg.norm(arm))
     speed = float(np.linalg.norm(bodies.omega[0]))
     gap = np.linalg.norm(bodies.position[0] - arm - single.anchor(joint))
-    if gap > FITS * (size + np.linalg.norm(joint.anchor_b)):
+    if gap > FITS * (arm_length + np.linalg.norm(joint.anchor_b)):
         return "the joint is open at the start"
     joint_speed = np.linalg.norm(bodies.velocity[0] - np.cross(bodies.omega[0], arm))
-    if joint_speed > FITS * size * speed:
+    if joint_speed > FITS * arm_length * speed:
         return "the joint moves at the start"
     return None
 

@@ -1,5 +1,5 @@
-"""Free rigid bodies by exact rotations: half about the axis of J1, whole about that of J3, half 1,
-all about L (Fasso 2003).
+"""Free rigid bodies by a splitting into exact rotations (Fasso 2003): half a step about the axis of
+J1, a whole one about that of J3, half about J1, then all about L.
 """
 
 from refdem.core.engine import Method
@@ -7,14 +7,14 @@ from refdem.solvers._free_bodies import SteppedFreeBodies
 
 
 class SplittingFreeBody(SteppedFreeBodies):
-    """Symmetric Strang splitting of the kinetic energy less |L|^2/(2 J2), which commutes with it; L
-    in space is kept to round-off.
+    """Symmetric Strang splitting of the kinetic energy less |L|^2/(2 J2), with which it commutes; L
+    in space is conserved to round-off.
 
-    C = 1/8 for every body: the turns that are split go at omega_1 (1 - J1/J2) and omega_3 (1 -
-    J3/J2), J1 <= J2 <= J3, both at most
-    |omega| as no moment exceeds the sum of the others, and Strang leaves h^2 (1/12 + 1/24) of their
-    commutators. Measured with J3/J1 from 1 to 2^46: 0.0075 at most, 0 for a symmetric body. Turns
-    about all three axes leave some h^2 J3/J1.
+    The error constant is C = 1/8 for every body. With J1 <= J2 <= J3 the split rotations have rates
+    omega_1 (1 - J1/J2) and omega_3 (1 - J3/J2), both at most |omega|, as no moment exceeds the sum
+    of the others; and Strang's splitting leaves h^2 (1/12 + 1/24) of their commutators. Measured
+    with J3/J1 from 1 to 2^46: 0.0075 at most, 0 for a symmetric body. A splitting into rotations
+    about all three axes would leave about h^2 J3/J1.
     """
 
     claims = Method(

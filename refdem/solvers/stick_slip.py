@@ -1,5 +1,7 @@
-"""A point on a spring and a slider, at rest or on a moving belt, by Coulomb's or Stribeck's law,
+"""A point on a spring and a slider, at rest or on a moving belt, with Coulomb's or Stribeck's law,
 driven or not (kernels/stick_slip.c).
+
+m x'' = -k x + drive + weight - N mu(|u|) sgn(u), with the slip velocity u = x' - belt.
 """
 
 from math import sqrt
@@ -23,15 +25,14 @@ Array = NDArray[np.float64]
 FAMILY = "stick_slip"
 MOST_EVENTS = 100_000
 KINDS = {1: "stick", 2: "slip"}
+"""Kinds of events by their numbers in the kernel."""
 ASKEW = 1e-15
-"""Part of a vector that may point off the line: round-off of a scene turned into some other
-direction.
-"""
+"""Largest relative component off the line: round-off of a scene that was rotated."""
 
 
 class StickSlip(KernelSolver):
-    """Taylor series of order 20 from event to event; sticks with exactly the velocity of the
-    belt.
+    """Taylor series of order 20 from event to event; a sticking point has exactly the velocity of
+    the belt.
     """
 
     claims = Method(
@@ -54,8 +55,8 @@ class StickSlip(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a linear spring of natural length 0 and a slider that holds, all along one
-        line.
+        """None for a linear spring of natural length 0 and a slider with static friction, all along
+        one line, else the reason.
         """
         scene = problem.scene
         spring = scene.all(Spring)[0]
@@ -67,35 +68,37 @@ class StickSlip(KernelSolver):
         return _off_line(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law and the start along the line in the kernel's unit of time, and room for events
-        and for place, velocity and work.
+        """The law and the start along the line in the kernel's unit of time; arrays for events and
+        for rows of x, v and work.
         """
         scene = request.problem.scene
         bodies = scene.bodies
         t = request.problem.times
         unit = law_time_unit(scene)
         axis = np.array(scene.all(Slider)[0].axis)
-        place = float(axis @ (bodies.position[0] - single.anchor(scene.all(Spring)[0])))
-        speed = float(axis @ bodies.velocity[0]) * unit
+        x0 = float(axis @ (bodies.position[0] - single.anchor(scene.all(Spring)[0])))
+        v0 = float(axis @ bodies.velocity[0]) * unit
         return KernelCall(
             function="refdem_stick_slip",
-            inputs=(belt_law(scene, unit), place, speed),
+            inputs=(belt_law(scene, unit), x0, v0),
             clock=(*samples_from_start(t / unit), MOST_EVENTS),
             outputs=(np.empty((MOST_EVENTS, 2)), np.empty((len(t), 3))),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Place, velocity, the work done against friction and drive, and the events."""
+        """Position, velocity, the work done against friction and drive, and the events."""
         scene = request.problem.scene
         t = request.problem.times
         unit = law_time_unit(scene)
         axis = np.array(scene.all(Slider)[0].axis)
-        # The kernel returns how many events it has told.
-        told, rows = call.outputs
+        # The kernel's status is the number of events that it has written.
+        event_rows, rows = call.outputs
         events = []
-        for time, kind in told[:status]:
-            if time <= t[-1] / unit:
-                events.append(Event(time=float(time * unit), kind=KINDS[int(kind)], body=0))
+        for time, kind in event_rows[:status]:
+            if time > t[-1] / unit:
+                continue
+            word = KINDS[int(kind)]
+            events.append(Event(time=float(time * unit), kind=word, body=0))
         position = single.anchor(scene.all(Spring)[0]) + rows[:, :1, None] * axis
         velocity = rows[:, 1:2, None] / unit * axis
         channels = {"dissipated_work": rows[:, 2].copy()}
@@ -103,17 +106,22 @@ class StickSlip(KernelSolver):
 
 
 def law_time_unit(scene: Scene) -> float:
-    """The unit of time [s] in which the kernel is told the motion."""
+    """The kernel's unit of time [s], near the shortest of sqrt(m/k) and the drives'
+    1/frequency.
+    """
     stiffness = scene.all(Spring)[0].stiffness
     mass = float(scene.bodies.mass[0])
-    turns = [force.frequency for force in scene.all(Force) if force.frequency > 0]
-    return single.time_unit([sqrt(mass / stiffness), *(1.0 / turn for turn in turns)])
+    frequencies = [force.frequency for force in scene.all(Force) if force.frequency > 0]
+    return single.time_unit(
+        [sqrt(mass / stiffness), *(1.0 / frequency for frequency in frequencies)]
+    )
 
 
 def belt_law(scene: Scene, unit: float = 1.0) -> Struct:
-    """The scene in the kernel's words; places count from the spring's anchor.
+    """The scene as the kernel's struct, with positions from the spring's anchor and times in `unit`
+    [s].
 
-    In another unit of time forces and work stay what they are if masses are divided by its square.
+    Dividing masses by unit^2 keeps the numbers of forces and work.
     """
     slider = scene.all(Slider)[0]
     spring = scene.all(Spring)[0]
@@ -136,7 +144,9 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Struct:
 
 def _friction(slider: Slider, unit: float) -> dict[str, float]:
     """Coefficients of mu(v) = (mu0 - mu1)/(1 + lambda0 v) + mu1 + lambda1 v^2 (1.126), or of its
-    form that is linear in v, for speeds in units of 1/unit; Coulomb's law is the constant mu.
+    form linear in v.
+
+    Speeds are in metres per `unit` of time. Coulomb's law is the constant mu.
     """
     if slider.law == "coulomb":
         return {"mu0": slider.friction, "mu1": slider.friction, "lambda0": 0.0, "lambda1": 0.0}
@@ -153,8 +163,8 @@ def _friction(slider: Slider, unit: float) -> dict[str, float]:
 
 
 def _off_line(scene: Scene) -> str | None:
-    """None if place, velocity, gravity and force lie along the slider's axis through the spring's
-    anchor.
+    """None if position, velocity, gravity and force lie along the slider's axis through the
+    spring's anchor, else the reason.
     """
     bodies = scene.bodies
     axis = np.array(scene.all(Slider)[0].axis)

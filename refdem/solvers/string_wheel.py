@@ -1,5 +1,10 @@
-"""A pendulum and a mass on a string over a wheel, in a plane with gravity
+"""A pendulum and a counterweight on a string over a wheel, in a plane with gravity
 (kernels/string_wheel.c).
+
+r is the free length of string on the pendulum's side, theta its angle from the vertical, R the
+wheel's radius. With unit vectors `along` the free string and `across` it, the pendulum is at centre
++ R across + r along, with velocity u along + r theta' across, where u = r' - R theta' is the speed
+of the string.
 """
 
 import numpy as np
@@ -17,13 +22,11 @@ from refdem.solvers._scene_pattern import ANY, ONE, TWO, ScenePattern
 from refdem.solvers._single_point import Array
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what the string allows: rounding."""
+"""Relative error of the string's fit at the start that counts as rounding."""
 
 
 class StringWheel(KernelSolver):
-    """Length and angle of the pendulum by Taylor series; the mass moves by as much as the string
-    does.
-    """
+    """r and theta by Taylor series; the counterweight moves by as much as the string does."""
 
     claims = Method(
         name="string-wheel",
@@ -48,13 +51,13 @@ class StringWheel(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for two points in gravity that fit the string."""
+        """None for two points in gravity that fit the string, else the reason."""
         if not single.gravity(problem.scene).any():
             return "nothing pulls the string taut: there is no gravity"
         return _astray(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Masses, wheel and gravity, and rows for length, angle and their rates."""
+        """Masses, wheel and gravity; rows for r, theta, u and theta'."""
         scene = request.problem.scene
         t = request.problem.times
         string, down, out = _frame(scene)
@@ -70,8 +73,11 @@ class StringWheel(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn
-        onto the wheel: no law of the scene says what becomes of it there."""
+        """Position and velocity at the samples.
+
+        Raises UnsupportedError where the pendulum is pulled onto the wheel: the scene has no law
+        for what follows.
+        """
         scene = request.problem.scene
         t = request.problem.times
         if status:
@@ -85,22 +91,26 @@ class StringWheel(KernelSolver):
 
 
 def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
-    """The string, the unit vector of gravity, and the one across it towards the pendulum's side:
-    away from the other mass.
+    """The string, the unit vector `down` of gravity, and the unit vector `out` across it on the
+    pendulum's side.
     """
     string = scene.all(StringOverWheel)[0]
     gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     out = np.array([-down[1], down[0], 0.0])
-    # With a wheel of no radius both sides are the same.
-    away = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
-    if string.radius > 0 and away > 0:
+    # The pendulum is on the other side than the counterweight; without a radius sides are equal.
+    side = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
+    if string.radius > 0 and side > 0:
         out = -out
     return string, down, out
 
 
 def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
-    """r, theta, u and theta' (4,): (r + i R) exp(i theta) is the pendulum's place, down + i out."""
+    """r, theta, u and theta' at the start (4,).
+
+    With complex numbers y + i x (x along `out`, y along `down`) the pendulum is at (r + i R) exp(i
+    theta), so r^2 = x^2 + y^2 - R^2, and theta is the argument of (y + i x)(r - i R).
+    """
     arm = scene.bodies.position[string.a] - np.array(string.centre)
     velocity = scene.bodies.velocity[string.a]
     x = arm @ out
@@ -118,18 +128,18 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
 
 
 def _astray(scene: Scene) -> str | None:
-    """None if the mass hangs straight below its side of the wheel, the pendulum is off it, and the
-    string does not stretch.
+    """None if the counterweight hangs vertically from its side of the wheel, the pendulum is off
+    the wheel, and the string does not stretch, else the reason.
     """
     string, down, out = _frame(scene)
     arm = scene.bodies.position[string.b] - np.array(string.centre)
     velocity = scene.bodies.velocity[string.b]
     r, _, u, _ = _start(scene, string, down, out)
-    size = r + string.radius + np.linalg.norm(arm)
+    extent = r + string.radius + np.linalg.norm(arm)
     speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
-    if abs(arm @ out + string.radius) > FITS * size or abs(velocity @ out) > FITS * speed:
+    if abs(arm @ out + string.radius) > FITS * extent or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
     if abs(velocity @ down + u) > FITS * speed:
         return "the string starts with a speed that its ends do not share"
@@ -139,7 +149,7 @@ def _astray(scene: Scene) -> str | None:
 def _places(
     scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array
 ) -> tuple[Array, Array]:
-    """Position and velocity (T, 2, 3); row 0 is the start as it came."""
+    """Position and velocity (T, 2, 3) from rows r, theta, u, theta'; row 0 is the given start."""
     r, theta, u, rate = (column[:, None] for column in states.T)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
@@ -147,7 +157,7 @@ def _places(
     velocity = np.empty((len(states), 2, 3))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across
-    # What the pendulum has drawn over the wheel: its free string, less what it unwound.
+    # Length drawn over the wheel: the growth of the free string, less what the turn unwound.
     drawn = (r - r[0]) - string.radius * (theta - theta[0])
     position[:, string.b] = scene.bodies.position[string.b] - drawn * down
     velocity[:, string.b] = -u * down

@@ -1,4 +1,4 @@
-"""A point on a line under polynomial and periodic forces, by Taylor series kept at round-off
+"""A point on a line under polynomial and periodic forces, by Taylor series to round-off
 (kernels/taylor_oscillator.c).
 """
 
@@ -17,7 +17,7 @@ from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samp
 
 
 class TaylorOscillator(KernelSolver):
-    """Springs with a square and a cube, a dashpot of van der Pol's, any number of periodic
+    """Springs with a quadratic and a cubic term, a van der Pol dashpot, and any number of periodic
     forces.
     """
 
@@ -36,7 +36,9 @@ class TaylorOscillator(KernelSolver):
     pattern = _line.PATTERN
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for forces that are polynomials of place and velocity, and not merely harmonic."""
+        """None for forces that are polynomials in x and v and not merely harmonic, else the
+        reason.
+        """
         scene = problem.scene
         spring = scene.all(Spring)[0]
         if spring.exponent not in (1, 3):
@@ -48,7 +50,7 @@ class TaylorOscillator(KernelSolver):
         return _line.askew(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """The law and the start along the line, and rows for place, velocity and work."""
+        """The law and the start along the line; rows for x, v and work."""
         line = _line.line_of(request.problem.scene)
         law = _powers(line.spring) | {
             "mass": line.mass,
@@ -62,28 +64,31 @@ class TaylorOscillator(KernelSolver):
         t = request.problem.times
         return KernelCall(
             function="refdem_taylor_oscillator",
-            inputs=(Struct("taylor_oscillator", "refdem_oscillator", law), line.place, line.speed),
+            inputs=(Struct("taylor_oscillator", "refdem_oscillator", law), line.x0, line.v0),
             clock=samples_from_start(t),
             outputs=(np.empty((len(t), 3)),),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity and the work done against damping and drives at the samples."""
+        """Position, velocity and the work done against damping and drives at the samples.
+
+        Raises UnsupportedError if the motion diverges in finite time.
+        """
         if status:
             raise UnsupportedError(
                 f"taylor-oscillator: the motion goes to infinity before sample {status - 1}"
             )
         scene = request.problem.scene
-        place, speed, work = call.outputs[0].T
+        x, v, work = call.outputs[0].T
         channels = {}
         if not scene.is_conservative():
             channels["dissipated_work"] = work.copy()
         line = _line.line_of(scene)
-        return line.trajectory(request.problem.times, place, speed, channels=channels)
+        return line.trajectory(request.problem.times, x, v, channels=channels)
 
 
 def _powers(spring: Spring) -> dict[str, Any]:
-    """Factors of the first, the second and the third power of the stretch."""
+    """Coefficients of the first, second and third power of the stretch in the spring's force."""
     powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
     if spring.exponent == 1:
         powers["linear"] += spring.stiffness

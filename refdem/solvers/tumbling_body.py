@@ -1,4 +1,4 @@
-"""A convex body that falls on a plane: linear contact at its corners, from event to event
+"""A convex body that falls on a plane, with linear contact at its corners, from event to event
 (kernels/tumbling_body.c).
 """
 
@@ -30,13 +30,11 @@ MOST_CORNERS = 32
 MOST_EVENTS = 4096
 CHANNELS = ("contacts", "overlap", "contact_force")
 KINDS = {0: "contact", 1: "release"}
-"""Of an event, by the corner's mode before it: off, or pressing."""
+"""Kind of an event by the corner's mode before it: 0 off the plane, 1 pressing."""
 
 
 class TumblingBody(KernelSolver):
-    """Contact and release of every corner are found to the last bit; nothing is fitted, nothing is
-    smoothed.
-    """
+    """Contact and release of every corner are located to round-off; no force is smoothed."""
 
     claims = Method(
         name="tumbling-body",
@@ -66,7 +64,9 @@ class TumblingBody(KernelSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for a body whose corners slide as long as they press."""
+        """None for a body whose corners slide as long as they press on the plane, else the
+        reason.
+        """
         scene = problem.scene
         shape: Any = scene.bodies.shape[0]
         if not 0 < len(shape.vertices) <= MOST_CORNERS:
@@ -74,8 +74,10 @@ class TumblingBody(KernelSolver):
         return _law_unsupported(scene.all(Contact)[0]) or self._never_held(problem)
 
     def _never_held(self, problem: Motion) -> str | None:
-        """None if no corner that presses comes to a stop, where friction without a tangential
-        spring would have to hold it.
+        """None if no pressing corner comes to a stop, else the reason.
+
+        Only a trial run shows that. Without a tangential spring the law does not determine the
+        static friction at such a corner.
         """
         if not problem.scene.all(Contact)[0].friction > 0:
             return None
@@ -87,12 +89,12 @@ class TumblingBody(KernelSolver):
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """Body, plane and law, and room for events, for channels and for states."""
+        """Body, plane and law; arrays for events, channels and states."""
         return _call(request.problem)
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """States, contact channels and events; raises EngineError where a corner that presses comes
-        to a stop.
+        """States, contact channels and events; raises EngineError if a pressing corner comes to a
+        stop.
         """
         if status < 0:
             raise EngineError(
@@ -100,7 +102,7 @@ class TumblingBody(KernelSolver):
                 " spring, or less friction"
             )
         # A row: attitude, omega and velocity in body axes, position, work.
-        told, contacts, states = call.outputs
+        event_rows, channel_rows, states = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         columns = {
             "position": states[:, 10:13],
@@ -108,13 +110,13 @@ class TumblingBody(KernelSolver):
             "attitude": attitude,
             "omega": rotated(attitude, states[:, 4:7]),
         }
-        channels = dict(zip(CHANNELS, contacts.T.copy(), strict=True))
+        channels = dict(zip(CHANNELS, channel_rows.T.copy(), strict=True))
         channels["dissipated_work"] = states[:, 13].copy()
-        # The kernel returns how many events it has told.
+        # The kernel's status is the number of events that it has written.
         events = []
-        for when, mode, _ in told[:status]:
+        for time, mode, _ in event_rows[:status]:
             if mode in KINDS:
-                events.append(Event(time=float(when), kind=KINDS[int(mode)], body=0))
+                events.append(Event(time=float(time), kind=KINDS[int(mode)], body=0))
         return Trajectory(
             t=request.problem.times,
             channels=channels,
@@ -124,6 +126,9 @@ class TumblingBody(KernelSolver):
 
 
 def _law_unsupported(law: Contact) -> str | None:
+    """None for frictionless corners or sliding friction at the corner itself, which may not pull,
+    else the reason.
+    """
     if law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R"):
         return "friction on corners with a tangential spring, or away from the corner"
     if law.cutoff == "zero_force" or law.damping == 0:
@@ -132,15 +137,15 @@ def _law_unsupported(law: Contact) -> str | None:
 
 
 def _call(problem: Problem) -> KernelCall:
-    """The kernel's call for a motion: it returns the number of events, below 0 where it does not
-    reach the last sample.
+    """The kernel's call for a motion; its status is the number of events, or negative if it stops
+    before the last sample.
     """
     scene = problem.scene
     t = problem.times
     bodies = scene.bodies
-    back = conjugate(bodies.attitude[0])
-    omega_body = rotated(back, bodies.omega[0])
-    velocity_body = rotated(back, bodies.velocity[0])
+    to_body = conjugate(bodies.attitude[0])
+    omega_body = rotated(to_body, bodies.omega[0])
+    velocity_body = rotated(to_body, bodies.velocity[0])
     start = (bodies.attitude[0], omega_body, velocity_body, bodies.position[0])
     states = np.zeros((len(t), 14))
     states[0, :13] = np.concatenate(start)
@@ -153,7 +158,7 @@ def _call(problem: Problem) -> KernelCall:
 
 
 def _struct(scene: Scene) -> Struct:
-    """Body, plane and contact law in the kernel's words."""
+    """Body, plane and contact law as the kernel's struct."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     plane = scene.all(Plane)[0]

@@ -1,4 +1,4 @@
-"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), its steps cut
+"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), with steps cut
 where a contact begins or ends.
 """
 
@@ -10,12 +10,12 @@ from refdem.solvers._particles import Array
 
 
 class VelocityVerlet(_particles.ParticleSolver):
-    """Second order, symplectic and reversible while no contact changes; second order and reversible
-    through contacts.
+    """Second order, also through contacts; symplectic and reversible while no contact changes,
+    reversible through contacts.
 
-    Damping and friction get a predicted velocity and one correction. Every pair force is computed
-    once, so that momentum is kept to round-off, and total angular momentum where the lever arms add
-    up to the centre distance.
+    Forces that depend on velocity (damping, friction) use a predicted velocity and one correction.
+    Every pair force is computed once, so momentum is conserved to round-off, and total angular
+    momentum where the lever arms add up to the centre distance.
     """
 
     claims = Method(
@@ -35,15 +35,15 @@ class VelocityVerlet(_particles.ParticleSolver):
     )
 
     def unfit(self, problem: Motion) -> str | None:
-        """None for all springs, bodies and contacts that the kernel has."""
+        """None if the kernel supports all springs, bodies and contacts, else the reason."""
         return _particles.unfit(problem)
 
     def origin(self, scene: Scene) -> Array:
-        """Places count from where they are given."""
+        """The origin of space: positions stay as they are given."""
         return _particles.ORIGIN
 
     def stride(self, request: Request) -> int:
-        """The steps from sample to sample, as many as the request asks for."""
+        """The number of steps per sample that the request asks for."""
         return request.stride
 
 

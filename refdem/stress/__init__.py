@@ -1,3 +1,3 @@
-"""Numerical stability: scenes made harder rung by rung, judged as in a run, until a code breaks;
-where it breaks is a number.
+"""Numerical stability: scenes are made harder in steps (rungs of a ladder), each judged as in a
+run, until a method fails; the rung at which it fails is a number.
 """

@@ -1,4 +1,4 @@
-"""A ladder: one scene that is made harder rung by rung; a battery: the ladders that ask one
+"""Ladder: one scene that is made harder rung by rung. Battery: the ladders that answer one
 question.
 """
 
@@ -14,14 +14,18 @@ from refdem.stress.measures.measure import Measure
 
 @dataclass(frozen=True, kw_only=True)
 class Ladder:
-    """Rungs from benign to extreme, each an exact number as text; `along` says what it is a number
-    of, with its unit.
+    """Rungs from benign to extreme, each an exact number as text.
 
-    `case` is an id of the catalogue, with parameters as in `pendulum[theta0=2]`, or a scene of
-    stress/scenes. The reference promises every rung up to `promised` for the reason `basis`;
-    without these a ladder only informs. `is_general`: it can be put on any motion.
-    `exempt` has, by method, a nearer rung and the reason why no more is promised of it. A `costly`
-    one is climbed rung by rung, while the time forecast for the next is within the budget.
+    - `along` says in words what the number is, with its unit.
+    - `case` is an id of the catalogue, with parameters as in `pendulum[theta0=2]`, or a scene of
+      stress/scenes.
+    - `measure` builds the scene of a rung and judges it.
+    - `promised` is the last rung that the reference must hold, for the reason `basis`; without
+      them the ladder only informs.
+    - `exempt` maps a method to a lower promise with its reason.
+    - `is_general`: the ladder can be put on any motion.
+    - `costly`: rungs run one after another, as long as the forecast for the next is within the
+      budget.
     """
 
     name: str
@@ -50,26 +54,28 @@ class Ladder:
         return tuple(Fraction(rung) for rung in self.rungs)
 
     def promise(self, method: str) -> tuple[str, str]:
-        """The last rung that is promised of a method, and why; empty if nothing is."""
+        """The last rung that a method must hold, and the reason; two empty strings without a
+        promise.
+        """
         return self.exempt.get(method, (self.promised, self.basis))
 
     def canonical(self) -> tuple[Canonical, dict[str, str]]:
-        """The case, and its parameters as text."""
+        """The case, and its parameters as text; raises UsageError for a selection of cases."""
         from refdem.core.parameters import labelled
         from refdem.core.selection import Selection
 
         if isinstance(self.case, Canonical):
             return self.case, {}
-        name, given = labelled(self.case)
-        found = discovery.case(name)
-        if isinstance(found, Selection):
+        name, parameters = labelled(self.case)
+        case = discovery.case(name)
+        if isinstance(case, Selection):
             raise UsageError(f"case {name} is a selection of others; name one of these")
-        return found, given
+        return case, parameters
 
 
 @dataclass(frozen=True, kw_only=True)
 class Battery:
-    """Ladders that ask one question; adding one is one file in stress/batteries with an instance
+    """Ladders that answer one question; a new one is a file in stress/batteries with an instance
     named BATTERY.
     """
 

@@ -1,5 +1,5 @@
-"""What a stress test finds: verdicts rung by rung, where a method breaks, and whether a promise
-broke.
+"""Results of a stress test: a verdict for each rung, the rung at which a method breaks, and whether
+a promise was kept.
 """
 
 from pathlib import Path
@@ -11,14 +11,16 @@ from refdem.errors import UNREADABLE, UsageError
 
 Verdict = Literal["pass", "fail", "error", "undecided", "unsupported", "not run"]
 BROKEN: tuple[Verdict, ...] = ("fail", "error")
-"""What breaks a method; the others end what is known of it."""
+"""Verdicts that break a method; after any other but `pass` it is unknown whether the method
+holds.
+"""
 
 
 class Rung(msgspec.Struct, frozen=True, kw_only=True):
-    """One rung: the finding that is worst, or comes nearest to its bound. `value` and `bound` as
-    there; `seconds` of the engine's loop.
+    """The result of one rung: its worst finding, or of passes the one nearest to its bound.
 
-    `forecast` [s] is what a rung that was not run would have taken.
+    `value`, `bound`, `basis` and `sentence` are those of the finding; `seconds` is the time in the
+    engine's loop. `forecast` [s] is the expected time of a rung that was not run.
     """
 
     rung: str
@@ -33,11 +35,11 @@ class Rung(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Climb(msgspec.Struct, frozen=True, kw_only=True):
-    """One method on one ladder. `holds` is the last rung before the first that does not pass,
-    `breaks` that one, if it failed.
+    """One method on one ladder.
 
-    `required`: the last rung that had to hold, if any; `kept`: it did, None where nothing was
-    required or the budget ended before.
+    `holds` is the last rung before the first that does not pass; `breaks` is that first one if it
+    failed. `required` is the last rung that had to hold, if any. `kept` is True if all rungs up to
+    it passed, and None if nothing was required or some were not run.
     """
 
     battery: str
@@ -62,7 +64,7 @@ class Climb(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True):
-    """The question of a battery, as the report shows it."""
+    """The question of a battery, for the report."""
 
     id: str
     title: str
@@ -70,9 +72,9 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything that one stress test found.
+    """All results of one stress test.
 
-    `refused`: engines and ladders that none of their methods can climb, with reasons.
+    `refused` lists (engine, ladder, reason) where no method of the engine supports the ladder.
     """
 
     format: int = 1

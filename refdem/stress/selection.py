@@ -1,4 +1,4 @@
-"""Which batteries there are, and which of their ladders are climbed."""
+"""Discovery of batteries, and the selection of ladders for the cases that were asked for."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,55 +25,56 @@ def battery(name: str) -> Battery:
     """The battery of that id; raises UsageError with the nearest name."""
     if name not in names():
         raise UsageError(f"no battery {name!r}; {nearest(name, names())}")
-    found: Battery = import_module(f"refdem.stress.batteries.{name.replace('-', '_')}").BATTERY
-    return found
+    result: Battery = import_module(f"refdem.stress.batteries.{name.replace('-', '_')}").BATTERY
+    return result
 
 
 def batteries(asked: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
-    """The batteries asked for (none: all), with the ladders on these cases (none: all); raises
-    UsageError if nothing is left.
+    """The batteries asked for (none: all), with only the ladders on the given cases (none: all).
+
+    Raises UsageError if no ladder is left.
     """
-    found = [battery(name) for name in asked or names()]
+    selected = [battery(name) for name in asked or names()]
     if cases:
-        found = [_limited(one, cases) for one in found]
-    found = [one for one in found if one.ladders]
-    if not found:
+        selected = [_limited(candidate, cases) for candidate in selected]
+    selected = [candidate for candidate in selected if candidate.ladders]
+    if not selected:
         batteries_asked = ", ".join(asked or names())
         cases_asked = ", ".join(entry.id for entry in cases)
         raise UsageError(f"no ladder of {batteries_asked} is on {cases_asked}")
-    return found
+    return selected
 
 
-def _limited(one: Battery, cases: Sequence[Entry]) -> Battery:
-    """A battery with its ladders on these cases alone."""
+def _limited(source: Battery, cases: Sequence[Entry]) -> Battery:
+    """A battery with only the ladders on these cases."""
     ladders: list[Ladder] = []
     for entry in cases:
-        ladders += _on(one, entry)
-    return replace(one, ladders=tuple(ladders))
+        ladders += _on(source, entry)
+    return replace(source, ladders=tuple(ladders))
 
 
-def _on(one: Battery, entry: Entry) -> list[Ladder]:
-    """The ladders of a battery that are on a case: those made for it, and general ones put on it,
-    one of each kind.
+def _on(source: Battery, entry: Entry) -> list[Ladder]:
+    """The ladders of a battery for a case: those made for it, and general ones put on it, one of
+    each kind.
 
-    What is made for a case sets its parameters itself, so that it is not for a case that came with
+    A ladder made for a case sets its parameters itself, so it does not apply to a case with given
     parameters.
     """
-    own = []
+    specific = []
     label = entry.id
     if entry.set:
         parameters = " ".join(f"{name}={value}" for name, value in entry.set.items())
         label = f"{entry.id}[{parameters}]"
     else:
-        made_for_cases = [ladder for ladder in one.ladders if not ladder.is_general]
-        own = [ladder for ladder in made_for_cases if ladder.canonical()[0].id == entry.id]
-    general = {ladder.along: ladder for ladder in reversed(one.ladders) if ladder.is_general}
-    put = [_put(ladder, label) for ladder in reversed(general.values())]
-    return own + put
+        made_for_cases = [ladder for ladder in source.ladders if not ladder.is_general]
+        specific = [ladder for ladder in made_for_cases if ladder.canonical()[0].id == entry.id]
+    general = {ladder.along: ladder for ladder in reversed(source.ladders) if ladder.is_general}
+    adapted = [_put(ladder, label) for ladder in reversed(general.values())]
+    return specific + adapted
 
 
 def _put(ladder: Ladder, label: str) -> Ladder:
-    """A general ladder on another case; what is promised on its own case is not on this one."""
+    """A general ladder on another case, without its promise, which holds for its own case only."""
     if ladder.case == label:
         return ladder
     return replace(

@@ -1,6 +1,7 @@
-"""A stress test from batteries and engines to a record.
+"""A stress test, from batteries and engines to a record.
 
-It reads no stored run; truth, which no engine touches, may be kept.
+No stored run is read, so that every result is computed by the code under test. Truth, which does
+not depend on engines, may come from the store.
 """
 
 import hashlib
@@ -31,13 +32,17 @@ from refdem.stress.scenes import truth_here
 from refdem.stress.verdict import climbed, rung_of
 
 GRACE = 10.0
-"""Seconds that a worker has beyond the time limit of a program, to start and to read what came."""
+"""Seconds that a worker gets beyond a program's own time limit, to start it and to read its
+output.
+"""
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """One rung of one method: what is asked and who answers."""
+    """One rung of one method on one ladder: the instance to be run, and who runs it. `number`
+    counts rungs from 0.
+    """
 
     battery: Battery
     ladder: Ladder
@@ -53,16 +58,17 @@ class Place:
 
     @property
     def climb(self) -> tuple[str, str, str, str]:
-        """What a climb is found by: all rungs of one method on one ladder."""
+        """Key of the climb that the rung belongs to: battery, ladder, engine, method."""
         return self.battery.id, self.ladder.name, self.engine.name, self.method.name
 
 
 @dataclass
 class Stress:
-    """Which ladders, engines and limits: `timeout` [s] a run; no costly rung whose forecast is
-    above `longest` [s].
+    """A stress test of ladders by engines.
 
-    `require` holds every engine to what the reference promises.
+    `timeout` [s] limits each run; rungs of costly ladders with a forecast above `longest` [s] are
+    not run. With `require` every engine is held to what the reference promises. `rungs` collects
+    the results by climb and rung.
     """
 
     batteries: Sequence[Battery]
@@ -77,7 +83,11 @@ class Stress:
     rungs: dict[tuple[str, str, str, str], dict[int, Rung]] = field(default_factory=dict)
 
     def record(self) -> StressRecord:
-        """Climbs all ladders: the record of everything found."""
+        """Climbs all ladders and returns the record.
+
+        Rungs run in waves: wave n has rung n of all costly ladders, whose forecasts need the rung
+        before; all other rungs are in wave 0.
+        """
         specification = Specification(
             name="stress", case=[], engines=self.engines, method=self.method
         )
@@ -100,21 +110,21 @@ class Stress:
         return self._recorded(places, versions)
 
     def _places(self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]) -> list[Place]:
-        """Every rung for every method that answers motions."""
-        case, given = ladder.canonical()
-        instances = [ladder.measure.instance(case, given, x) for x in ladder.values]
+        """Every rung of the ladder for every method that answers its kind of problem."""
+        case, parameters = ladder.canonical()
+        instances = [ladder.measure.instance(case, parameters, x) for x in ladder.values]
         kind = instances[0].problem.kind
-        found: list[Place] = []
+        places: list[Place] = []
         for engine in engines:
             for method in engine.methods:
                 if method.answers != kind or self.method not in ("", method.name):
                     continue
                 for number, instance in enumerate(instances):
-                    found.append(Place(battery, ladder, number, engine, method, instance))
-        return found
+                    places.append(Place(battery, ladder, number, engine, method, instance))
+        return places
 
     def _wave(self, place: Place) -> int:
-        """Costly ladders are climbed rung by rung, the others at once."""
+        """The number of the wave: the rung's for costly ladders, else 0."""
         if place.ladder.costly:
             return place.number
         return 0
@@ -122,32 +132,36 @@ class Stress:
     def _tasks(
         self, schedule: Schedule | InProcess, places: Sequence[Place]
     ) -> list[Task | Failure]:
-        """The task of every place, with truth where its measure wants it."""
+        """The task of every place, with certified truth where its measure needs it."""
         instances = {
             place.instance.label: place.instance
             for place in places
             if place.ladder.measure.needs_truth
         }
         delays = _delays(places)
-        known = {label: truth_here(instance) for label, instance in instances.items()}
-        asked = {
-            label: (one, delays.get(label, ()))
-            for label, one in instances.items()
-            if known[label] is None
+        local_truths = {label: truth_here(instance) for label, instance in instances.items()}
+        missing = {
+            label: (instance, delays.get(label, ()))
+            for label, instance in instances.items()
+            if local_truths[label] is None
         }
-        proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
-        found = known | dict(zip(asked, proved, strict=True))
-        none = worker.no_truth("this measure does not use truth")
-        return [_task(place, found.get(place.instance.label) or none) for place in places]
+        proven = truths.sampled_truths(schedule, self.store, list(missing.values()), self.progress)
+        truth_of = local_truths | dict(zip(missing, proven, strict=True))
+        without_truth = worker.no_truth("this measure does not use truth")
+        tasks = []
+        for place in places:
+            truth = truth_of.get(place.instance.label) or without_truth
+            tasks.append(_task(place, truth))
+        return tasks
 
     def _run(
-        self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task | Failure]]
+        self, schedule: Schedule | InProcess, wave: Sequence[tuple[Place, Task | Failure]]
     ) -> None:
-        """Runs and judges rungs; equal requests run once."""
-        asked: dict[str, list[tuple[int, Variant]]] = {}
+        """Runs and judges the rungs of one wave; equal requests run once."""
+        variants_by_key: dict[str, list[tuple[int, Variant]]] = {}
         jobs: dict[str, Job] = {}
         requests: dict[tuple[int, Variant], Request] = {}
-        for n, (place, task) in enumerate(wanted):
+        for n, (place, task) in enumerate(wave):
             if (
                 isinstance(task, Failure)
                 or task.unsupported is not None
@@ -159,47 +173,53 @@ class Stress:
                 requests[n, variant] = request
                 address = place.engine.address
                 body = request.packed()
+                # Equal keys mean equal engines and requests.
                 head = f"{address}\0{request.repeat}\0".encode()
                 key = hashlib.sha256(head + body).hexdigest()
-                asked.setdefault(key, []).append((n, variant))
+                variants_by_key.setdefault(key, []).append((n, variant))
                 job = Job(key, quiet_run, (address, body), self._limit(place.engine))
                 jobs.setdefault(key, job)
         runs: dict[int, dict[Variant, Run]] = {}
         for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
-            for n, variant in asked[job.key]:
-                place, _ = wanted[n]
+            for n, variant in variants_by_key[job.key]:
+                place, _ = wave[n]
                 run = _run_of(job.key, requests[n, variant], place.engine, result)
                 runs.setdefault(n, {})[variant] = run
             self.progress("runs", done, len(jobs))
-        for n, (place, task) in enumerate(wanted):
+        for n, (place, task) in enumerate(wave):
             rung = self._rung(place, task, runs.get(n, {}))
             self.rungs.setdefault(place.climb, {})[place.number] = rung
 
     def _limit(self, engine: Engine) -> float | None:
-        """A time limit that a program keeps itself comes before the worker's."""
+        """The worker's time limit [s] for an engine, above the one that a program keeps itself;
+        None without such a limit.
+        """
         if engine.time_limit is None:
             return None
         return max(self.timeout, engine.time_limit + GRACE)
 
     def _is_too_long(self, place: Place) -> bool:
+        """True if the forecast exceeds the budget."""
         forecast = self._forecast(place)
         return forecast is not None and forecast > self.longest
 
     def _forecast(self, place: Place) -> float | None:
-        """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one
-        was left out.
+        """Expected seconds of a rung of a costly ladder, from the rung before; None for other
+        ladders and for the first rung.
+
+        The time is assumed to grow at least in proportion to the rung's number.
         """
         if not place.ladder.costly:
             return None
-        below = self.rungs.get(place.climb, {}).get(place.number - 1)
-        if below is None:
+        previous = self.rungs.get(place.climb, {}).get(place.number - 1)
+        if previous is None:
             return None
-        # At least as many times as long as the rung is harder.
+        # Rungs may fall as well as rise: the ratio is taken so that it is at least 1.
         growth = float(place.x / place.ladder.values[place.number - 1])
         growth = max(growth, 1 / growth)
-        if below.forecast is not None:
-            return below.forecast * growth
-        return below.seconds * growth
+        if previous.forecast is not None:
+            return previous.forecast * growth
+        return previous.seconds * growth
 
     def _rung(self, place: Place, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
         """The verdict on one rung, from the runs that it needed."""
@@ -217,27 +237,27 @@ class Stress:
         try:
             return rung_of(name, judging.record(task, "", runs, []))
         except (ArithmeticError, IndexError, ValueError) as error:
-            # A check met what no run has shown it: one rung, and no verdict.
-            told = (
+            # A check failed on extreme values: that is an error of one rung, not of the session.
+            sentence = (
                 f"a check of refdem failed to judge it ({type(error).__name__}: {error});"
                 " please report this"
             )
-            return Rung(rung=name, verdict="error", quantity="run: judging", sentence=told)
+            return Rung(rung=name, verdict="error", quantity="run: judging", sentence=sentence)
 
     def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> StressRecord:
-        """All climbs but those of methods that can climb nothing; where no method of an engine can,
-        the reason.
+        """The record of all climbs but those that were refused from the first rung; reasons where
+        an engine has no other.
         """
-        first = {place.climb: place for place in reversed(places)}
+        first_places = {place.climb: place for place in reversed(places)}
         climbs: list[Climb] = []
         refused: dict[tuple[str, str, str], str] = {}
-        for place in reversed(first.values()):
+        for place in reversed(first_places.values()):
             rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
             if rungs[0].verdict == "unsupported":
                 climber = (place.battery.id, place.ladder.name, place.engine.name)
                 refused.setdefault(climber, rungs[0].sentence)
                 continue
-            bare = Climb(
+            empty = Climb(
                 battery=place.battery.id,
                 ladder=place.ladder.name,
                 label=place.instance.case.id,
@@ -249,30 +269,30 @@ class Stress:
                 rungs=[],
             )
             is_required = self.require or place.engine.is_reference
-            climbs.append(climbed(bare, place.ladder, rungs, is_required=is_required))
+            climbs.append(climbed(empty, place.ladder, rungs, is_required=is_required))
         # An engine that climbs a ladder with one method supports it.
         for climb in climbs:
             refused.pop((climb.battery, climb.ladder, climb.engine), None)
-        used = {place.battery.id: place.battery for place in places}
+        batteries = {place.battery.id: place.battery for place in places}
         return StressRecord(
             refdem=refdem.__version__,
             longest=self.longest,
-            batteries=[Ask(id=b.id, title=b.title, question=b.question) for b in used.values()],
+            batteries=[
+                Ask(id=b.id, title=b.title, question=b.question) for b in batteries.values()
+            ],
             climbs=climbs,
             refused=[(engine, ladder, why) for (_, ladder, engine), why in refused.items()],
         )
 
 
 def quiet_run(engine: str, request: bytes) -> bytes:
-    """A run in a worker; beyond what a code can do, numbers overflow and vanish, and that is no
-    news.
-    """
+    """A run in a worker, without warnings: extreme rungs overflow and underflow by design."""
     with np.errstate(all="ignore"):
         return worker.run(engine, request)
 
 
 def _task(place: Place, truth: SampledTruth) -> Task | Failure:
-    """The task of a place; the Failure of an engine that raises where it should refuse or accept a
+    """The task of a place; a Failure if the engine raises instead of refusing or accepting the
     scene.
     """
     try:
@@ -281,28 +301,28 @@ def _task(place: Place, truth: SampledTruth) -> Task | Failure:
                 place.engine, place.method, place.instance, place.x, truth
             )
     except (RefdemError, ArithmeticError, ValueError) as error:
-        told = f"{type(error).__name__}: {error}"
+        reason = f"{type(error).__name__}: {error}"
         return Failure(
             kind="refusal",
-            sentence=f"{place.engine.name} could not say whether it supports the scene ({told})",
+            sentence=f"{place.engine.name} could not say whether it supports the scene ({reason})",
         )
 
 
 def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
-    """The times [s] by which velocities lag, by the label of the instance, where those of some
-    method do.
+    """Times [s] by which velocities lag behind positions, by label of the instance, for methods
+    that have such a lag.
     """
-    found: dict[str, set[float]] = {}
+    delays_of: dict[str, set[float]] = {}
     for place in places:
         if place.method.velocity_time != "synchronous":
             levels = place.ladder.measure.levels(place.instance, place.method, place.x)
-            delays = {place.method.delay(level) for level in levels}
-            found.setdefault(place.instance.label, set()).update(delays)
-    return {label: tuple(sorted(delays)) for label, delays in found.items()}
+            lags = {place.method.delay(level) for level in levels}
+            delays_of.setdefault(place.instance.label, set()).update(lags)
+    return {label: tuple(sorted(lags)) for label, lags in delays_of.items()}
 
 
 def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
-    """The run that a job's result tells of: its trajectory, or why there is none."""
+    """The run from a job's result: its trajectory, or the failure."""
     if isinstance(result, Failure):
         reply = worker.Reply(failure=result)
     else:

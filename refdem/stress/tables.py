@@ -1,4 +1,6 @@
-"""A record as tables of text: breaking points, and what each method did on each ladder."""
+"""A stress record as tables of text: where each engine breaks, and the result of each method on
+each ladder.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +13,7 @@ NONE = "\N{EN DASH}"
 
 @dataclass(frozen=True)
 class Table:
-    """A heading, and cells row by row under a header."""
+    """A title, a header, and rows of cells."""
 
     title: str
     header: tuple[str, ...]
@@ -33,8 +35,8 @@ def introduction(record: StressRecord) -> str:
 
 
 def summary(record: StressRecord) -> list[Table]:
-    """The farthest rung that the methods of each engine hold, ladder by ladder, and the
-    promises.
+    """For each ladder the last rung that each engine holds; and the promises that were broken, or
+    their count.
     """
     engines = list(dict.fromkeys(climb.engine for climb in record.climbs))
     ladders: dict[tuple[str, str, str], list[Climb]] = {}
@@ -50,24 +52,25 @@ def summary(record: StressRecord) -> list[Table]:
         "Last rung that each engine holds (from its first method to break to its"
         " last; +: to the end)"
     )
-    found = [Table(title, ("battery", "ladder", "rung", *engines), rows)]
+    tables = [Table(title, ("battery", "ladder", "rung", *engines), rows)]
     broken = [climb for climb in record.climbs if climb.kept is False]
     required = [climb for climb in record.climbs if climb.required is not None]
     if broken:
         header = ("ladder", "method", "promised", "why", "what happened")
-        found.append(Table("Promises that broke", header, [_broken(climb) for climb in broken]))
+        tables.append(Table("Promises that broke", header, [_broken(climb) for climb in broken]))
     elif required:
-        found.append(Table("Promises", ("ranges", "kept", "not run"), [_count(required)]))
-    return found
+        tables.append(Table("Promises", ("ranges", "kept", "not run"), [_count(required)]))
+    return tables
 
 
 def _count(required: Sequence[Climb]) -> tuple[str, str, str]:
+    """Cells of the table of promises: how many were required, kept, and not completely run."""
     kept = sum(climb.kept is True for climb in required)
     return str(len(required)), str(kept), str(len(required) - kept)
 
 
 def _broken(climb: Climb) -> tuple[str, ...]:
-    """The cells of a climb that broke its promise."""
+    """Cells of a climb that broke its promise."""
     end = climb.end
     if end is None:
         happened = ""
@@ -82,30 +85,29 @@ def _broken(climb: Climb) -> tuple[str, ...]:
 
 
 def _range(climbs: Sequence[Climb]) -> str:
-    """The range of an engine, from the method that ends first to that which ends last.
-
-    `+` where it is the last rung of the ladder.
+    """The range of an engine, from the method that breaks first to the one that breaks last; `+` is
+    the ladder's end.
     """
     if not climbs:
         return NONE
-    in_order = sorted(climbs, key=lambda climb: (_steps(climb), climb.method))
-    least = _told(in_order[0])
-    most = _told(in_order[-1])
-    if least == most:
-        return least
-    return f"{least} to {most}"
+    by_length = sorted(climbs, key=lambda climb: (_steps(climb), climb.method))
+    shortest = _holds_to(by_length[0])
+    farthest = _holds_to(by_length[-1])
+    if shortest == farthest:
+        return shortest
+    return f"{shortest} to {farthest}"
 
 
 def _steps(climb: Climb) -> int:
-    """Rungs before the first that does not pass."""
+    """Number of rungs before the first that does not pass."""
     end = climb.end
     if end is None:
         return len(climb.rungs)
     return climb.rungs.index(end)
 
 
-def _told(climb: Climb) -> str:
-    """How far a climb holds, with `+` where that is the end of the ladder."""
+def _holds_to(climb: Climb) -> str:
+    """The last rung that a climb holds, with `+` at the end of the ladder."""
     holds, _ = words(climb)
     if climb.end is None:
         return f"{holds}+"
@@ -113,20 +115,20 @@ def _told(climb: Climb) -> str:
 
 
 def details(record: StressRecord, battery: str) -> list[Table]:
-    """What each method did on each ladder of a battery, and who cannot climb them."""
+    """The climbs of a battery, and who cannot climb its ladders."""
     climbs = [climb for climb in record.climbs if climb.battery == battery]
     ladders = {climb.ladder for climb in climbs}
     refused = [(engine, ladder, why) for engine, ladder, why in record.refused if ladder in ladders]
     header = ("ladder", "rung", "method", "holds to", "ends", "promised", "reason")
-    found = [
+    tables = [
         Table("Breaking points", header, [_row(climb) for climb in climbs]),
         Table("Not supported", ("engine", "ladder", "reason"), refused),
     ]
-    return [table for table in found if table.rows]
+    return [table for table in tables if table.rows]
 
 
 def _row(climb: Climb) -> tuple[str, ...]:
-    """The cells of a climb in the table of breaking points."""
+    """Cells of a climb in the table of breaking points."""
     holds, ends = words(climb)
     promised = NONE
     if climb.required is not None:
@@ -142,31 +144,31 @@ def _row(climb: Climb) -> tuple[str, ...]:
 
 
 def lines(record: StressRecord) -> list[str]:
-    """The lines that a terminal shows: every climb of a ladder of harder scenes, those that broke a
-    promise first, and then the counts.
-    """
+    """Lines for a terminal: broken promises first, then all other climbs, then counts."""
     broken = [climb for climb in record.climbs if climb.kept is False]
-    shown = []
+    printed = []
     for climb in broken:
         promised = number(climb.required or 0.0)
-        shown.append(f"BROKEN {_name(climb)}: promised to {promised}; {_sentence(climb)}")
+        printed.append(f"BROKEN {_name(climb)}: promised to {promised}; {_sentence(climb)}")
     for climb in record.climbs:
         if climb.kept is not False:
-            shown.append(f"       {_name(climb)}: {_sentence(climb)}")
+            printed.append(f"       {_name(climb)}: {_sentence(climb)}")
     required = [climb for climb in record.climbs if climb.required is not None]
     rungs = sum(len(climb.rungs) for climb in record.climbs)
     held = sum(climb.kept is True for climb in required)
-    shown.append(
+    printed.append(
         f"{len(record.climbs)} climbs, {rungs} rungs; {held} of {len(required)} promises kept,"
         f" {len(broken)} broken"
     )
-    return shown
+    return printed
 
 
 def _name(climb: Climb) -> str:
+    """Id of a climb: battery/ladder/engine/method."""
     return f"{climb.battery}/{climb.ladder}/{climb.engine}/{climb.method}"
 
 
 def _sentence(climb: Climb) -> str:
+    """How far a climb holds, and how it ends."""
     holds, ends = words(climb)
     return f"holds to {holds} ({climb.along}), ends: {ends}"

@@ -1,4 +1,4 @@
-"""From findings to verdicts: a rung's, and the number at which a method breaks."""
+"""From findings to verdicts: the verdict of a rung, and the rung at which a method breaks."""
 
 import math
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ from refdem.stress.record import BROKEN, Climb, Rung, Verdict
 
 
 def rung_of(rung: str, judged: finding.Record) -> Rung:
-    """A rung from all that was found on it: the worst finding, and among passes the one that comes
-    nearest to its bound.
+    """The result of a rung from all findings on it: the worst one, and of passes the one nearest to
+    its bound.
     """
     verdict, chosen = _worst(judged.findings)
     return Rung(
@@ -29,15 +29,16 @@ def rung_of(rung: str, judged: finding.Record) -> Rung:
     )
 
 
-def _worst(found: Sequence[Finding]) -> tuple[Verdict, Finding]:
-    """The verdict of findings and the one that gives it; nothing decided is `undecided`, which is
-    never a pass.
+def _worst(findings: Sequence[Finding]) -> tuple[Verdict, Finding]:
+    """The verdict of findings, with the finding that decides it: fail, error, pass, unsupported,
+    else undecided.
     """
-    real = [f for f in found if (f.check, f.quantity) != ("record", "decided")]
-    failed = [f for f in real if f.outcome in FAILING]
-    errors = [f for f in real if f.outcome == "error"]
-    passed = [f for f in real if f.outcome == "pass"]
-    unsupported = [f for f in real if f.outcome == "unsupported"]
+    # The record's own summary, that nothing was decided, is not a finding of a check.
+    of_checks = [f for f in findings if (f.check, f.quantity) != ("record", "decided")]
+    failed = [f for f in of_checks if f.outcome in FAILING]
+    errors = [f for f in of_checks if f.outcome == "error"]
+    passed = [f for f in of_checks if f.outcome == "pass"]
+    unsupported = [f for f in of_checks if f.outcome == "unsupported"]
     if failed:
         return "fail", min(failed, key=_margin)
     if errors:
@@ -46,23 +47,24 @@ def _worst(found: Sequence[Finding]) -> tuple[Verdict, Finding]:
         return "pass", min(passed, key=_margin)
     if unsupported:
         return "unsupported", unsupported[0]
-    if real:
-        first = real[0]
+    if of_checks:
+        first = of_checks[0]
     else:
-        first = found[0]
+        first = findings[0]
     return "undecided", first
 
 
 def _margin(judged: Finding) -> float:
+    """Margin of a finding in decades; 0 without one."""
     margin = judged.margin
     if margin is not None:
         return margin
     return 0.0
 
 
-def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: bool) -> Climb:
-    """The climb with its rungs: the last that holds, the first that breaks, and whether what had to
-    hold did.
+def climbed(empty: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: bool) -> Climb:
+    """The climb with its rungs: the last that holds, the first that breaks, and whether the promise
+    was kept.
     """
     holds = None
     breaks = None
@@ -74,21 +76,22 @@ def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: 
                 breaks = None
             break
         holds = float(Fraction(rung.rung))
-    found = msgspec.structs.replace(bare, rungs=list(rungs), holds=holds, breaks=breaks)
-    promised, basis = ladder.promise(bare.method)
+    climb = msgspec.structs.replace(empty, rungs=list(rungs), holds=holds, breaks=breaks)
+    promised, basis = ladder.promise(empty.method)
     if not is_required or not promised:
-        return found
+        return climb
     required = float(Fraction(promised))
-    due = rungs[: ladder.rungs.index(promised) + 1]
-    return msgspec.structs.replace(found, required=required, basis=basis, kept=_kept(due))
+    promised_rungs = rungs[: ladder.rungs.index(promised) + 1]
+    return msgspec.structs.replace(
+        climb, required=required, basis=basis, kept=_kept(promised_rungs)
+    )
 
 
-def _kept(due: Sequence[Rung]) -> bool | None:
-    """False if any rung that was due did not pass.
-
-    None if some were left out: by the budget, or as the method cannot run them.
+def _kept(promised_rungs: Sequence[Rung]) -> bool | None:
+    """False if any rung up to the promise did not pass; None if some were not run or not supported;
+    else True.
     """
-    verdicts = {rung.verdict for rung in due}
+    verdicts = {rung.verdict for rung in promised_rungs}
     if verdicts & {"fail", "error", "undecided"}:
         return False
     if verdicts & {"not run", "unsupported"}:
@@ -97,7 +100,7 @@ def _kept(due: Sequence[Rung]) -> bool | None:
 
 
 def words(climb: Climb) -> tuple[str, str]:
-    """How far a climb holds, and where and how it ends."""
+    """Two phrases: the last rung that a climb holds, and where and how it ends."""
     if climb.holds is None:
         holds = "nothing"
     else:
@@ -105,17 +108,17 @@ def words(climb: Climb) -> tuple[str, str]:
     end = climb.end
     if end is None:
         return holds, "not in these rungs"
-    beyond = climb.rungs[climb.rungs.index(end) :]
-    again = sum(rung.verdict == "pass" for rung in beyond)
-    if again:
-        more = f", but holds at {again} beyond"
+    from_end = climb.rungs[climb.rungs.index(end) :]
+    passes = sum(rung.verdict == "pass" for rung in from_end)
+    if passes:
+        exception = f", but holds at {passes} beyond"
     else:
-        more = ""
-    return holds, f"{end.verdict} at {number(float(Fraction(end.rung)))}{more}"
+        exception = ""
+    return holds, f"{end.verdict} at {number(float(Fraction(end.rung)))}{exception}"
 
 
 def number(value: float) -> str:
-    """A rung with two digits: `1e8`, `0.5`."""
+    """A rung as text with a few digits: `1e8`, `0.5`."""
     if value == 0 or 1e-2 <= abs(value) < 1e4:
         return f"{value:.4g}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")
@@ -123,12 +126,12 @@ def number(value: float) -> str:
 
 
 def shown_rung(rung: str) -> str:
-    """A rung's name as people read it."""
+    """A rung's text in the form of `number`."""
     return number(float(Fraction(rung)))
 
 
 def ratio(rung: Rung) -> float | None:
-    """Value over bound; None where there is no value."""
+    """Value over bound of a rung; None without a value."""
     if rung.value is None or rung.bound is None:
         return None
     if rung.bound == 0:

@@ -1,4 +1,4 @@
-"""The same scene far away, fast, turned, later, in other units."""
+"""The same scene far away, fast, rotated, later, and in other units."""
 
 from collections.abc import Callable, Iterator
 
@@ -15,10 +15,13 @@ ANGLES = ("1e-12", "1e-9", "1e-6", "1e-3", "1/10", "1", "2", "3")
 LATER = ("1", "1e2", "1e4", "1e6", "1e8", "4e9")
 UNITS = ("1e1", "1e2", "1e4", "1e6", "1e9", "1e12", "1e15", "1e20", "1e30")
 WHERE = np.array([1.0, -0.5, 0.25])
+"""Direction of shifts and boosts, along no axis of symmetry."""
 
 
 def along(instance: Instance) -> np.ndarray:
-    """A direction (3,) in which the scene may move without leaving its dimensions."""
+    """A direction (3,) that keeps the scene's dimension: x alone, in the plane x-y, or in
+    space.
+    """
     features = instance.scene.features
     is_free = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
     direction: np.ndarray = WHERE * is_free
@@ -26,12 +29,12 @@ def along(instance: Instance) -> np.ndarray:
 
 
 def dyadic(x: float) -> float:
-    """The power of two that is nearest: units that round nothing."""
+    """The power of two nearest to x: units that cause no rounding."""
     return float(2.0 ** np.round(np.log2(x)))
 
 
 def turned(instance: Instance, x: float) -> Symmetry:
-    """A rotation by an angle of x rad, about z in a plane."""
+    """The rotation by x rad, about z for a motion in a plane."""
     if "dimension:3" in instance.scene.features:
         axis = np.array([2.0, 1.0, 2.0]) / 3
     else:
@@ -40,7 +43,7 @@ def turned(instance: Instance, x: float) -> Symmetry:
 
 
 def units(mass: int, length: int, time: int) -> Callable[[Instance, float], Symmetry]:
-    """Units that are so many powers of x."""
+    """Changes of units by the given powers of x, in mass, length and time."""
     return lambda instance, x: Symmetry(
         units=(dyadic(x) ** mass, dyadic(x) ** length, dyadic(x) ** time)
     )
@@ -122,6 +125,9 @@ FRAMES: tuple[
         units(1, 0, 0),
     ),
 )
+"""Name, rung in words, symmetry, rungs, promised rung, its basis, and the transformation of a
+rung.
+"""
 CASES = {
     "far away": (
         "harmonic-oscillator",
@@ -137,11 +143,11 @@ CASES = {
     "slower": ("harmonic-oscillator", "two-body-orbit"),
     "heavier": ("two-spheres[friction=1/4 angle=1/2]", "free-rigid-body"),
 }
-"""Where each frame is tried unless a case is named."""
+"""The cases on which each frame is tried, unless a case is named."""
 
 
 def _ladders() -> Iterator[Ladder]:
-    """A ladder for every frame on every case that it is tried on."""
+    """A ladder for every frame on every one of its cases."""
     for name, along, change, rungs, promised, basis, show in FRAMES:
         for case in CASES[name]:
             bare, _, _ = case.partition("[")

@@ -1,4 +1,4 @@
-"""Dry friction that is nothing, little, huge; contacts without tangential speed."""
+"""Dry friction from 0 to huge, and contacts with vanishing tangential speed."""
 
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.parameters import Parameters

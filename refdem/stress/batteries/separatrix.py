@@ -1,4 +1,4 @@
-"""Starts nearer and nearer to where the motion would never end: the unstable axis, the upright
+"""Starts closer and closer to the separatrix: the unstable axis of a body, the upright
 pendulum.
 """
 

@@ -1,3 +1,3 @@
-"""What a rung is and how it is judged: the same case at other parameters, in another frame, at
-another step.
+"""Measures: what a rung is and how it is judged (other parameters, another frame, another step,
+more steps).
 """

@@ -1,5 +1,5 @@
-"""The same scene in another frame: far away, fast, turned, in other units; judged against itself
-where it is.
+"""The same scene in another frame (far away, fast, rotated, later, in other units), compared with
+itself in its own frame.
 """
 
 import sys
@@ -27,7 +27,9 @@ from refdem.stress.measures.measure import LEVELS, MOST_STEPS, Measure
 
 Show = Callable[[Instance, float], Symmetry]
 TINY = 2.0**-1074
-"""The smallest number in binary64: numbers below 2^-1022 are rounded to multiples of it."""
+"""The smallest positive number in binary64; numbers below 2^-1022 are rounded to multiples of
+it.
+"""
 
 
 def _trajectory(runs: Mapping[Variant, CompletedRun], variant: Variant) -> Trajectory | None:
@@ -39,10 +41,11 @@ def _trajectory(runs: Mapping[Variant, CompletedRun], variant: Variant) -> Traje
 
 @dataclass(frozen=True)
 class Frame(Measure):
-    """`show` gives the frame of a rung, `change` the symmetry that it is one of.
+    """Another frame: `show` returns the transformation of a rung x, `change` names the symmetry it
+    belongs to.
 
-    With `told_apart` the frame differs from the scene's by a part x only, and a tenth of x must be
-    seen.
+    With `told_apart` the transformation differs from the identity by the relative amount x, and a
+    tenth of that difference must be resolved.
     """
 
     change: Change
@@ -50,18 +53,18 @@ class Frame(Measure):
     told_apart: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as it is, whatever the rung."""
+        """The case with its own parameters, whatever the rung."""
         return case.at(**given)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """All of a short refinement: the check takes the one that tells."""
+        """A short refinement; the check chooses a level from it."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)
 
     def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
-        """What breaks the symmetry, or why the method refuses the scene as it is or as the frame
-        shows it.
+        """None if the scene has the symmetry and the method supports it in both frames, else the
+        reason.
         """
         if not isinstance(instance.problem, Motion):
             return f"{instance.problem.words} does not have a frame of reference"
@@ -74,7 +77,7 @@ class Frame(Measure):
         )
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """The scene as the frame shows it, with the step in its units."""
+        """The scene in the frame, with the step in the frame's unit of time."""
         if variant.change != self.change:
             return plan.request(task, variant)
         plain = plan.request(task, variant.base)
@@ -87,7 +90,7 @@ class Frame(Measure):
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """Seen from the frame, the motion is the same."""
+        """The check that the motion is the same."""
         if self.told_apart:
             part = float(x)
         else:
@@ -96,8 +99,8 @@ class Frame(Measure):
 
 
 class Seen(Check):
-    """The motion, seen from a frame and taken back, is the motion itself to round-off of numbers as
-    large as they are there.
+    """The motion in the frame, transformed back, agrees with the plain motion to round-off of the
+    frame's numbers.
     """
 
     name = "frame"
@@ -113,11 +116,11 @@ class Seen(Check):
         self.part = part
 
     def applies(self, subject: Subject) -> str | None:
-        """Everywhere: the measure has refused what has no such frame."""
+        """Always: the measure has refused scenes without such a frame."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """One level as it is, with its start moved a little, and seen from the frame."""
+        """One level plain, with its start perturbed, and in the frame."""
         level = level_for(subject)
         return (
             Variant(level),
@@ -126,15 +129,18 @@ class Seen(Check):
         )
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest scaled difference of any state."""
-        plain, moved, seen = (_trajectory(runs, variant) for variant in self.needs(subject))
-        if plain is None or seen is None:
+        """One finding: the largest difference of any state, in units of each scale."""
+        plain, perturbed, transformed = (
+            _trajectory(runs, variant) for variant in self.needs(subject)
+        )
+        if plain is None or transformed is None:
             return [
                 undecided(self.name, self.change, "the engine refused the scene during the run")
             ]
-        grown = growth_of(subject, moved or plain, plain)
-        bounds = allowed(subject, self.view, grown) * self._denormal(subject)
+        growth = growth_of(subject, perturbed or plain, plain)
+        bounds = allowed(subject, self.view, growth) * self._denormal(subject)
         count = scored(bounds)
+        # Instead of round-off a tenth of x is allowed, and round-off must be smaller than that.
         if self.part is not None:
             if bounds[-1] <= self.part / 10:
                 count = len(bounds)
@@ -145,13 +151,13 @@ class Seen(Check):
             why = "round-off alone may be as large as the difference to be resolved"
             return [undecided(self.name, self.change, why)]
         with np.errstate(all="ignore"):
-            apart = distances(subject.instance, self.view.undone(seen), plain)
+            difference = distances(subject.instance, self.view.undone(transformed), plain)
         return [
             worst(
                 check=self.name,
                 quantity=self.change,
                 t=subject.instance.times[:count],
-                values=apart[:count],
+                values=difference[:count],
                 allowed=bounds[:count],
                 unit="1",
                 basis=self._basis(),
@@ -163,6 +169,7 @@ class Seen(Check):
         ]
 
     def _basis(self) -> str:
+        """The basis of the bound in words."""
         if self.part is not None:
             return (
                 "starts that differ by x lead to motions that differ by x, and a tenth of"
@@ -174,8 +181,8 @@ class Seen(Check):
         )
 
     def _denormal(self, subject: Subject) -> float:
-        """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly
-        denormal.
+        """Factor from u to the relative rounding of numbers of the frame's size: 1, except near the
+        denormal range.
         """
         scales = subject.instance.scales
         _, length, time = self.view.units

@@ -1,4 +1,6 @@
-"""As many steps as there is time for: what the method's own map keeps must be kept."""
+"""As many steps as time allows: the quadratic form that a method's own linear map conserves must
+stay constant.
+"""
 
 import math
 from collections.abc import Mapping
@@ -19,44 +21,44 @@ from refdem.stress.measures.measure import Measure
 
 SAMPLES = 256
 PER_TAU = 10
-"""Steps in the shortest time tau, 63 in a period: no power of two, whose sums would hide a clock
-that adds.
+"""Steps per tau (63 a period). Not a power of two: sums of such steps would be exact and hide an
+inaccurate clock.
 """
 ILL = 1e4
-"""A fit whose numbers are worse conditioned than this has seen too little of the ellipse."""
+"""Condition number of the fit above which the samples cover too little of the ellipse."""
 
 
 @dataclass(frozen=True)
 class ManySteps(Measure):
     """The rung is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods
-    without a step go as far.
+    without steps run as long.
     """
 
     needs_truth: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case at a duration of so many steps."""
+        """The case with the duration of x steps of tau/PER_TAU."""
         tau = case.at(**given).scales.tau
         duration = x * Fraction(tau) / PER_TAU
         return case.at(**{"samples": str(SAMPLES), **given, "duration": str(duration)})
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The step; the finest tolerance that a method takes."""
+        """The step; for methods with a tolerance the finest one."""
         if method.control == "step":
             return (float(instance.times[1]) / float(x / SAMPLES),)
         return super().levels(instance, method, x)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """The check of secular drift alone."""
+        """The check of secular drift."""
         return (Drift(),)
 
 
 class Drift(Check):
-    """What the run's own linear map keeps in its first quarter it keeps to the end.
+    """The quadratic form that the run conserves in its first quarter is constant to the end.
 
-    A symplectic step of a linear oscillator keeps a quadratic form a x^2 + b x v + c v^2 exactly,
-    near the energy but not the same: its change is drift alone, without the wobble that truncation
-    makes of the energy (Hairer, Lubich and Wanner 2006, IX).
+    A symplectic step of a linear oscillator conserves a quadratic form a x^2 + b x v + c v^2
+    exactly, close to the energy but different. So its change is drift alone, without the
+    oscillation that truncation makes of the energy (Hairer, Lubich and Wanner 2006, IX).
     """
 
     name = "drift"
@@ -65,7 +67,7 @@ class Drift(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Everywhere: the ladders are on oscillators without loss."""
+        """Always: the ladders are on oscillators without loss."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -73,7 +75,7 @@ class Drift(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding about the largest change of the quadratic form."""
+        """One finding: the largest change of the quadratic form."""
         run = runs[subject.finest].trajectory
         level = subject.levels[-1]
         scales = subject.instance.scales
@@ -111,11 +113,11 @@ class Drift(Check):
 
 
 def bound(subject: Subject, level: float) -> tuple[Array, str]:
-    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or
-    exact, else by truncation.
+    """Largest change of the form (T,) with its basis: round-off c u sqrt(n) for symplectic and
+    exact methods, else truncation too.
 
-    A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the
-    ordinary round-off is left out.
+    The rounded frequency shifts the phase by u T/tau, to which no quadratic form is sensitive: that
+    part of the ordinary round-off is left out.
     """
     scales = subject.instance.scales
     own_steps = refinement.steps_at(subject.instance, subject.method, level)

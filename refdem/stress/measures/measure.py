@@ -1,5 +1,5 @@
-"""What a ladder's rung is: an instance, the levels it is run at, its requests, and the checks that
-judge it.
+"""Base class of measures: the instance of a rung, the levels it runs at, its requests, and the
+checks that judge it.
 """
 
 from abc import ABC, abstractmethod
@@ -18,13 +18,13 @@ from refdem.core.variant import Variant
 
 LEVELS = 3
 MOST_STEPS = 1e5
-"""The third level of refinement is run, or the last that takes so many steps: a tighter bound than
-the first level's, still cheap.
+"""The third level of refinement is run, or the last one with at most so many steps: its bound is
+tighter than the first level's, at little cost.
 """
 
 
 class Measure(ABC):
-    """One way to make a scene harder; `x` is the rung."""
+    """One way to make a scene harder; `x` is the rung as an exact number."""
 
     needs_truth: bool = True
 
@@ -33,13 +33,13 @@ class Measure(ABC):
         """The instance of a rung; raises UsageError where the case has none."""
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """Levels of a rung, coarse to fine; none if the method would need too many steps."""
+        """Levels of a rung, coarse to fine; empty if the method would need too many steps."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)[-1:]
 
     def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
-        """None if the method can climb to the rung, else why not."""
+        """None if the method supports the rung, else the reason."""
         return engine.unsupported(instance.problem, method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
@@ -53,7 +53,9 @@ class Measure(ABC):
     def task(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
     ) -> Task:
-        """The task of a method on the rung, for its requests and its judging."""
+        """The task of a method on a rung: its levels and checks, or the reason why it is
+        unsupported.
+        """
         unsupported = self.unsupported(engine, method, instance, x)
         levels: tuple[float, ...] = ()
         if not unsupported:
@@ -68,12 +70,12 @@ class Measure(ABC):
 
 
 def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:
-    """Parameters with so many sample intervals, unless they came with others."""
+    """The parameters, with `count` sample intervals unless they set another number."""
     return {"samples": str(count), **given}
 
 
 def plain_checks(subject: Subject) -> tuple[Check, ...]:
-    """Every check of a run that applies and needs no more than the plain run of the only level."""
+    """Every check that applies and needs only the plain run at the only level."""
     (level,) = subject.levels
     excluded = subject.instance.case.exclude_for(subject.instance.p)
     known = [discovery.check(name) for name in discovery.names("checks") if name not in excluded]

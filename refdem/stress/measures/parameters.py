@@ -1,5 +1,5 @@
-"""The same case at harder parameters, judged by all checks of a run against truth and
-invariants.
+"""The same case at more extreme parameters, judged by the checks of a run against truth and
+conservation laws.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,9 +15,10 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class Parameters(Measure):
-    """`given` has the parameters of the rung, each as text.
+    """`given` returns the parameters of a rung, each as text; `samples` is the number of sample
+    intervals.
 
-    `samples` intervals are seen; invariants alone judge without truth.
+    Without truth only conservation laws judge.
     """
 
     given: Callable[[Fraction], Mapping[str, str]]
@@ -25,7 +26,7 @@ class Parameters(Measure):
     needs_truth: bool = True
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case at the parameters of the rung, and at those that came."""
+        """The case at the rung's parameters, which given ones override."""
         return case.at(**with_samples({**self.given(x), **given}, self.samples))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:

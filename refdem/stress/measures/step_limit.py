@@ -1,4 +1,4 @@
-"""A step up to and past the limit of stability: many steps must stay bounded."""
+"""Steps up to and beyond the stability limit: many steps must stay bounded."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,22 +18,22 @@ from refdem.stress.measures.measure import Measure
 
 @dataclass(frozen=True)
 class StepLimit(Measure):
-    """The rung is the step in units of 2/omega = 2 tau."""
+    """The rung is the step in units of 2/omega = 2 tau, the stability limit of Verlet's method."""
 
     needs_truth: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as it is given: the rung changes the step alone."""
+        """The case as given: the rung changes only the step."""
         return case.at(**given)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The one level: the step [s] of the rung."""
+        """The one level, the step [s] of the rung."""
         return (stability.probe(instance, float(x)).interval,)
 
     def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
-        """The reason why there is no limit: the method or problem has no step."""
+        """None if the method has a fixed step and supports the motion, else the reason."""
         if method.control != "step":
             return "the method does not have a fixed step"
         if not isinstance(instance.problem, Motion):
@@ -41,7 +41,7 @@ class StepLimit(Measure):
         return engine.unsupported(stability.probe(instance, float(x)), method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """The request of many steps, each of which is a sample."""
+        """A request of many steps, each of which is a sample."""
         return Request(
             problem=stability.probe(task.subject.instance, float(x)),
             method=task.method.name,
@@ -49,19 +49,19 @@ class StepLimit(Measure):
         )
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """The check of the motion's size alone."""
+        """The check that the motion stays bounded."""
         return (Bounded(),)
 
 
 class Bounded(Check):
-    """No place, velocity or spin passes a hundred times its scale."""
+    """No position, velocity or angular velocity exceeds a hundred times its scale."""
 
     name = "bounded"
     title = "Bounded"
     kills = "a method whose stability limit is below that of the scheme it claims to implement"
 
     def applies(self, subject: Subject) -> str | None:
-        """None: the check applies to everything that has a step."""
+        """Always."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -69,7 +69,7 @@ class Bounded(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest number of the run in units of its scale."""
+        """One finding: the largest number of the run, in units of its scale."""
         trajectory = runs[subject.finest].trajectory
         return [
             judged(

@@ -1,7 +1,4 @@
-"""Scenes that only a stress test has: contacts that the catalogue does not ask for.
-
-Their truth is made here, at once.
-"""
+"""Scenes of stress tests that are not in the catalogue; their truth is computed on the spot."""
 
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -9,9 +6,8 @@ from refdem.core.truth import SampledTruth
 
 
 def truth_here(instance: Instance) -> SampledTruth | None:
-    """The sampled truth of a scene of this folder.
-
-    None for cases of the catalogue, whose truth is proved in workers and kept.
+    """The sampled truth of a scene of this folder; None for cases of the catalogue, whose truth
+    workers prove and store.
     """
     from refdem.truth.sampled import sampled
 

@@ -16,11 +16,11 @@ from refdem.truth.refiner import Refiner, Size
 
 
 class HalfSine(ClosedForm):
-    """The overlap d (negative: apart) and its rate, from an exact start (d, rate) that is in
-    contact or comes into it; w^2 = k/m.
+    """The overlap d (negative: apart) and its rate, from an exact start (d, rate) in contact or
+    before it; `square` is w^2 = k/m.
 
-    `bodies`: so many take part, and an error of each reaches all others, so that S is as many times
-    larger.
+    `bodies` take part, and an error of each may reach all others, so that S is larger by that
+    factor.
     """
 
     method = "uniform motion, sine until the overlap is 0, uniform motion: Arb balls"
@@ -43,24 +43,28 @@ class HalfSine(ClosedForm):
         """The overlap [m] and its rate [m/s] at t [s]."""
         d, rate = self.start
         w = arb_of(self.square).sqrt()
-        touch, inside = self._contact_start()
-        if t < touch:
+        contact_start, d0 = self._contact_start()
+        if t < contact_start:
             return self._pair(arb_of(d) + arb_of(rate) * t, arb_of(rate))
-        sine = arb_of(inside) * w
-        cosine = arb_of(rate)
-        size = (sine * sine + cosine * cosine).sqrt() / w
-        phase = arb.atan2(sine, cosine)
-        turned = w * (t - touch) + phase
+        # d = A sin(w (t - contact_start) + phase) with A w = sqrt((w d0)^2 + rate^2); contact
+        # ends at the argument pi, with the rate -A w.
+        amplitude_sine = arb_of(d0) * w
+        amplitude_cosine = arb_of(rate)
+        amplitude = (
+            amplitude_sine * amplitude_sine + amplitude_cosine * amplitude_cosine
+        ).sqrt() / w
+        phase = arb.atan2(amplitude_sine, amplitude_cosine)
+        phase_now = w * (t - contact_start) + phase
         end = arb.pi()
-        if turned < end:
-            return self._pair(size * turned.sin(), size * w * turned.cos())
-        if turned > end:
-            return self._pair(-size * (turned - end), -size * w)
+        if phase_now < end:
+            return self._pair(amplitude * phase_now.sin(), amplitude * w * phase_now.cos())
+        if phase_now > end:
+            return self._pair(-amplitude * (phase_now - end), -amplitude * w)
         raise UndecidedError("at the end of contact")
 
     def _contact_start(self) -> tuple[arb, Fraction]:
-        """The time [s] at which contact begins, and the overlap [m] then: at once with that of
-        the start, or later with none.
+        """The time [s] at which contact begins, with the overlap [m] then: at once, or after
+        uniform motion with overlap 0.
         """
         d, rate = self.start
         if d < 0:
@@ -68,12 +72,12 @@ class HalfSine(ClosedForm):
         return arb_of(Fraction(0)), d
 
     def _pair(self, overlap: arb, rate: arb) -> dict[str, arb]:
-        """The values of all quantities; those that are not the pair's are 0."""
+        """Values of all quantities; those other than overlap and rate are 0."""
         others = {name: arb(0) for name in self.scale if name not in self.state}
         return {"overlap": overlap, "rate": rate, **others}
 
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
-        """The motion from a start that is larger by `amount`."""
+        """The motion from a start in which component `axis` is larger by `amount`."""
         d, rate = self.start
         if axis == 0:
             start = (d + amount, rate)
@@ -83,23 +87,23 @@ class HalfSine(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """The growth for one body times the number of bodies."""
+        """The growth of errors of one pair, times the number of bodies."""
         rate = arb_of(self.square).sqrt()
         return Times(Growth(self.stretches(), Norm([1, 1]), step=narrow(rate)), arb(self.bodies))
 
     def stretches(self) -> Iterator[Stretch]:
-        """Uniform motion, contact, uniform motion; the force has no jump, and so errors have
-        none.
+        """Uniform motion, contact, uniform motion. The force is continuous, so errors do not jump
+        between them.
         """
         d, rate = self.start
         ratio = arb_of(self.scale["overlap"] / self.scale["rate"])
         w = arb_of(self.square).sqrt()
-        touch, inside = self._contact_start()
+        contact_start, d0 = self._contact_start()
         free = partial(linear, arb(0), 0, ratio)
         if d < 0:
-            yield smooth(arb(0), touch, free)
+            yield smooth(arb(0), contact_start, free)
         # The phase runs from atan2(w d, rate) to pi.
-        phase = arb.atan2(arb_of(inside) * w, arb_of(rate))
-        lasting = (arb.pi() - phase) / w
-        yield smooth(touch, lasting, partial(linear, arb_of(self.square), -1, ratio))
-        yield smooth(touch + lasting, None, free)
+        phase = arb.atan2(arb_of(d0) * w, arb_of(rate))
+        duration = (arb.pi() - phase) / w
+        yield smooth(contact_start, duration, partial(linear, arb_of(self.square), -1, ratio))
+        yield smooth(contact_start + duration, None, free)

@@ -1,4 +1,4 @@
-"""Two spheres that overlap when the motion begins: the spring between them pushes them apart."""
+"""Two spheres that overlap at the start: the contact's spring pushes them apart."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,17 +36,19 @@ class OverlapAtStart(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Two equal solid spheres at rest, centres on x on either side of the origin."""
-        place = RADIUS - p.overlap / 2
+        x = RADIUS - p.overlap / 2
         # J = 2/5 m R^2 about every axis.
         inertia = (0.4 * MASS * RADIUS**2,) * 3
         shape = Sphere(radius=RADIUS)
-        left = Body(mass=MASS, inertia=inertia, shape=shape, position=(-place, 0.0, 0.0))
-        right = Body(mass=MASS, inertia=inertia, shape=shape, position=(place, 0.0, 0.0))
+        left = Body(mass=MASS, inertia=inertia, shape=shape, position=(-x, 0.0, 0.0))
+        right = Body(mass=MASS, inertia=inertia, shape=shape, position=(x, 0.0, 0.0))
         bodies = [left, right]
         return Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
 
     def scales(self, p: Parameters) -> Scales:
-        """The radius, for positions near it are rounded in every step; 1/w; twice the way out."""
+        """The radius, as positions near it are rounded in every step; 1/w; the duration is twice
+        the quarter period in contact.
+        """
         tau = float(np.sqrt(MASS / (2 * STIFFNESS)))
         return Scales(RADIUS, tau, float(np.pi) * tau, MASS)
 
@@ -56,11 +58,11 @@ class OverlapAtStart(Case):
         return Quantity("overlap", "m", s.length), Quantity("rate", "m/s", s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The overlap [m] and its rate [m/s] (T,), from the distance of the centres."""
-        apart = trajectory.position[:, 1] - trajectory.position[:, 0]
+        """The overlap [m] and its rate [m/s] (T,), from the branch vector between the centres."""
+        branch = trajectory.position[:, 1] - trajectory.position[:, 0]
         relative = trajectory.velocity[:, 1] - trajectory.velocity[:, 0]
-        distance = np.linalg.norm(apart, axis=1)
-        rate = np.sum(apart * relative, axis=1) / distance
+        distance = np.linalg.norm(branch, axis=1)
+        rate = np.sum(branch * relative, axis=1) / distance
         return {"overlap": 2 * RADIUS - distance, "rate": -rate}
 
     def truth(self, p: Parameters) -> Truth:
@@ -71,7 +73,7 @@ class OverlapAtStart(Case):
 
         overlap = p["overlap"]
         assert isinstance(overlap, Fraction)
-        # w^2 = 2 k/m: the reduced mass is m/2.
+        # w^2 = k/m_eff = 2 k/m: the effective mass of two equal spheres is m/2.
         square = Fraction(2 * STIFFNESS) / Fraction(MASS)
         scale = {q.name: q.scale for q in self.quantities(p)}
         return HalfSine(square, (overlap, Fraction(0)), scale)

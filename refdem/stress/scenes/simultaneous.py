@@ -1,5 +1,5 @@
-"""Many spheres that hit one in the middle at the same instant, from all sides: by symmetry it stays
-where it is.
+"""Many small spheres that hit a large one from all sides at the same instant: by symmetry it stays
+at rest.
 """
 
 import numpy as np
@@ -23,7 +23,9 @@ SPEED = 1.0
 
 
 class Simultaneous(Case):
-    """`hits` small spheres evenly on a circle, each touching the large one."""
+    """`hits` small spheres evenly spaced on a circle, each touching the large one and moving
+    towards its centre.
+    """
 
     id = "simultaneous-contacts"
     title = "Simultaneous contacts"
@@ -46,10 +48,10 @@ class Simultaneous(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The large sphere first, then the small ones, which touch it and fly at its centre."""
+        """The large sphere first, then the small ones."""
         count = int(p.hits)
-        turn = 2 * np.pi * np.arange(count) / count
-        sides = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+        angle = 2 * np.pi * np.arange(count) / count
+        sides = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
         # J = 2/5 m R^2 about every axis.
         inertia = (0.4 * MASS * RADIUS**2,) * 3
         large = Body(mass=MASS, inertia=inertia, shape=Sphere(radius=RADIUS))
@@ -57,20 +59,22 @@ class Simultaneous(Case):
         shape = Sphere(radius=SMALL)
         small = []
         for normal in sides:
-            place = tuple((RADIUS + SMALL) * normal)
+            position = tuple((RADIUS + SMALL) * normal)
             velocity = tuple(-SPEED * normal)
-            body = Body(mass=LIGHT, inertia=inertia, shape=shape, position=place, velocity=velocity)
+            body = Body(
+                mass=LIGHT, inertia=inertia, shape=shape, position=position, velocity=velocity
+            )
             small.append(body)
         return Scene.of([large, *small], [Contact(law="linear", stiffness=STIFFNESS)])
 
     def scales(self, p: Parameters) -> Scales:
-        """1/w and the deepest overlap; two contacts."""
+        """The greatest overlap or an eighth of the radius; 1/w; two contact times."""
         tau = float(np.sqrt(LIGHT / STIFFNESS))
         return Scales(max(SPEED * tau, RADIUS / 8), tau, 2 * float(np.pi) * tau, LIGHT)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The deepest overlap (negative when they are apart), the fastest approach, and how far the
-        middle one went.
+        """Overlap (negative when apart) and its rate of one pair, and the distance of the large
+        sphere from its start.
         """
         s = self.scales(p)
         return (
@@ -80,22 +84,22 @@ class Simultaneous(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The quantities of the pair with the middle sphere that is farthest from the mean of the
-        others.
+        """Overlap and rate of the pair that deviates most from the mean of all pairs, and how far
+        the large sphere moved.
         """
-        apart = trajectory.position[:, 1:] - trajectory.position[:, :1]
-        distance = np.linalg.norm(apart, axis=2)
+        branch = trajectory.position[:, 1:] - trajectory.position[:, :1]
+        distance = np.linalg.norm(branch, axis=2)
         relative = trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]
-        rate = np.sum(apart * relative, axis=2) / distance
+        rate = np.sum(branch * relative, axis=2) / distance
         middle = np.linalg.norm(trajectory.position[:, 0], axis=1)
         return {
-            "overlap": RADIUS + SMALL - _oddest(distance),
-            "rate": -_oddest(rate),
+            "overlap": RADIUS + SMALL - _most_deviating(distance),
+            "rate": -_most_deviating(rate),
             "middle": middle,
         }
 
     def truth(self, p: Parameters) -> Truth:
-        """Half a sine, then uniform motion; the middle one stays."""
+        """Half a period of a sine, then uniform motion; the large sphere stays."""
         from fractions import Fraction
 
         from refdem.stress.scenes.half_sine import HalfSine
@@ -105,12 +109,12 @@ class Simultaneous(Case):
         return HalfSine(Fraction(STIFFNESS) / Fraction(LIGHT), start, scale, bodies=int(p.hits) + 1)
 
 
-def _oddest(values: Array) -> Array:
-    """The value of each row (T, n) that differs most from the row's mean (T,)."""
-    away = np.abs(values - values.mean(axis=1, keepdims=True))
-    farthest = away.argmax(axis=1)
-    found: Array = values[np.arange(len(values)), farthest]
-    return found
+def _most_deviating(values: Array) -> Array:
+    """The value of each row (T, n) that deviates most from the row's mean (T,)."""
+    deviation = np.abs(values - values.mean(axis=1, keepdims=True))
+    farthest = deviation.argmax(axis=1)
+    result: Array = values[np.arange(len(values)), farthest]
+    return result
 
 
 CASE = Simultaneous()
