@@ -174,8 +174,8 @@ class Request:
         )
         if document.stride is not None and document.stride != request._told_stride:
             raise UsageError(
-                f"request: stride is {document.stride}; expected {request._told_stride}, as step and"
-                " times say"
+                f"request: stride is {document.stride}; expected {request._told_stride}, as step"
+                " and times say"
             )
         return request
 
