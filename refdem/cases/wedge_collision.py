@@ -51,7 +51,7 @@ class WedgeCollision(Case):
         """The wedge at the wall; its edge, its y axis, looks along +x, and nothing turns it but the
         law itself.
         """
-        # Any moment of inertia will do: no torque acts.
+        # Any moment of inertia will do: no torque acts, the law itself turns the wedge.
         moment = p.mass * depth(p) ** 2
         # A turn by -90 degrees about z takes the body's y axis, the edge, to +x.
         edge_first = (np.sqrt(0.5), 0.0, 0.0, -np.sqrt(0.5))
