@@ -1,5 +1,5 @@
-"""What the two cases of rotation algebra share: from operations to the problem, its quantities and
-what an engine says.
+"""What the cases of rotation algebra share: from rows of operations to the problem, its quantities,
+and their values in an engine's answer.
 """
 
 from abc import abstractmethod
@@ -26,9 +26,10 @@ Z = [0.0, 0.0, 1.0]
 
 
 class AlgebraCase(Canonical):
-    """Rows of operations; a quantity is a result, with `.0`, `.1` ... where it has several numbers.
+    """A case of operations in rows. Each result is a quantity; one of several numbers is several
+    quantities, `name.0`, `name.1` ...
 
-    `angles`: rows of angles.
+    `angles` are the names of the rows whose numbers are angles.
     """
 
     angles: ClassVar[frozenset[str]] = frozenset()
@@ -38,7 +39,7 @@ class AlgebraCase(Canonical):
         """The rows of operations at these parameters, in their order."""
 
     def sizes(self, p: Parameters) -> dict[str, float]:
-        """The size of a row's numbers where it is not 1: the scale in which it counts."""
+        """The magnitude of the numbers of a row, by its name, where it is not 1: its scale."""
         return {}
 
     def problem(self, p: Parameters) -> Identity:
@@ -55,28 +56,28 @@ class AlgebraCase(Canonical):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """One quantity for every number of every result."""
-        sizes = self.sizes(p)
-        found = []
+        magnitudes = self.sizes(p)
+        quantities_of_rows = []
         for name, operation, _ in self.rows(p):
             count = SIZES[operation][1]
             if count == 1:
                 labels = [name]
             else:
                 labels = [f"{name}.{i}" for i in range(count)]
-            found += [
-                Quantity(label, "1", sizes.get(name, 1.0), angle=name in self.angles)
+            quantities_of_rows += [
+                Quantity(label, "1", magnitudes.get(name, 1.0), angle=name in self.angles)
                 for label in labels
             ]
-        return tuple(found)
+        return tuple(quantities_of_rows)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The numbers of every result that the engine could give."""
-        seen: dict[str, Array] = {}
+        observed: dict[str, Array] = {}
         for name, values in trajectory.values.items():
             count = values.shape[1]
             if count == 1:
-                seen[name] = values[:, 0]
+                observed[name] = values[:, 0]
                 continue
             for i in range(count):
-                seen[f"{name}.{i}"] = values[:, i]
-        return seen
+                observed[f"{name}.{i}"] = values[:, i]
+        return observed

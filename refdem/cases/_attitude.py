@@ -1,5 +1,8 @@
-"""What every case of a single spinning body shares: parameters, bounds, scene, quantities and their
+"""What the cases of a single spinning body share: parameters, bounds, scene, quantities and their
 observation.
+
+J are the principal moments [kg m^2], `omega_body` the angular velocity in principal axes, `omega`
+that in space axes, R the rotation matrix from body to space.
 """
 
 from fractions import Fraction
@@ -41,20 +44,22 @@ def refuse(p: Parameters) -> None:
     spin.
     """
     inertia: Any = p["inertia"]
+    # J1 <= J2 + J3 for the largest moment: moments are sums of m (y^2 + z^2) and so on.
     if 2 * max(inertia) > sum(inertia):
         raise UsageError(
             f"parameter inertia: got {p.texts()['inertia']}; it violates the triangle inequality:"
             " expected no principal moment to exceed the sum of the other two"
         )
-    for name, what in (
+    for name, expected in (
         ("attitude", "a quaternion other than zero"),
         ("omega_body", "a body that spins"),
     ):
         if not any(_exact(p, name)):
-            raise UsageError(f"parameter {name}: got {p.texts()[name]}; expected {what}")
+            raise UsageError(f"parameter {name}: got {p.texts()[name]}; expected {expected}")
 
 
 def _exact(p: Parameters, name: str) -> tuple[Fraction, ...]:
+    """The exact components of the vector parameter of that name."""
     value: Any = p[name]
     return tuple(value)
 
@@ -71,13 +76,14 @@ def scene(p: Parameters, omega_body: Array) -> Scene:
 
 
 def scales(p: Parameters, omega_body: Array) -> Scales:
-    """tau = 1/|omega|; the length is the largest radius of gyration, so that m (L/tau)^2 is a
-    rotational energy.
+    """Scales of the rotation: tau = 1/|omega|, L the largest radius of gyration sqrt(J/m), T = 20
+    tau.
+
+    m (L/tau)^2 = J omega^2 is then the size of the rotational energy.
     """
     tau = 1.0 / float(np.linalg.norm(omega_body))
-    return Scales(
-        length=float(np.sqrt(p.inertia.max() / MASS)), tau=tau, duration=20 * tau, mass=MASS
-    )
+    gyration_radius = float(np.sqrt(p.inertia.max() / MASS))
+    return Scales(length=gyration_radius, tau=tau, duration=20 * tau, mass=MASS)
 
 
 def quantities(rate: float) -> tuple[Quantity, ...]:
@@ -90,27 +96,27 @@ def quantities(rate: float) -> tuple[Quantity, ...]:
         for axis in "xyz"
     )
     attitude = tuple(Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz")
-    return (
-        spins
-        + attitude
-        + tuple(
-            Quantity(f"R.{row}{column}", "1", 1.0, group="attitude")
-            for row in "xyz"
-            for column in "xyz"
-        )
+    matrix_entries = tuple(
+        Quantity(f"R.{row}{column}", "1", 1.0, group="attitude")
+        for row in "xyz"
+        for column in "xyz"
     )
+    return spins + attitude + matrix_entries
 
 
 def observe(trajectory: Trajectory) -> dict[str, Array]:
-    """The quantities of body 0; the attitude with w >= 0."""
+    """The quantities of body 0, each (T,): attitude with w >= 0, omega in both axes, R."""
     attitude = trajectory.attitude[:, 0]
     omega = trajectory.omega[:, 0]
-    upright = attitude * np.where(attitude[:, :1] < 0, -1.0, 1.0)
-    seen = {f"attitude.{axis}": upright[:, i] for i, axis in enumerate("wxyz")}
-    for name, vectors in (("omega_body", rotated(conjugate(attitude), omega)), ("omega", omega)):
-        seen |= {f"{name}.{axis}": vectors[:, i] for i, axis in enumerate("xyz")}
-    turned = matrix(attitude)
+    # q and -q are the same attitude.
+    positive_w = attitude * np.where(attitude[:, :1] < 0, -1.0, 1.0)
+    observed = {f"attitude.{axis}": positive_w[:, i] for i, axis in enumerate("wxyz")}
+    # omega_body = q* omega q.
+    omega_body = rotated(conjugate(attitude), omega)
+    observed |= {f"omega_body.{axis}": omega_body[:, i] for i, axis in enumerate("xyz")}
+    observed |= {f"omega.{axis}": omega[:, i] for i, axis in enumerate("xyz")}
+    rotation = matrix(attitude)
     for i, row in enumerate("xyz"):
         for j, column in enumerate("xyz"):
-            seen[f"R.{row}{column}"] = turned[:, i, j]
-    return seen
+            observed[f"R.{row}{column}"] = rotation[:, i, j]
+    return observed

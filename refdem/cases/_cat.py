@@ -1,4 +1,4 @@
-"""A cat's head of our own drawing, in the plane of a place and its rate."""
+"""A cat's head of our own drawing, in the phase plane (x, v): the outline that flows carry."""
 
 from fractions import Fraction
 
@@ -24,12 +24,12 @@ HEAD = (
     (0, -13),
     (7, -11),
 )
-"""Corners against the clock, in sixteenths of the size: cheeks, ears, chin."""
+"""Corners (a, b), counter-clockwise, in sixteenths of `size`: cheeks, ears, chin."""
 SIXTEEN = 16
 
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
-    """Position and velocity of every corner of the outline, exact."""
+    """The exact (x, v) of every corner: centre + size (a, b)/16."""
     size = p["size"]
     centre = p["centre"]
     assert isinstance(size, Fraction)
@@ -38,21 +38,22 @@ def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
 
 
 def points(p: Parameters) -> Array:
-    """Place and rate (M, 2) of points evenly along every side.
+    """Points (M, 2) of the outline, (x, v) each, evenly along every side from its first corner on.
 
-    M is the next multiple of four times the number of sides.
+    M is at least the parameter `points`: every side has the same number of them, a multiple of 4.
     """
-    ends = np.array([[float(x) for x in corner] for corner in corners(p)])
-    each = 4 * int(np.ceil(p.points / (4 * len(ends))))
-    along = np.arange(each)[:, None] / each
+    starts = np.array([[float(x) for x in corner] for corner in corners(p)])
+    ends = np.roll(starts, -1, axis=0)
+    per_side = 4 * int(np.ceil(p.points / (4 * len(starts))))
+    fraction = np.arange(per_side)[:, None] / per_side
     sides = [
-        (1 - along) * a + along * b for a, b in zip(ends, np.roll(ends, -1, axis=0), strict=True)
+        (1 - fraction) * start + fraction * end for start, end in zip(starts, ends, strict=True)
     ]
     return np.concatenate(sides)
 
 
 def refuse_crossing(p: Parameters) -> None:
-    """Raises UsageError for a head of which only a part has passed a turning point."""
+    """Raises UsageError, under dry friction, for a head that has corners on both sides of v = 0."""
     rates = [v for _, v in corners(p)]
     if p.flow == "coulomb" and not (min(rates) > 0 or max(rates) < 0):
         raise UsageError(

@@ -1,5 +1,8 @@
-"""What the collision of two spheres needs: parameters, geometry and signs, and how long the contact
-lasts.
+"""The collision of two spheres under the linear contact law: parameters, scene and scales.
+
+With the effective mass m = m1 m2/(m1 + m2), stiffness k and dashpot c the overlap d obeys
+
+    m d'' + c d' + k d = 0,   b = c/(2 m),   w0 = sqrt(k/m),   w = sqrt(|w0^2 - b^2|).
 """
 
 import numpy as np
@@ -66,8 +69,8 @@ PARAMETERS = (
     ),
 )
 POSITIONS_ARE_ROUNDED = 1 / 8
-"""A position near R is rounded to u R; round-off is judged as 8 u L, so that L must not be below
-R/8.
+"""The least length scale in units of R: a position near R is rounded by u R, and round-off is
+judged as 8 u L, so that L must not be below R/8.
 """
 
 
@@ -77,7 +80,7 @@ def effective_mass(p: Parameters) -> float:
 
 
 def duration(p: Parameters) -> float | None:
-    """How long the contact lasts [s], for either cut-off.
+    """Duration [s] of the contact, which ends with the overlap or with the force (`cutoff`).
 
     None for an over-damped overlap, which never ends.
     """
@@ -89,7 +92,7 @@ def duration(p: Parameters) -> float | None:
         if b < w0:
             return float(np.pi / w)
         return None
-    # The force ends where tan(w t/2) = w/b, or tanh of it.
+    # The force k d + c d' ends where tan(w t/2) = w/b, or tanh(w t/2) = w/b if over-damped.
     if b == w0:
         return float(2 / w0)
     if b < w0:
@@ -99,6 +102,7 @@ def duration(p: Parameters) -> float | None:
 
 def refuse(p: Parameters) -> None:
     """Raises UsageError for spheres so soft or so fast that their centres could meet."""
+    # The overlap of an undamped head-on collision, m v^2/2 = k d^2/2.
     deepest = p.closing_speed * np.sqrt(effective_mass(p) / p.stiffness)
     if deepest >= p.radii.sum():
         raise UsageError(
@@ -110,12 +114,14 @@ def refuse(p: Parameters) -> None:
 
 def scene(p: Parameters) -> Scene:
     """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
-    share = p.masses[::-1] / p.masses.sum()
-    gap = p.radii.sum()
-    approach = p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
-    columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
+    # With the centre of mass at rest at the origin, sphere 1 has the part m2/(m1 + m2) of the
+    # relative position and velocity, and sphere 2 the part m1/(m1 + m2).
+    shares = p.masses[::-1] / p.masses.sum()
+    distance = p.radii.sum()
+    relative_velocity = p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
+    columns = zip(p.masses, p.radii, shares, (1.0, -1.0), p.spins, strict=True)
     bodies = []
-    for mass, radius, part, sign, spin in columns:
+    for mass, radius, share, sign, spin in columns:
         # J = 2/5 m R^2.
         moment = 0.4 * mass * radius * radius
         body = Body(
@@ -123,8 +129,8 @@ def scene(p: Parameters) -> Scene:
             inertia=(moment, moment, moment),
             shape=Sphere(radius=float(radius)),
             omega=tuple(spin),
-            position=(-sign * part * gap, 0.0, 0.0),
-            velocity=tuple(sign * part * approach),
+            position=(-sign * share * distance, 0.0, 0.0),
+            velocity=tuple(sign * share * relative_velocity),
         )
         bodies.append(body)
     numbers = {
@@ -135,33 +141,38 @@ def scene(p: Parameters) -> Scene:
 
 
 def scales(p: Parameters) -> Scales:
-    """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an
-    over-damped one's m/c; two contacts.
+    """Scales of the collision; it lasts two contact durations.
+
+    tau is the least of contact duration/pi and the fastest rate of the free overlap: 1/w0, or m/c
+    if over-damped. L is the way at the closing speed in tau, but at least R/8.
     """
-    lasts = duration(p)
-    swing = np.sqrt(effective_mass(p) / p.stiffness)
+    mass = effective_mass(p)
+    contact_time = duration(p)
+    oscillation = np.sqrt(mass / p.stiffness)
     if p.damping:
-        relaxation = effective_mass(p) / p.damping
+        relaxation = mass / p.damping
     else:
         relaxation = np.inf
-    if lasts:
-        contact = lasts / np.pi
+    if contact_time:
+        half_period = contact_time / np.pi
+        lasts = 2 * contact_time
     else:
-        contact = np.inf
-    if relaxation > swing / 2:
-        fastest = swing
+        half_period = np.inf
+    # c < 2 sqrt(k m), less than critical damping, is m/c > sqrt(m/k)/2.
+    is_underdamped = relaxation > oscillation / 2
+    if is_underdamped:
+        fastest = oscillation
     else:
         fastest = relaxation
-    tau = float(min(contact, fastest))
+    tau = float(min(half_period, fastest))
+    if not contact_time:
+        lasts = 2 * np.pi * tau
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
-    return Scales(
-        length=length,
-        tau=tau,
-        duration=2 * lasts if lasts else 2 * np.pi * tau,
-        mass=effective_mass(p),
-    )
+    return Scales(length=length, tau=tau, duration=lasts, mass=mass)
 
 
 def spin_scale(p: Parameters) -> float:
-    """The largest spin, or that of rolling at the closing speed [rad/s]."""
-    return float(max(np.linalg.norm(p.spins, axis=1).max(), p.closing_speed / p.radii.min()))
+    """The larger of the largest spin and the spin v/R of rolling at the closing speed [rad/s]."""
+    largest_spin = np.linalg.norm(p.spins, axis=1).max()
+    rolling = p.closing_speed / p.radii.min()
+    return float(max(largest_spin, rolling))

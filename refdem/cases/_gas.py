@@ -1,6 +1,4 @@
-"""What a gas is: its parameters, how large its box is, what bounds it, and the law by which spheres
-meet.
-"""
+"""The granular gas: its parameters, the size and the walls of its box, and the contact law."""
 
 import numpy as np
 
@@ -66,50 +64,53 @@ def edge(p: Parameters) -> float:
 
 
 def refuse(p: Parameters) -> None:
-    """Raises UsageError for a box too full for a gas, or so small that a sphere would meet two
-    images of another.
+    """Raises UsageError for a box too full for a gas, or so small that a sphere would touch two
+    periodic images of another one.
     """
+    edge_in_diameters = edge(p) / p.diameter
     if p.density * p.diameter**3 > 0.3 or edge(p) < 2.6 * p.diameter:
-        told = f"{p.density:g} 1/m^3, {edge(p) / p.diameter:.3g} diameters an edge"
         raise UsageError(
-            f"parameter density: got {told}; expected density diameter^3 <= 0.3, and an edge of at"
-            " least 2.6 diameters"
+            f"parameter density: got {p.density:g} 1/m^3, {edge_in_diameters:.3g} diameters an"
+            " edge; expected density diameter^3 <= 0.3, and an edge of at least 2.6 diameters"
         )
 
 
-def bounds(size: float, *, periodic: bool) -> list[Element]:
-    """A periodic box, or six walls that look inwards, at 0 and `size` [m]."""
+def bounds(edge_length: float, *, periodic: bool) -> list[Element]:
+    """The boundary of the cube [0, edge_length]^3 [m]: a periodic box, or six walls with inward
+    normals.
+    """
     if periodic:
-        return [PeriodicBox(size=size)]
+        return [PeriodicBox(size=edge_length)]
     walls: list[Element] = []
     for axis in range(3):
-        for side, sign in ((0.0, 1.0), (size, -1.0)):
+        for coordinate, sign in ((0.0, 1.0), (edge_length, -1.0)):
             x, y, z = (sign * (k == axis) for k in range(3))
-            walls.append(Plane(point=(side, side, side), normal=(x, y, z)))
+            point = (coordinate, coordinate, coordinate)
+            walls.append(Plane(point=point, normal=(x, y, z)))
     return walls
 
 
 IN_TUNE = 2 / 7
-"""Tangential over normal stiffness: a homogeneous sphere that sticks then swings back sideways in
-the time in which it swings back.
+"""Tangential over normal stiffness at which both springs of a homogeneous sphere that sticks have
+the same period: its tangential effective mass is 2/7 of the normal one.
 """
 
 
-def law(mass: float, lasts: float, restitution: float, friction: float = 0.0) -> Contact:
-    """Linear contact of two bodies of `mass` [kg] that lasts t_c = `lasts` [s] and gives back e =
-    `restitution`.
+def law(mass: float, contact_time: float, restitution: float, friction: float = 0.0) -> Contact:
+    """Linear contact law of two bodies of `mass` [kg] with duration t_c = `contact_time` [s] and
+    restitution e.
 
     k = m_eff (pi^2 + ln^2 e)/t_c^2 and c = -2 m_eff ln e/t_c with m_eff = m/2. At a wall, where
-    m_eff is m, e is higher. With friction a tangential spring has 2/7 of m_eff pi^2/t_c^2: spheres
-    that never slide give back all of their slip, turned round.
+    m_eff is m, e is higher. With friction there is a tangential spring of 2/7 m_eff pi^2/t_c^2, by
+    which spheres that never slide leave with their slip reversed.
     """
     loss = -float(np.log(restitution))
-    k = mass / 2 * (np.pi**2 + loss**2) / lasts**2
-    c = mass * loss / lasts
+    k = mass / 2 * (np.pi**2 + loss**2) / contact_time**2
+    c = mass * loss / contact_time
     if friction:
-        sideways = IN_TUNE * mass / 2 * float(np.pi / lasts) ** 2
+        tangential = IN_TUNE * mass / 2 * float(np.pi / contact_time) ** 2
     else:
-        sideways = 0.0
+        tangential = 0.0
     return Contact(
-        law="linear", stiffness=k, damping=c, friction=friction, tangential_stiffness=sideways
+        law="linear", stiffness=k, damping=c, friction=friction, tangential_stiffness=tangential
     )

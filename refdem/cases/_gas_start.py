@@ -1,5 +1,5 @@
-"""How a gas begins: places without overlap and Maxwell's velocities, both from numpy's PCG64 and
-the seed, momentum exactly zero.
+"""The initial state of a gas: positions without overlap, Maxwell's velocities, momentum exactly
+zero; both drawn from numpy's PCG64 with the seed.
 """
 
 import numpy as np
@@ -13,32 +13,41 @@ from refdem.scene.bodies import Bodies
 Array = NDArray[np.float64]
 
 TRIES = 1000
-"""Rounds in which those that overlap are put elsewhere; each leaves about 8 times the packing
-fraction of them.
+"""Rounds in which overlapping spheres are drawn anew; each leaves a fraction of them that is about
+8 times the packing fraction.
 """
 GRID = 2.0**-40
-"""Of a power of two near the thermal speed: velocities are whole multiples, so that sums of up to
-1e6 of them are exact.
+"""Spacing of the velocities in units of a power of two near the thermal speed: they are whole
+multiples of it, so that sums of up to 1e6 of them are exact.
 """
 
 
 def places(
-    rng: np.random.Generator, n: int, diameter: float, size: float, *, periodic: bool
+    rng: np.random.Generator, n: int, diameter: float, edge: float, *, periodic: bool
 ) -> Array:
-    """Positions (N, 3) [m] in a box from 0 to `size`: uniform, put anew while a sphere overlaps one
-    of a lower number.
+    """Positions (N, 3) [m] in the cube [0, edge]^3: uniform, and drawn anew for a sphere that
+    overlaps one of a lower number, until none does.
 
     Raises UsageError for a box that is too full for that.
     """
-    low, high = (0.0, size) if periodic else (diameter / 2, size - diameter / 2)
-    found = rng.uniform(low, high, (n, 3))
-    again = None
+    if periodic:
+        low = 0.0
+        high = edge
+        period = edge
+    else:
+        # A sphere keeps its radius from the walls.
+        low = diameter / 2
+        high = edge - diameter / 2
+        period = 0.0
+    position = rng.uniform(low, high, (n, 3))
+    # Only spheres drawn in the last round can overlap anew; None looks at all of them.
+    redrawn = None
     for _ in range(TRIES):
-        i, j = near_pairs(found, diameter * (1 + 1e-9), size if periodic else 0.0, again)
+        i, j = near_pairs(position, diameter * (1 + 1e-9), period, redrawn)
         if not len(i):
-            return found
-        again = np.unique(np.maximum(i, j))
-        found[again] = rng.uniform(low, high, (len(again), 3))
+            return position
+        redrawn = np.unique(np.maximum(i, j))
+        position[redrawn] = rng.uniform(low, high, (len(redrawn), 3))
     raise UsageError(
         f"parameter density: {n} spheres found no place without overlap after {TRIES} rounds;"
         " expected a gas that is less dense"
@@ -46,26 +55,30 @@ def places(
 
 
 def velocities(rng: np.random.Generator, n: int, mean_square: float) -> Array:
-    """Velocities (N, 3) [m/s], Gaussian, with sum exactly zero and sum of squares 3 (N - 1)
-    `mean_square`, to 1e-11.
+    """Gaussian velocities (N, 3) [m/s] whose sum is exactly zero.
+
+    Their sum of squares is 3 (N - 1) `mean_square` [m^2/s^2] to 1e-11.
     """
     speed = np.sqrt(mean_square)
     drawn = rng.standard_normal((n, 3))
     drawn -= drawn.mean(axis=0)
     drawn *= speed * np.sqrt(3 * (n - 1) / np.sum(drawn * drawn))
+    # Rounded to whole multiples of a grid, the velocities have an exact sum. What is left of it is
+    # taken off in equal parts, and its remainder by one unit from each of the first bodies.
     grid = GRID * 2.0 ** np.ceil(np.log2(speed))
-    whole = np.round(drawn / grid)
+    multiples = np.round(drawn / grid)
     for axis in range(3):
-        left = int(whole[:, axis].sum())
-        whole[: abs(left) % n, axis] -= np.sign(left)
-        whole[:, axis] -= np.sign(left) * (abs(left) // n)
-    velocity: Array = whole * grid
+        total = int(multiples[:, axis].sum())
+        multiples[: abs(total) % n, axis] -= np.sign(total)
+        multiples[:, axis] -= np.sign(total) * (abs(total) // n)
+    velocity: Array = multiples * grid
     return velocity
 
 
 def bodies(position: Array, velocity: Array, mass: float, diameter: float) -> Bodies:
-    """Equal homogeneous spheres at rest in rotation, as columns."""
+    """Equal homogeneous spheres, which do not spin, at these positions and velocities (N, 3)."""
     n = len(position)
+    # J = 2/5 m R^2 = m D^2/10.
     moment = mass * diameter**2 / 10
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     columns = {

@@ -1,4 +1,6 @@
-"""What the oscillators on a line share: mass on a spring to the origin, x and v."""
+"""What the oscillators on a line share: a mass m on a spring k to the origin, with x and v along
+the x axis; w0 = sqrt(k/m).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,29 +33,34 @@ def scene(p: Parameters, *elements: Element) -> Scene:
 
 
 def scales(p: Parameters, shift: float = 0.0) -> Scales:
-    """tau = sqrt(m/k); the length is the amplitude about `shift` [m], and the shift itself."""
+    """Scales of the free motion about the equilibrium x = `shift` [m]; T = 20 tau.
+
+    tau = 1/w0 = sqrt(m/k); L = amplitude + |shift|, amplitude^2 = (x0 - shift)^2 + (v0/w0)^2.
+    """
     tau = float(np.sqrt(p.mass / p.stiffness))
-    return Scales(
-        length=float(np.hypot(p.x0 - shift, p.v0 * tau)) + abs(shift),
-        tau=tau,
-        duration=20 * tau,
-        mass=p.mass,
-    )
+    amplitude = float(np.hypot(p.x0 - shift, p.v0 * tau))
+    return Scales(length=amplitude + abs(shift), tau=tau, duration=20 * tau, mass=p.mass)
 
 
 def damped_rate(square: float, delta: float) -> float:
-    """1/tau [1/s]: w0, or above critical damping the rate of the faster decay; `square` is w0^2."""
-    return float(max(np.sqrt(square), delta + np.sqrt(max(0.0, delta**2 - square))))
+    """1/tau [1/s] of x'' + 2 delta x' + w0^2 x = 0: w0, or, above critical damping, the rate of the
+    faster decay, delta + sqrt(delta^2 - w0^2); `square` is w0^2 [1/s^2].
+    """
+    faster_decay = delta + np.sqrt(max(0.0, delta**2 - square))
+    return float(max(np.sqrt(square), faster_decay))
 
 
 def refuse_nothing(length: float, *names: str) -> None:
-    """Raises UsageError if nothing would ever move and there is no length to compare with."""
+    """Raises UsageError for a length scale of 0: nothing would ever move.
+
+    `names` is the parameter to blame; x0 and v0 without one.
+    """
     if not length > 0:
         if names:
-            told = f"parameter {names[0]}: got 0"
+            blamed = f"parameter {names[0]}: got 0"
         else:
-            told = "parameters x0 and v0: got 0 and 0"
-        raise UsageError(f"{told}; expected a start at which something moves")
+            blamed = "parameters x0 and v0: got 0 and 0"
+        raise UsageError(f"{blamed}; expected a start at which something moves")
 
 
 def quantities(s: Scales) -> tuple[Quantity, ...]:

@@ -1,5 +1,10 @@
-"""What the oscillators of 1 kg with a square or a cube in their spring share: scene, scales, and
-when they escape.
+"""What the oscillators of 1 kg with a quadratic or cubic term in their spring share.
+
+    x'' + 2 delta x' + alpha x + beta x^3 = f0 cos(w t)      (Duffing)
+    x'' + 2 delta x' + w0^2 x + eps x^2 = f0 cos(w t)        (quadratic response)
+
+An undamped motion without drive has the energy E = v^2/2 + alpha x^2/2 + beta x^4/4, or v^2/2 +
+w0^2 x^2/2 + eps x^3/3; it is bounded inside the well, whose rim is the potential's maximum.
 """
 
 from fractions import Fraction
@@ -26,8 +31,10 @@ ESCAPE = (
 
 
 def scene(p: Parameters, stiffness: float, *elements: Element, **spring: Any) -> Scene:
-    """A point on the x axis, a spring at rest at the origin (anchored at -length), a dashpot beside
-    it, and what else acts.
+    """A point on the x axis, its spring, a dashpot where there is damping, and other elements.
+
+    The spring has its natural `length` when the point is at the origin: it is anchored at x =
+    -length. `spring` are its other fields.
     """
     anchor = (-spring.get("length", 0.0), 0.0, 0.0)
     point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
@@ -35,16 +42,17 @@ def scene(p: Parameters, stiffness: float, *elements: Element, **spring: Any) ->
         dashpot = [Dashpot(a=0, anchor_b=anchor, damping=2 * p.delta)]
     else:
         dashpot = []
-    return Scene.of(
-        [point], [Spring(a=0, anchor_b=anchor, stiffness=stiffness, **spring), *dashpot, *elements]
-    )
+    restoring = Spring(a=0, anchor_b=anchor, stiffness=stiffness, **spring)
+    return Scene.of([point], [restoring, *dashpot, *elements])
 
 
 def scales(
     p: Parameters, stiffness: float, length: float, curvature: float, *drives: float
 ) -> Scales:
-    """tau from the largest stiffness |stiffness| + curvature [1/s^2] per mass, the damping and the
-    drives.
+    """Scales with tau = 1/(largest rate): of the spring, the damping, and the `drives` [rad/s].
+
+    The spring's rate is sqrt(|stiffness| + |curvature|), the linear part and the largest change of
+    it on the way, each per mass [1/s^2].
     """
     square = abs(stiffness) + abs(curvature)
     rate = float(max(damped_rate(square, p.delta), *drives))
@@ -52,33 +60,48 @@ def scales(
 
 
 def duffing_escapes(p: Parameters, x0: Any, v0: Any = Fraction(0)) -> bool:
-    """The motion from there, without damping and drive, is not bounded: exactly, at or beyond the
-    rim of the well.
+    """True if Duffing's motion from x0, v0 without damping and drive is unbounded.
+
+    Decided in exact numbers. With alpha > 0 > beta the rim of the well is at x^2 = -alpha/beta,
+    with the energy -alpha^2/(4 beta); a start at or beyond it escapes.
     """
     alpha: Any = p["alpha"]
     beta: Any = p["beta"]
-    if beta > 0 or (beta == 0 and alpha > 0):
+    rises_at_infinity = beta > 0 or (beta == 0 and alpha > 0)
+    if rises_at_infinity:
         return False
-    if alpha <= 0:
+    has_no_well = alpha <= 0
+    if has_no_well:
         return True
     energy = v0**2 / 2 + (alpha + beta * x0**2 / 2) * x0**2 / 2
-    return bool(x0**2 >= -alpha / beta or 4 * -beta * energy >= alpha**2)
+    is_outside = x0**2 >= -alpha / beta
+    is_above_rim = 4 * -beta * energy >= alpha**2
+    return bool(is_outside or is_above_rim)
 
 
 def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
-    """The motion under -w0^2 x - eps x^2 is not bounded: exactly, at or beyond the rim x =
-    -w0^2/eps of the well.
+    """True if the motion x'' = -w0^2 x - eps x^2 from x0, v0 is unbounded.
+
+    Decided in exact numbers. The rim of the well is at x = -w0^2/eps, with the energy w0^6/(6
+    eps^2); a start at or beyond it escapes.
     """
     energy = v0**2 / 2 + w0**2 * x0**2 / 2 + eps * x0**3 / 3
-    return bool(eps * x0 <= -(w0**2) or 6 * eps**2 * energy >= w0**6)
+    is_outside = eps * x0 <= -(w0**2)
+    is_above_rim = 6 * eps**2 * energy >= w0**6
+    return bool(is_outside or is_above_rim)
 
 
 def duffing_reach(p: Parameters) -> float:
-    """The farther turning point [m] of the motion from x0, v0 without damping and drive."""
+    """The farther turning point [m] of Duffing's motion from x0, v0 without damping and drive.
+
+    There v = 0, E = alpha x^2/2 + beta x^4/4, so that x^2 = (sqrt(alpha^2 + 4 beta E) - alpha)/beta
+    = 4 E/(alpha + sqrt(alpha^2 + 4 beta E)).
+    """
     alpha = p.alpha
     beta = p.beta
     energy = (p.v0**2 + alpha * p.x0**2 + beta * p.x0**4 / 2) / 2
     root = np.sqrt(max(0.0, alpha**2 + 4 * beta * energy))
+    # Of the two forms the one without cancellation; the first also holds for beta = 0.
     if alpha > 0:
         square = 4 * energy / (alpha + root)
     else:
@@ -87,16 +110,20 @@ def duffing_reach(p: Parameters) -> float:
 
 
 def balanced_amplitude(p: Parameters) -> float:
-    """The largest amplitude [m] that harmonic balance has for the drive (1.120).
+    """The largest amplitude [m] of the driven motion by harmonic balance (1.120).
 
-    With beta < 0 no more than the rim of the well; without damping and beta no more than grows in
-    20 shortest times.
+    With beta < 0 it is at most the rim sqrt(-alpha/beta) of the well. With beta = 0 it is the
+    steady amplitude f0/sqrt((alpha - w^2)^2 + 4 delta^2 w^2), but near resonance at most what grows
+    in 20 shortest times.
     """
     alpha = p.alpha
     beta = p.beta
     if beta == 0:
-        drag = np.hypot(alpha - p.drive**2, 2 * p.delta * p.drive)
-        return float(abs(p.f0) / max(drag, np.sqrt(alpha) * max(np.sqrt(alpha), p.drive) / 10))
+        w0 = np.sqrt(alpha)
+        steady = np.hypot(alpha - p.drive**2, 2 * p.delta * p.drive)
+        # f0 t/(2 w0) after t = 20 tau, 1/tau = max(w0, w).
+        growing = w0 * max(w0, p.drive) / 10
+        return float(abs(p.f0) / max(steady, growing))
     largest = response.balanced_amplitude(p.drive, alpha, beta, p.delta, p.f0)
     if beta > 0:
         return largest

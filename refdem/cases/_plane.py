@@ -10,10 +10,12 @@ Array = NDArray[np.float64]
 
 
 def quantities(length: float, speed: float) -> tuple[Quantity, ...]:
-    """Place and velocity, on the scales [m] and [m/s]."""
-    kinds = (("", "m", length), ("v", "m/s", speed))
-    return tuple(
-        Quantity(f"{kind}{axis}", unit, size) for kind, unit, size in kinds for axis in "xy"
+    """The quantities x, y and vx, vy on the scales `length` [m] and `speed` [m/s]."""
+    return (
+        Quantity("x", "m", length),
+        Quantity("y", "m", length),
+        Quantity("vx", "m/s", speed),
+        Quantity("vy", "m/s", speed),
     )
 
 

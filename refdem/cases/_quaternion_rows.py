@@ -99,9 +99,10 @@ RATES = (
 
 
 def sizes(p: Parameters) -> dict[str, float]:
-    """The size of each result by name: products of the sizes of what is multiplied.
+    """The magnitude of each result by name; that of a product is the product of the magnitudes.
 
-    A rotation moves its vector by twice an error of u, two rotations by four times.
+    An error of u changes the rotated vector u v u* by twice as much, and two rotations by four
+    times as much.
     """
     a = _size(p.p)
     b = _size(p.q)
@@ -109,19 +110,19 @@ def sizes(p: Parameters) -> dict[str, float]:
     v = _size(p.vector)
     omega = _size(p.omega)
     rise = _size(p.rise)
-    found = dict.fromkeys(PRODUCTS, a * b)
-    found |= dict.fromkeys(("sum", "conjugate-of-sum"), a + b)
-    found |= dict.fromkeys(("absolute", "complex-eigenvalue"), b)
-    found["q-r"] = b * c
-    found |= dict.fromkeys(("left", "right"), a * b * c)
-    found["inverse"] = 1 / b
-    found |= dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v)
-    found["rotated-twice"] = 4 * v
-    found |= dict.fromkeys(RATES, omega)
+    magnitudes = dict.fromkeys(PRODUCTS, a * b)
+    magnitudes |= dict.fromkeys(("sum", "conjugate-of-sum"), a + b)
+    magnitudes |= dict.fromkeys(("absolute", "complex-eigenvalue"), b)
+    magnitudes["q-r"] = b * c
+    magnitudes |= dict.fromkeys(("left", "right"), a * b * c)
+    magnitudes["inverse"] = 1 / b
+    magnitudes |= dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v)
+    magnitudes["rotated-twice"] = 4 * v
+    magnitudes |= dict.fromkeys(RATES, omega)
     # u'' = (rise u)/2 - omega^2 u/4.
-    found["second-rate"] = rise + omega * omega
-    found["euler"] = float(np.pi) * steepness(p)
-    return found
+    magnitudes["second-rate"] = rise + omega * omega
+    magnitudes["euler"] = float(np.pi) * steepness(p)
+    return magnitudes
 
 
 def _size(value: Any) -> float:
@@ -130,6 +131,10 @@ def _size(value: Any) -> float:
 
 
 def steepness(p: Parameters) -> float:
-    """How much steeper Euler angles are than the attitude: 1/sin theta."""
+    """The factor 1/sin theta by which Euler angles z-x-z change faster than the attitude.
+
+    For a unit quaternion sin(theta/2) = |(x, y)| and cos(theta/2) = |(w, z)|.
+    """
     w, x, y, z = p.q / np.linalg.norm(p.q)
-    return float(1 / max(1e-100, 2 * np.hypot(x, y) * np.hypot(w, z)))
+    sine = 2 * np.hypot(x, y) * np.hypot(w, z)
+    return float(1 / max(1e-100, sine))

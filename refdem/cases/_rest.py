@@ -1,4 +1,4 @@
-"""The scenes of Newton's first law.
+"""The scenes of Newton's first law: a free body, a block, a stack of two, and two spheres.
 
 All numbers are dyadic, so that every balance of forces is exact in binary64.
 """
@@ -41,6 +41,7 @@ def free(velocity: Array, spin: float) -> Scene:
 
 
 def _ground(contact: Contact) -> tuple[Element, ...]:
+    """The ground z = 0, gravity along -z, and the contact law."""
     return Plane(), UniformGravity(g=(0.0, 0.0, -float(GRAVITY))), contact
 
 
@@ -98,25 +99,28 @@ def spheres() -> Scene:
 
 
 def balance(member: str) -> dict[str, Any]:
-    """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their
-    centres, and how far these may come.
+    """The exact numbers of the balance of bodies on each other, with which a witness starts.
+
+    `weight` of each [N], `stiffness` of the contacts [N/m] (0: rigid), `heights` of the centres
+    [m], and `sizes`: the distances [m] below which a body touches the one below it, the ground
+    first.
     """
-    places = heights(member)
-    are_spheres = member == "spheres"
-    if are_spheres:
+    centres = heights(member)
+    if member == "spheres":
         half = RADIUS
-    else:
-        half = HEIGHT / 2
-    if are_spheres:
         mass = BALL_MASS
-    else:
-        mass = MASS
-    if are_spheres:
         stiffness = STIFFNESS
     else:
+        half = HEIGHT / 2
+        mass = MASS
         stiffness = Fraction(0)
-    sizes = [half, *[2 * half] * (len(places) - 1)]
-    return {"stiffness": stiffness, "sizes": sizes, "heights": places, "weight": mass * GRAVITY}
+    distances = [half, *[2 * half] * (len(centres) - 1)]
+    return {
+        "stiffness": stiffness,
+        "sizes": distances,
+        "heights": centres,
+        "weight": mass * GRAVITY,
+    }
 
 
 BLOCKS = {"block": 1, "stack": 2}

@@ -18,11 +18,11 @@ PRODUCTS: tuple[tuple[str, str, str], ...] = (
 
 def rows(p: Parameters) -> list[Row]:
     """All operations: rotations in the plane, products of rotations, Euler angles, energies."""
-    turns: list[Row] = []
+    rotations: list[Row] = []
     for axis, unit in (("x", X), ("y", Y), ("z", Z)):
         for degrees in (90, -90, 180):
             radians = float(np.radians(degrees))
-            turns.append((f"{axis}{degrees:+d}", "turn-about", [unit, [radians]]))
+            rotations.append((f"{axis}{degrees:+d}", "turn-about", [unit, [radians]]))
     products: list[Row] = [
         (name, "matrix-product", [first, second]) for name, first, second in PRODUCTS
     ]
@@ -31,7 +31,7 @@ def rows(p: Parameters) -> list[Row]:
         ("globe-angle", "turn-angle", ["globe"]),
         ("globe-determinant", "determinant", ["globe"]),
     ]
-    return _plane_rows(p) + turns + products + globe + _euler_rows(p) + _energy_rows(p)
+    return _plane_rows(p) + rotations + products + globe + _euler_rows(p) + _energy_rows(p)
 
 
 def _plane_rows(p: Parameters) -> list[Row]:
@@ -76,7 +76,7 @@ def _energy_rows(p: Parameters) -> list[Row]:
 
 
 def sizes(p: Parameters) -> dict[str, float]:
-    """Vectors, rates and energies have sizes of their own."""
+    """The magnitudes of vectors, rates and energies by name of their row; the others have 1."""
     omega = float(np.linalg.norm(p.omega))
     v = float(np.linalg.norm(p.vector))
     # Euler angles are steeper than the attitude by 1/sin theta.

@@ -13,21 +13,24 @@ SIDES = (2.0, 0.25, 2.0)
 
 
 def tilt(p: Parameters) -> tuple[float, float]:
-    """Sine and cosine of the angle, which is given by itself or by its tangent."""
+    """Sine and cosine of the slope's angle, from the parameter `angle` or from its tangent `slope`.
+
+    With s = tan(angle): sin = s/sqrt(1 + s^2), cos = 1/sqrt(1 + s^2).
+    """
     if p.angle is not None:
         return float(np.sin(p.angle)), float(np.cos(p.angle))
-    return p.slope / float(np.hypot(1, p.slope)), 1 / float(np.hypot(1, p.slope))
+    hypotenuse = float(np.hypot(1, p.slope))
+    return p.slope / hypotenuse, 1 / hypotenuse
 
 
 def scene(p: Parameters) -> Scene:
     """The block flat on the plane y = 0."""
     sine, cosine = tilt(p)
+    # J_x = m/12 (b^2 + c^2) for the sides a, b, c, and so on.
     squares = np.square(SIDES)
     x, y, z = (p.mass / 12 * (squares.sum() - squares)).tolist()
-    block = Body(
-        mass=p.mass, inertia=(x, y, z), position=(0.0, SIDES[1] / 2, 0.0), shape=box(*SIDES)
-    )
+    height = SIDES[1]
+    block = Body(mass=p.mass, inertia=(x, y, z), position=(0.0, height / 2, 0.0), shape=box(*SIDES))
     gravity = UniformGravity(g=(p.gravity * sine, -p.gravity * cosine, 0.0))
-    return Scene.of(
-        [block], [Plane(normal=(0.0, 1.0, 0.0)), gravity, Contact(law="rigid", friction=p.friction)]
-    )
+    contact = Contact(law="rigid", friction=p.friction)
+    return Scene.of([block], [Plane(normal=(0.0, 1.0, 0.0)), gravity, contact])

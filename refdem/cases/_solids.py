@@ -1,5 +1,8 @@
-"""The solids of moments-of-inertia: Table 1.1, its limits, hollow ones, plates, points, and what is
-not convex.
+"""The solids of moments-of-inertia: Table 1.1, its limits, hollow solids, plates, points, and an
+angle, which is not convex.
+
+A polyhedron is given by its vertices [m] and its faces, tuples of vertex numbers that are
+counter-clockwise as seen from outside.
 """
 
 from typing import Any
@@ -11,7 +14,9 @@ from refdem.core.statics import Cuboid, Cylinder, Ellipsoid, Piece, Points, Poly
 from refdem.scene.shapes import Polyhedron
 
 PRISM = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
-"""Faces of a prism whose ends are 0, 1, 2, counter-clockwise from above, and 3, 4, 5 above them."""
+"""Faces of a triangular prism. Its lower end has the vertices 0, 1, 2, counter-clockwise as seen
+from above, and 3, 4, 5 are above them.
+"""
 
 
 def polyhedron(vertices: Any, faces: Any) -> Polyhedron:
@@ -31,42 +36,53 @@ def pyramid(a: float, b: float, c: float) -> Polyhedron:
     return polyhedron([*base, (0.0, 0.0, c)], faces)
 
 
-def wedge(left: float, right: float, top: float, height: float, depth: float) -> Polyhedron:
-    """A prism over the triangle left .. right at z = 0 with its tip above `top`, `depth` deep along
-    y.
+def wedge(x_left: float, x_right: float, x_tip: float, height: float, depth: float) -> Polyhedron:
+    """A triangular prism along y, from -depth/2 to depth/2.
+
+    Its end has the base x_left .. x_right at z = 0 and the tip (x_tip, height) in x and z.
     """
     vertices = []
     for y in (-depth / 2, depth / 2):
-        vertices += [(left, y, 0.0), (right, y, 0.0), (top, y, height)]
-    # The ends lie along y here, which turns the faces inside out.
+        vertices += [(x_left, y, 0.0), (x_right, y, 0.0), (x_tip, y, height)]
+    # Left, right, tip are clockwise as seen from +y, so that PRISM's faces would be inside out.
     faces = [tuple(reversed(face)) for face in PRISM]
     return polyhedron(vertices, faces)
 
 
 def angle_plan(a: float, b: float) -> list[tuple[float, float]]:
-    """[0, a] [0, b] without the quarter x > a/2, y > b/2, counter-clockwise."""
+    """Corners, counter-clockwise, of an L in the x-y plane.
+
+    It is the rectangle [0, a] x [0, b] without its quarter x > a/2, y > b/2.
+    """
     return [(0.0, 0.0), (a, 0.0), (a, b / 2), (a / 2, b / 2), (a / 2, b), (0.0, b)]
 
 
 def angle(a: float, b: float, c: float) -> Polyhedron:
-    """The prism over the plan of an angle, from z = 0 to c."""
+    """The prism over an L (`angle_plan`), from z = 0 to c."""
     plan = angle_plan(a, b)
-    n = 6
-    sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    top = [(n, n + 1, n + 2, n + 3), (n, n + 3, n + 4, n + 5)]
-    floor = [tuple(i - n for i in reversed(face)) for face in top]
+    n = len(plan)
+    # Vertex i of the plan is vertex i below and vertex n + i above.
     lower = [(x, y, 0.0) for x, y in plan]
     upper = [(x, y, c) for x, y in plan]
+    # Side i stands on the edge from corner i to the next one.
+    sides = []
+    for i in range(n):
+        following = (i + 1) % n
+        sides.append((i, following, n + following, n + i))
+    # The L is cut into two quadrilaterals along the line from corner 0 to corner 3, its inner one.
+    quadrilaterals = [(0, 1, 2, 3), (0, 3, 4, 5)]
+    top = [tuple(n + i for i in face) for face in quadrilaterals]
+    floor = [tuple(reversed(face)) for face in quadrilaterals]
     return polyhedron(lower + upper, [*sides, *floor, *top])
 
 
 def solids(p: Parameters) -> list[Piece]:
-    """Every solid, by the names that truth has for it."""
+    """Every solid of the case, under the name that truth has for it."""
     a = p.a
     b = p.b
     c = p.c
     hollow = p.hollow
-    corner = polyhedron(
+    tetrahedron = polyhedron(
         [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)],
         [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)],
     )
@@ -82,41 +98,40 @@ def solids(p: Parameters) -> list[Piece]:
         "rectangular-pyramid": pyramid(a, b, c),
         "right-angle-wedge": wedge(0.0, a, 0.0, c, b),
         "isosceles-wedge": wedge(-b / 2, b / 2, 0.0, c, a),
-        "tetrahedron": corner,
+        "tetrahedron": tetrahedron,
         "angle": angle(a, b, c),
         "triangle": Polygon(vertices=((0.0, 0.0), (b, 0.0), (a, c))),
         "angle-plate": Polygon(vertices=tuple(angle_plan(a, b))),
         "points": points,
     }
-    inner: dict[str, tuple[Any, Any]] = {
+    # Name: (the outer shape, the shape that is cut out of it).
+    hollow_shapes: dict[str, tuple[Any, Any]] = {
         "hollow-cuboid": (cuboid, Cuboid(sides=(a * hollow, b * hollow, c * hollow))),
         "hollow-cylinder": (cylinder, Cylinder(half_axes=(a * hollow, a * hollow), height=c)),
     }
-    found = [Piece(name=name, shape=shape, density=p.density) for name, shape in shapes.items()]
-    found += [
-        Piece(name=name, shape=whole, hollow=part, density=p.density)
-        for name, (whole, part) in inner.items()
-    ]
+    pieces = [Piece(name=name, shape=shape, density=p.density) for name, shape in shapes.items()]
+    for name, (outer, inner) in hollow_shapes.items():
+        pieces.append(Piece(name=name, shape=outer, hollow=inner, density=p.density))
     attitude = tuple(p.attitude.tolist())
-    found.append(
-        Piece(name="turned-tetrahedron", shape=corner, density=p.density, attitude=attitude)
+    pieces.append(
+        Piece(name="turned-tetrahedron", shape=tetrahedron, density=p.density, attitude=attitude)
     )
-    edge = (a / 2, b / 2, c / 2)
-    found.append(Piece(name="cuboid-at-corner", shape=cuboid, density=p.density, about=edge))
-    return found
+    corner = (a / 2, b / 2, c / 2)
+    pieces.append(Piece(name="cuboid-at-corner", shape=cuboid, density=p.density, about=corner))
+    return pieces
 
 
 def volume(name: str, p: Parameters) -> float:
-    """About the volume [m^3] of a solid (area of a plate [m^2]), of a hollow one with its hollow:
-    the scale of its mass.
+    """The volume [m^3] of a solid (area [m^2] of a plate) to within a small factor: the scale of
+    its mass. A hollow solid counts with its hollow.
     """
-    areas = {
+    volumes = {
         "triangle": p.b * p.c / 2,
         "angle-plate": p.a * p.b * 3 / 4,
         "hollow-cylinder": np.pi * p.a**2 * p.c,
     }
-    # Parts of the cuboid a b c.
-    shares = {
+    # The volumes of the others in units of a b c.
+    fractions = {
         "tetrahedron": 1 / 6,
         "turned-tetrahedron": 1 / 6,
         "rectangular-pyramid": 1 / 3,
@@ -126,5 +141,5 @@ def volume(name: str, p: Parameters) -> float:
         "isosceles-wedge": 1 / 2,
         "angle": 3 / 4,
     }
-    share = shares.get(name, 1.0)
-    return float(areas.get(name, p.a * p.b * p.c * share))
+    fraction = fractions.get(name, 1.0)
+    return float(volumes.get(name, p.a * p.b * p.c * fraction))

@@ -15,18 +15,22 @@ def refuse_outside(p: Parameters) -> None:
     """Raises UsageError for a start that is not inside, no direction, or a stadium that is wider
     than long.
     """
-    a, b = exact(p, "size")
+    length, width = exact(p, "size")
     x, y = exact(p, "start")
-    stadium = p["geometry"] == "stadium"
+    is_stadium = p["geometry"] == "stadium"
     if not any(exact(p, "direction")):
         raise UsageError("parameter direction: got 0,0; expected a vector that is not zero")
-    if stadium and a < b:
+    if is_stadium and length < width:
         raise UsageError(
-            f"parameter size: got {a},{b}; expected a stadium at least as long as it is wide"
+            f"parameter size: got {length},{width}; expected a stadium at least as long as it is"
+            " wide"
         )
-    if stadium:
-        beyond = max(abs(x) - (a - b) / 2, Fraction(0))
-    else:
-        beyond = Fraction(0)
-    if not (2 * abs(x) < a and 4 * (beyond * beyond + y * y) < b * b):
+    # The centres of a stadium's half circles, of radius width/2, are at x = +-(length - width)/2.
+    # Beyond them a point lies inside if its distance from the centre is less than the radius.
+    beyond = Fraction(0)
+    if is_stadium:
+        beyond = max(abs(x) - (length - width) / 2, Fraction(0))
+    is_within_length = 2 * abs(x) < length
+    is_within_width = 4 * (beyond * beyond + y * y) < width * width
+    if not (is_within_length and is_within_width):
         raise UsageError(f"parameter start: got {x},{y}; expected a place inside the table")

@@ -1,6 +1,4 @@
-"""The box of case neglected-gyroscopic on its slope: parameters, scene and what does not go
-together.
-"""
+"""The box of case neglected-gyroscopic, free or on its slope: parameters, bounds and scene."""
 
 from typing import Any
 
@@ -61,9 +59,12 @@ PARAMETERS = (
 
 
 def squares(p: Parameters) -> Array:
-    """The sides (3,) squared [m^2] of the homogeneous box that has this mass and these moments."""
-    found: Array = 6 * (p.inertia.sum() - 2 * p.inertia) / p.mass
-    return found
+    """The squared sides (3,) [m^2] of the homogeneous box that has this mass and these moments.
+
+    J_x = m/12 (b^2 + c^2) and so on give a^2 = 6 (J_x + J_y + J_z - 2 J_x)/m.
+    """
+    squared_sides: Array = 6 * (p.inertia.sum() - 2 * p.inertia) / p.mass
+    return squared_sides
 
 
 def refuse(p: Parameters) -> None:
@@ -76,6 +77,7 @@ def refuse(p: Parameters) -> None:
             f"parameter inertia: got {p.texts()['inertia']}; expected that of a box: each less than"
             " the sum of the others"
         )
+    # The distance of the centre from the slope against half the diagonal of the box.
     if not p.height * np.cos(p.slope) > np.sqrt(squares(p).sum()) / 2:
         raise UsageError(
             f"parameter height: got {p.height:g} m; expected a box above the slope, however it is"
@@ -84,20 +86,21 @@ def refuse(p: Parameters) -> None:
 
 
 def scene(p: Parameters) -> Scene:
-    """The box, alone at the origin or above a slope through it: contact at its corners, no force
-    once it would pull.
+    """The box, alone at the origin, or above a slope through the origin.
+
+    On the slope there is a linear contact at its corners, which ends once its force would pull.
     """
     attitude = p.attitude / np.linalg.norm(p.attitude)
-    moving: dict[str, Any] = {
+    state: dict[str, Any] = {
         "velocity": tuple(p.velocity),
         "attitude": tuple(attitude),
         "omega": tuple(rotated(attitude, p.omega_body)),
     }
     if p.member == FREE:
-        return Scene.of([Body(mass=p.mass, inertia=tuple(p.inertia), **moving)])
+        return Scene.of([Body(mass=p.mass, inertia=tuple(p.inertia), **state)])
     shape = box(*np.sqrt(squares(p)).tolist())
     body = Body(
-        mass=p.mass, inertia=tuple(p.inertia), position=(0.0, 0.0, p.height), shape=shape, **moving
+        mass=p.mass, inertia=tuple(p.inertia), position=(0.0, 0.0, p.height), shape=shape, **state
     )
     law = {name: getattr(p, name) for name in ("stiffness", "damping", "friction")}
     contact = Contact(law="linear", branch="R", cutoff="zero_force", **law)

@@ -67,21 +67,23 @@ class AsymmetricField(Case):
         return Scene.of([point], [PiecewiseField(k1=p.k1, k2=p.k1 * p.x1 / p.x2, x1=p.x1, x2=p.x2)])
 
     def scales(self, p: Parameters) -> Scales:
-        """Width of the field; tau of its steeper flank, or the time to cross it if that is shorter;
-        there and a bit beyond.
+        """L is the width of the field or |x0|; T twice the time to cross the field.
+
+        tau is sqrt(m/k) of the steeper flank, k2 = k1 |x1|/x2, or the time of a crossing at the
+        largest speed, v^2 = v0^2 + 2 W/m with the work W = k1 |x1| (x2 - x1)/2, if that is shorter.
         """
         width = p.x2 - p.x1
-        pushed = np.sqrt(p.v0**2 - p.k1 * p.x1 * (p.x2 - p.x1) / p.mass)
-        swing = np.sqrt(p.mass / (p.k1 * max(1.0, -p.x1 / p.x2)))
-        tau = float(min(swing, width / pushed))
-        way = width + max(0.0, p.x1 - p.x0, p.x0 - p.x2)
+        largest_speed = np.sqrt(p.v0**2 - p.k1 * p.x1 * (p.x2 - p.x1) / p.mass)
+        oscillation = np.sqrt(p.mass / (p.k1 * max(1.0, -p.x1 / p.x2)))
+        tau = float(min(oscillation, width / largest_speed))
+        distance = width + max(0.0, p.x1 - p.x0, p.x0 - p.x2)
         if not p.x1 < p.x0 < p.x2:
-            slow = abs(p.v0)
+            speed = abs(p.v0)
         else:
-            slow = max(abs(p.v0), width / float(swing))
-        return Scales(
-            length=max(width, abs(p.x0)), tau=tau, duration=float(2 * way / slow), mass=p.mass
-        )
+            # A start at rest inside the field is pushed out of it.
+            speed = max(abs(p.v0), width / float(oscillation))
+        duration = float(2 * distance / speed)
+        return Scales(length=max(width, abs(p.x0)), tau=tau, duration=duration, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

@@ -78,21 +78,22 @@ class Billiards(IterationCase):
         refuse_outside(p)
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """The stadium is if it has straight walls, but for paths along an axis; rectangles and
-        circles never.
+        """True in a stadium with straight walls, False in rectangles and circles.
+
+        None for a path along an axis of the stadium, which may be regular.
         """
-        a, b = exact(p, "size")
-        if p["geometry"] == "rectangle" or a == b:
+        length, width = exact(p, "size")
+        if p["geometry"] == "rectangle" or length == width:
             return False
         return all(exact(p, "direction")) or None
 
     def problem(self, p: Parameters) -> Iteration:
         """Place and unit direction from bounce to bounce."""
-        kind: type[StadiumBilliard | RectangleBilliard] = RectangleBilliard
+        table: type[StadiumBilliard | RectangleBilliard] = RectangleBilliard
         if p.geometry == "stadium":
-            kind = StadiumBilliard
+            table = StadiumBilliard
         start = np.concatenate((p.start, p.direction / np.hypot(*p.direction)))
-        return Iteration(kind(width=p.size[0], height=p.size[1]), start, int(p.n))
+        return Iteration(table(width=p.size[0], height=p.size[1]), start, int(p.n))
 
     def scales(self, p: Parameters) -> Scales:
         """The length of the table; tau is one bounce."""
@@ -107,13 +108,13 @@ class Billiards(IterationCase):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The place [m] and the direction at every bounce that is sampled."""
-        seen: dict[str, Array] = {}
+        observed: dict[str, Array] = {}
         for name in ("position", "direction"):
             if name in trajectory.values:
                 columns = trajectory.values[name]
-                seen[f"{name}.x"] = columns[:, 0]
-                seen[f"{name}.y"] = columns[:, 1]
-        return seen
+                observed[f"{name}.x"] = columns[:, 0]
+                observed[f"{name}.y"] = columns[:, 1]
+        return observed
 
     def truth(self, p: Parameters) -> Truth:
         """Unfolding of the rectangle; the collision map of the stadium with a proven itinerary."""

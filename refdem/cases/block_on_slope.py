@@ -60,8 +60,9 @@ class BlockOnSlope(Case):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for slopes on which the block would tip."""
-        if not _slope.tilt(p)[0] < 8 * _slope.tilt(p)[1]:
+        """Raises UsageError for slopes on which the block would tip: tan(angle) = 8 or more."""
+        sine, cosine = _slope.tilt(p)
+        if not sine < 8 * cosine:
             raise UsageError(
                 f"parameter slope: got {p.slope:g}; expected less than 8, beyond which the block"
                 " tips"
@@ -77,9 +78,7 @@ class BlockOnSlope(Case):
         return Scales(length=_slope.SIDES[1], tau=fall, duration=20 * fall, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Way down the slope and speed; the scale grows with the way that a free fall would
-        take.
-        """
+        """Displacement s [m] down the slope and its rate v [m/s]."""
         s = self.scales(p)
         return Quantity("s", "m", s.length), Quantity("v", "m/s", s.speed)
 

@@ -46,14 +46,10 @@ class CoulombOscillator(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, and a slider pressed with 1 N, so that its coefficient is the friction force."""
-        return _line.scene(
-            p,
-            *(
-                [Slider(a=0, friction=p.friction_force, normal_force=1.0)]
-                if p.friction_force
-                else []
-            ),
-        )
+        friction = []
+        if p.friction_force:
+            friction.append(Slider(a=0, friction=p.friction_force, normal_force=1.0))
+        return _line.scene(p, *friction)
 
     def scales(self, p: Parameters) -> Scales:
         """The scales of the motion; its length is the amplitude at the start."""

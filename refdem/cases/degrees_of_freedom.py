@@ -45,52 +45,52 @@ class DegreesOfFreedom(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for points of which four lie in a plane, or three have a line as their
-        shadow.
+        """Raises UsageError for points that are not in general position.
+
+        No four may lie in a plane, and no three on a line once z is left out. Points span a space
+        of as many dimensions as the rank of their differences from the first one.
         """
         from refdem.mechanics.freedom import rank
 
-        space = all(
+        spans_space = all(
             rank(p.points[list(four)] - p.points[four[0]]) == 3
             for four in combinations(range(5), 4)
         )
-        if not (
-            space
-            and all(
-                rank(p.points[list(three), :2] - p.points[three[0], :2]) == 2
-                for three in combinations(range(5), 3)
-            )
-        ):
+        spans_plane = all(
+            rank(p.points[list(three), :2] - p.points[three[0], :2]) == 2
+            for three in combinations(range(5), 3)
+        )
+        if not (spans_space and spans_plane):
             raise UsageError(
                 "parameter points: expected no four of them in a plane, and no three on a line as"
                 " seen along z"
             )
 
     def rows(self, p: Parameters) -> list[Row]:
-        """Counts of complete graphs, of redundant rods, and of degenerate placements to first order
-        and for finite motions.
+        """Counts of complete graphs of 1 to 5 points, of redundant rods, and of degenerate
+        placements to first order and for finite motions.
         """
-        found: list[Row] = []
-        for size in (2, 3):
-            found += [_count(f"{size}d-{n}", size, p.points[:n, :size]) for n in range(1, 6)]
-        found += [_count(name, size, p.points[:n, :size]) for name, (size, n) in REDUNDANT.items()]
-        found.append(
-            (
-                "rod-twice",
-                "first-order-freedom",
-                [[3.0], p.points[:2].ravel().tolist(), [0.0, 1.0, 1.0, 0.0]],
-            )
-        )
-        for name, (size, n) in DEGENERATE.items():
-            flat: Any
+        rows: list[Row] = []
+        for dimension in (2, 3):
+            for n in range(1, 6):
+                rows.append(_count(f"{dimension}d-{n}", dimension, p.points[:n, :dimension]))
+        for name, (dimension, n) in REDUNDANT.items():
+            rows.append(_count(name, dimension, p.points[:n, :dimension]))
+        # The rod from point 0 to point 1, and once more from 1 to 0.
+        two_points = p.points[:2].ravel().tolist()
+        same_rod = [0.0, 1.0, 1.0, 0.0]
+        rows.append(("rod-twice", "first-order-freedom", [[3.0], two_points, same_rod]))
+        for name, (dimension, n) in DEGENERATE.items():
+            placement: Any
             if "coplanar" in name:
-                flat = p.points[:n, :size] * (1, 1, 0)
+                placement = p.points[:n, :dimension] * (1, 1, 0)
             else:
-                flat = [x * p.points[1, :size] for x in (0.0, 1.0, 2.5)]
-            coordinates = [float(x) for point in flat for x in point]
-            found.append(_count(f"{name}-first-order", size, flat))
-            found.append((f"{name}-rigid", "rigid-freedom", [[float(size)], coordinates]))
-        return found
+                # Three points on the line through the origin and point 1.
+                placement = [x * p.points[1, :dimension] for x in (0.0, 1.0, 2.5)]
+            coordinates = [float(x) for point in placement for x in point]
+            rows.append(_count(f"{name}-first-order", dimension, placement))
+            rows.append((f"{name}-rigid", "rigid-freedom", [[float(dimension)], coordinates]))
+        return rows
 
     def truth(self, p: Parameters) -> Truth:
         """The certified numbers: ranks in rational arithmetic."""
@@ -99,15 +99,14 @@ class DegreesOfFreedom(AlgebraCase):
         return truth(p, {q.name: q.scale for q in self.quantities(p)})
 
 
-def _count(name: str, size: int, points: object) -> Row:
-    """The freedom of points that all hang together."""
-    coordinates = [[float(x) for x in point] for point in points]  # type: ignore[attr-defined]
-    rods = [float(i) for pair in combinations(range(len(coordinates)), 2) for i in pair]
-    return (
-        name,
-        "first-order-freedom",
-        [[float(size)], [x for point in coordinates for x in point], rods],
-    )
+def _count(name: str, dimension: int, points: Any) -> Row:
+    """The row of the first-order freedom of `points` (n, dimension), a rod between any two of
+    them.
+    """
+    coordinates = [float(x) for point in points for x in point]
+    pairs = combinations(range(len(points)), 2)
+    rods = [float(end) for pair in pairs for end in pair]
+    return (name, "first-order-freedom", [[float(dimension)], coordinates, rods])
 
 
 CASE = DegreesOfFreedom()

@@ -61,10 +61,13 @@ class DissipatingBody(Case):
         return Scene(free.bodies, (InternalDamping(a=0, coefficient=p.damping),))
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = 1/(|omega| (1 + c |L|)); twenty turns of the free body."""
+        """Those of the free body, with tau = 1/(|omega| (1 + c |L|)).
+
+        The body turns with omega + c L x omega, which is at most |omega| (1 + c |L|).
+        """
         free = _attitude.scales(p, p.omega_body)
-        quicker = 1 + p.damping * float(norm(p.inertia * p.omega_body))
-        return Scales(free.length, free.tau / quicker, free.duration, free.mass)
+        speed_up = 1 + p.damping * float(norm(p.inertia * p.omega_body))
+        return Scales(free.length, free.tau / speed_up, free.duration, free.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The components of the angular velocity in principal axes."""
@@ -73,8 +76,8 @@ class DissipatingBody(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The angular velocity (T,) [rad/s] in principal axes, by component."""
-        seen = _attitude.observe(trajectory)
-        return {q.name: seen[q.name] for q in self.quantities(p)}
+        observed = _attitude.observe(trajectory)
+        return {q.name: observed[q.name] for q in self.quantities(p)}
 
     def truth(self, p: Parameters) -> Truth:
         """The truth by validated integration of the equations of motion."""

@@ -54,36 +54,42 @@ class DoublePendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The upper bob on a rod from the origin, the lower one on a rod from it."""
-        # Directions (2, 3) along the rods and across them; the lower bob hangs from the upper.
+        # Unit vectors (2, 3) along the rods and across them.
         sine = np.sin(p.theta0)
         cosine = np.cos(p.theta0)
-        nothing = 0 * p.theta0
-        along = np.stack([sine, -cosine, nothing], axis=1)
-        across = np.stack([cosine, sine, nothing], axis=1)
-        places = np.cumsum(p.lengths[:, None] * along, axis=0)
-        speeds = np.cumsum((p.lengths * p.thetadot0)[:, None] * across, axis=0)
-        columns = zip(p.masses, places.tolist(), speeds.tolist(), strict=True)
+        zero = 0 * p.theta0
+        radial = np.stack([sine, -cosine, zero], axis=1)
+        tangential = np.stack([cosine, sine, zero], axis=1)
+        # The lower bob hangs from the upper: r2 = r1 + l2 radial2, and likewise its velocity.
+        positions = np.cumsum(p.lengths[:, None] * radial, axis=0)
+        velocities = np.cumsum((p.lengths * p.thetadot0)[:, None] * tangential, axis=0)
+        columns = zip(p.masses, positions.tolist(), velocities.tolist(), strict=True)
         rods = [Rod(a=0, length=p.lengths[0]), Rod(a=1, b=0, length=p.lengths[1])]
         bobs = [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in columns]
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2; 1/tau^2: squares of both modes' rates and of that at which all of the energy
-        turns it stretched.
+        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I.
+
+        w1, w2 are the rates of the two modes at the bottom, w1^2 + w2^2 = g (m1 + m2)/m1 (1/l1 +
+        1/l2). E is the energy above the bottom, I = (m1 + m2) l1^2 + m2 l2^2, so that 2 E/I is of
+        the size of the squared rate at which all of the energy turns both rods.
         """
         m1, m2 = p.masses
         l1, l2 = p.lengths
-        whole = p.masses.sum()
-        speed = p.lengths * p.thetadot0
-        load = np.array([whole, m2])
-        lift = load @ (p.lengths * (1 - np.cos(p.theta0)))
+        total = p.masses.sum()
+        # Each rod carries what hangs below it.
+        carried = np.array([total, m2])
+        # V = g (m1 + m2) l1 (1 - cos theta1) + g m2 l2 (1 - cos theta2).
+        potential = p.gravity * (carried @ (p.lengths * (1 - np.cos(p.theta0))))
         # T = (m1 + m2) u1^2/2 + m2 u2^2/2 + m2 u1 u2 cos(theta1 - theta2), u = l theta'.
-        own = 0.5 * load @ speed**2
-        shared = m2 * speed.prod() * np.cos(p.theta0[0] - p.theta0[1])
-        energy = own + shared + p.gravity * lift
-        stiff = p.gravity * whole / m1 * (1 / l1 + 1 / l2)
-        tau = 1.0 / float(np.sqrt(stiff + 2 * energy / (load @ p.lengths**2)))
-        return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(whole))
+        u = p.lengths * p.thetadot0
+        squares = 0.5 * carried @ u**2
+        coupling = m2 * u.prod() * np.cos(p.theta0[0] - p.theta0[1])
+        energy = squares + coupling + potential
+        modes = p.gravity * total / m1 * (1 / l1 + 1 / l2)
+        tau = 1.0 / float(np.sqrt(modes + 2 * energy / (carried @ p.lengths**2)))
+        return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(total))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: angles [rad] and rates [rad/s]."""
@@ -93,20 +99,21 @@ class DoublePendulum(Case):
         return (*angles, *rates)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angles and rates of the lines from the pivot to the upper, and from the upper to the
-        lower bob.
+        """Angles and their rates of the two rods: from the pivot to the upper bob, and from the
+        upper to the lower bob.
         """
-        apart = np.diff(trajectory.position, axis=1, prepend=0.0)
-        rate = np.diff(trajectory.velocity, axis=1, prepend=0.0)
-        theta = np.arctan2(apart[..., 0], -apart[..., 1])
+        # Vectors r along the rods and their rates v, (T, 2, 3).
+        r = np.diff(trajectory.position, axis=1, prepend=0.0)
+        v = np.diff(trajectory.velocity, axis=1, prepend=0.0)
+        theta = np.arctan2(r[..., 0], -r[..., 1])
         # theta' = (r x v)_z/r^2.
-        swept = apart[..., 0] * rate[..., 1] - apart[..., 1] * rate[..., 0]
-        turning = swept / np.sum(apart[..., :2] ** 2, axis=-1)
+        cross = r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0]
+        thetadot = cross / np.sum(r[..., :2] ** 2, axis=-1)
         return {
             "theta1": theta[:, 0],
             "theta2": theta[:, 1],
-            "thetadot1": turning[:, 0],
-            "thetadot2": turning[:, 1],
+            "thetadot1": thetadot[:, 0],
+            "thetadot2": thetadot[:, 1],
         }
 
     def truth(self, p: Parameters) -> Truth:

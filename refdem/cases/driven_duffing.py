@@ -65,7 +65,9 @@ class DrivenDuffing(Case):
         return _nonlinear.scene(p, p.alpha, *elements, cubic=p.beta)
 
     def scales(self, p: Parameters) -> Scales:
-        """The larger of the free amplitude and the driven one, by harmonic balance."""
+        """L is the free amplitude plus the driven one by harmonic balance; tau from the largest
+        stiffness alpha + 3 beta L^2 on the way.
+        """
         length = _nonlinear.duffing_reach(p) + _nonlinear.balanced_amplitude(p)
         return _nonlinear.scales(p, p.alpha, length, 3 * p.beta * length**2, p.drive)
 

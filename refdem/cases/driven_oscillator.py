@@ -60,26 +60,28 @@ class DrivenOscillator(Case):
             gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))]
         else:
             gravity = []
-        return _line.scene(
-            p, Force(a=0, amplitude=p.mass * p.f0, frequency=p.drive), *dashpot, *gravity
-        )
+        drive = Force(a=0, amplitude=p.mass * p.f0, frequency=p.drive)
+        return _line.scene(p, drive, *dashpot, *gravity)
 
     def scales(self, p: Parameters) -> Scales:
-        """The free amplitude and the driven one: the steady one, or f0 T/(2 w0) where there is no
-        time for it.
+        """L is the free amplitude plus the driven one; tau the shorter of the free motion's and
+        1/drive.
+
+        The driven amplitude is the steady one, f0/sqrt((w0^2 - w^2)^2 + (2 delta w)^2), or, near
+        resonance, f0 T/(2 w0) if that is less: what grows in the duration T.
         """
-        own = _line.scales(p, p.mass * p.gravity / p.stiffness)
+        free = _line.scales(p, p.mass * p.gravity / p.stiffness)
         square = p.stiffness / p.mass
         steady = float(np.hypot(square - p.drive**2, 2 * p.delta * p.drive))
-        grown = abs(p.f0) * (p.duration or own.duration) / (2 * np.sqrt(square))
+        growing = abs(p.f0) * (p.duration or free.duration) / (2 * np.sqrt(square))
         if steady:
-            response = min(grown, abs(p.f0) / steady)
+            response = min(growing, abs(p.f0) / steady)
         else:
-            response = grown
-        tau = min(
-            1 / _line.damped_rate(p.stiffness / p.mass, p.delta), 1 / p.drive if p.drive else np.inf
-        )
-        return Scales(own.length + float(response), tau, own.duration, own.mass)
+            response = growing
+        tau = 1 / _line.damped_rate(square, p.delta)
+        if p.drive:
+            tau = min(tau, 1 / p.drive)
+        return Scales(free.length + float(response), tau, free.duration, free.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

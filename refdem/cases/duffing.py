@@ -54,17 +54,23 @@ class Duffing(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """One spring of natural length 0."""
-        return Scene.of(
-            [Body(mass=1.0, position=(p.amplitude, 0.0, 0.0))],
-            [Spring(a=0, stiffness=p.alpha, cubic=p.beta)],
-        )
+        point = Body(mass=1.0, position=(p.amplitude, 0.0, 0.0))
+        return Scene.of([point], [Spring(a=0, stiffness=p.alpha, cubic=p.beta)])
 
     def scales(self, p: Parameters) -> Scales:
-        """The farther turning point; tau from the largest curvature of the potential on the way."""
+        """L is the farther turning point; 1/tau^2 the largest curvature |alpha + 3 beta x^2| of the
+        potential on the way to it.
+
+        The potential alpha x^2/2 + beta x^4/4 is the same at x and at the other turning point X of
+        a motion in one well: X^2 = -2 alpha/beta - x^2.
+        """
         square = p.amplitude**2
-        if p.beta > 0 and p.alpha + p.beta * square < 0:
+        # Let go nearer to the hill than the bottom of its well, the mass turns farther out.
+        is_inner_point = p.beta > 0 and p.alpha + p.beta * square < 0
+        if is_inner_point:
             square = -2 * p.alpha / p.beta - square
-        tau = float(1 / np.sqrt(max(abs(p.alpha), abs(p.alpha + 3 * p.beta * square))))
+        curvature = max(abs(p.alpha), abs(p.alpha + 3 * p.beta * square))
+        tau = float(1 / np.sqrt(curvature))
         return Scales(length=float(np.sqrt(square)), tau=tau, duration=20 * tau)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

@@ -19,11 +19,11 @@ Array = NDArray[np.float64]
 
 MASS = 1.0
 HARD = 1 / 64
-"""How long a contact lasts, in units of the time in which a body of thermal speed flies its
-diameter.
+"""Duration of a contact in units of the time in which a body flies its diameter at thermal
+speed.
 """
 FLIGHT = 16
-"""How long the motion lasts, in units of that time."""
+"""Duration of the motion in units of that time."""
 
 SAMPLES = replace(CLOCK[1], default="16")
 CHAOTIC = (
@@ -69,25 +69,27 @@ class GranularGas(Case):
     def scene(self, p: Parameters) -> Scene:
         """Spheres, what bounds them, and the law by which contacts last pi tau and give back e."""
         rng = np.random.Generator(np.random.PCG64(int(p.seed)))
-        size = _gas.edge(p)
+        n = int(p.n)
+        edge = _gas.edge(p)
         periodic = p.boundary == "periodic"
-        position = _gas_start.places(rng, int(p.n), p.diameter, size, periodic=periodic)
-        bodies = _gas_start.bodies(
-            position, _gas_start.velocities(rng, int(p.n), p.t0 / MASS), MASS, p.diameter
-        )
-        law = _gas.law(MASS, np.pi * self.scales(p).tau, p.restitution, p.friction)
-        return Scene(bodies, (*_gas.bounds(size, periodic=periodic), law))
+        # The order of the two draws is part of the start that a seed stands for.
+        position = _gas_start.places(rng, n, p.diameter, edge, periodic=periodic)
+        velocity = _gas_start.velocities(rng, n, p.t0 / MASS)
+        bodies = _gas_start.bodies(position, velocity, MASS, p.diameter)
+        contact_time = np.pi * self.scales(p).tau
+        law = _gas.law(MASS, contact_time, p.restitution, p.friction)
+        return Scene(bodies, (*_gas.bounds(edge, periodic=periodic), law))
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = contact duration/pi; the length is a body's thermal way in it."""
-        flight = p.diameter * np.sqrt(MASS / p.t0)
-        tau = float(HARD * flight / np.pi)
-        return Scales(
-            length=float(tau * np.sqrt(p.t0 / MASS)),
-            tau=tau,
-            duration=float(FLIGHT * flight),
-            mass=MASS,
-        )
+        """tau = contact duration/pi; L is the way at thermal speed in tau.
+
+        Both follow from the time of flight D/sqrt(T0/m) over one diameter.
+        """
+        time_of_flight = p.diameter * np.sqrt(MASS / p.t0)
+        tau = float(HARD * time_of_flight / np.pi)
+        length = float(tau * np.sqrt(p.t0 / MASS))
+        duration = float(FLIGHT * time_of_flight)
+        return Scales(length=length, tau=tau, duration=duration, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantity that is judged: the temperature [J] of the gas."""
@@ -95,8 +97,10 @@ class GranularGas(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Temperature m sum |v - V|^2/(3 (n - 1)), V the velocity of the centre of mass."""
-        own = trajectory.velocity - trajectory.velocity.mean(axis=1, keepdims=True)
-        return {"temperature": MASS * np.einsum("tnk,tnk->t", own, own) / (3 * (p.n - 1))}
+        centre_velocity = trajectory.velocity.mean(axis=1, keepdims=True)
+        relative = trajectory.velocity - centre_velocity
+        square = np.einsum("tnk,tnk->t", relative, relative)
+        return {"temperature": MASS * square / (3 * (p.n - 1))}
 
     def truth(self, p: Parameters) -> Truth:
         """The time of Haff's law; the motion itself is chaotic."""

@@ -41,10 +41,13 @@ class HarmonicOscillator(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, and gravity where there is some."""
-        return _line.scene(p, *([UniformGravity(g=(p.gravity, 0.0, 0.0))] if p.gravity else []))
+        weight = []
+        if p.gravity:
+            weight.append(UniformGravity(g=(p.gravity, 0.0, 0.0)))
+        return _line.scene(p, *weight)
 
     def scales(self, p: Parameters) -> Scales:
-        """Amplitude about the equilibrium, and its shift."""
+        """L is the amplitude about the equilibrium plus its shift m g/k; tau = sqrt(m/k)."""
         return _line.scales(p, p.mass * p.gravity / p.stiffness)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

@@ -75,37 +75,42 @@ class HeavyTop(TopOnTip):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The centre of mass over the tip, in body axes at (0, 0, length) from it."""
+        """The top on a ball joint at the origin, its centre of mass `length` from the tip.
+
+        With phi = psi = 0 the line of nodes is x, and the axis n = (0, -sin theta, cos theta) is
+        the vertical turned by theta about x.
+        """
         sine = np.sin(p.theta0)
         cosine = np.cos(p.theta0)
         axis = np.array([0.0, -sine, cosine])
+        # omega = theta' e_x + phi' e_z + psi' n, with psi' = w3 - phi' cos theta.
         omega = np.array([p.thetadot0, 0.0, p.phidot0]) + (p.spin - p.phidot0 * cosine) * axis
-        place = p.length * axis
-        speed = p.length * np.cross(omega, axis)
+        position = p.length * axis
+        velocity = p.length * np.cross(omega, axis)
+        # About the centre of mass the transverse moments are J1 - m l^2 (parallel axes).
+        transverse = p.inertia[0] - p.mass * p.length**2
+        inertia = (transverse, transverse, p.inertia[1])
         half = p.theta0 / 2
-        inertia = (*[p.inertia[0] - p.mass * p.length**2] * 2, p.inertia[1])
         attitude = (np.cos(half), np.sin(half), 0.0, 0.0)
         top = Body(
             mass=p.mass,
             inertia=inertia,
-            position=tuple(place),
-            velocity=tuple(speed),
+            position=tuple(position),
+            velocity=tuple(velocity),
             attitude=attitude,
             omega=tuple(omega),
         )
-        return Scene.of(
-            [top],
-            [
-                BallJoint(a=0, anchor_a=(0.0, 0.0, -p.length)),
-                UniformGravity(g=(0.0, 0.0, -p.gravity)),
-            ],
-        )
+        joint = BallJoint(a=0, anchor_a=(0.0, 0.0, -p.length))
+        gravity = UniformGravity(g=(0.0, 0.0, -p.gravity))
+        return Scene.of([top], [joint, gravity])
 
     def scales(self, p: Parameters) -> Scales:
-        """1/tau^2: squares of all rates at the start and of that of a pendulum."""
-        swing = p.mass * p.gravity * p.length / p.inertia[0]
-        rates = p.spin**2 + p.phidot0**2 + p.thetadot0**2 + swing
-        tau = rates**-0.5
+        """1/tau^2 is the sum of the squared rates at the start and of that of a pendulum, m g
+        l/J1; L is the length, T = 20 tau.
+        """
+        pendulum = p.mass * p.gravity * p.length / p.inertia[0]
+        square = p.spin**2 + p.phidot0**2 + p.thetadot0**2 + pendulum
+        tau = square**-0.5
         return Scales(length=p.length, tau=float(tau), duration=float(20 * tau), mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -114,18 +119,21 @@ class HeavyTop(TopOnTip):
         return (*angles, Quantity("thetadot", "rad/s", 1.0 / self.scales(p).tau))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The quantities from the top's axis, the line of nodes and the vertical in body axes."""
-        turn = matrix(trajectory.attitude[:, 0])
+        """Euler angles z-x-z [rad] and the rate of theta [rad/s], each (T,).
+
+        The third column of R = R_z(phi) R_x(theta) R_z(psi) is the top's axis in space, (sin phi
+        sin theta, -cos phi sin theta, cos theta); its third row is the vertical in body axes, (sin
+        theta sin psi, sin theta cos psi, cos theta).
+        """
+        rotation = matrix(trajectory.attitude[:, 0])
         omega = trajectory.omega[:, 0]
-        phi = np.arctan2(turn[:, 0, 2], -turn[:, 1, 2])
-        psi = np.arctan2(turn[:, 2, 0], turn[:, 2, 1])
-        tilt = np.arctan2(np.hypot(turn[:, 0, 2], turn[:, 1, 2]), turn[:, 2, 2])
-        return {
-            "theta": tilt,
-            "phi": phi,
-            "psi": psi,
-            "thetadot": omega[:, 0] * np.cos(phi) + omega[:, 1] * np.sin(phi),
-        }
+        phi = np.arctan2(rotation[:, 0, 2], -rotation[:, 1, 2])
+        psi = np.arctan2(rotation[:, 2, 0], rotation[:, 2, 1])
+        sine = np.hypot(rotation[:, 0, 2], rotation[:, 1, 2])
+        theta = np.arctan2(sine, rotation[:, 2, 2])
+        # theta' is omega along the line of nodes (cos phi, sin phi, 0).
+        thetadot = omega[:, 0] * np.cos(phi) + omega[:, 1] * np.sin(phi)
+        return {"theta": theta, "phi": phi, "psi": psi, "thetadot": thetadot}
 
     def truth(self, p: Parameters) -> Truth:
         """Validated integration; nutation and period from the roots of a cubic."""

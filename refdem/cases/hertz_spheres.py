@@ -17,13 +17,14 @@ CONTACT = 2.94327518
 
 
 def depth(p: Parameters) -> float:
-    """The greatest overlap (5 m v^2/(4 k))^(2/5) [m]."""
+    """The greatest overlap (5 m v^2/(4 k))^(2/5) [m], where m v^2/2 = 2/5 k d^(5/2)."""
     return float((1.25 * p.effective_mass * p.closing_speed**2 / p.stiffness) ** 0.4)
 
 
 def radius(p: Parameters) -> float:
-    """A power of two [m], two to four times the greatest overlap: positions stay exact, and centres
-    far apart.
+    """The radius [m] of both spheres: a power of two, two to four times the greatest overlap.
+
+    Positions at the start are then exact, and the centres stay apart.
     """
     return float(2.0 ** np.ceil(np.log2(2 * depth(p))))
 
@@ -78,9 +79,14 @@ class HertzSpheres(Case):
         return Scene.of(bodies, [Contact(law="hertz", stiffness=p.stiffness)])
 
     def scales(self, p: Parameters) -> Scales:
-        """Greatest overlap; tau = contact duration/pi; two contacts."""
-        lasts = CONTACT * depth(p) / p.closing_speed
-        return Scales(length=depth(p), tau=lasts / np.pi, duration=2 * lasts, mass=p.effective_mass)
+        """L is the greatest overlap, tau = contact duration/pi; it lasts two contact durations."""
+        contact_time = CONTACT * depth(p) / p.closing_speed
+        return Scales(
+            length=depth(p),
+            tau=contact_time / np.pi,
+            duration=2 * contact_time,
+            mass=p.effective_mass,
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: overlap [m] and its rate [m/s]."""

@@ -16,8 +16,8 @@ from refdem.scene import Scene
 
 
 def _omega_body(p: Parameters) -> Array:
-    """The start (3,) [rad/s]: omega_body, and `offset` times its size along the axis
-    `direction`.
+    """The angular velocity (3,) [rad/s] at the start: omega_body + offset |omega_body|
+    e_direction.
     """
     start: Array = p.omega_body.copy()
     start[int(p.direction) - 1] += p.offset * np.linalg.norm(p.omega_body)

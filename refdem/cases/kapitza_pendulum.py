@@ -52,11 +52,12 @@ class KapitzaPendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The bob, and the pivot as a body that is carried."""
+        # At t = 0 the pivot is at y = a, at rest; theta is measured from the top.
         sine = np.sin(p.theta0)
         cosine = np.cos(p.theta0)
         speed = p.length * p.thetadot0
-        place = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
-        bob = Body(mass=MASS, position=place, velocity=(speed * cosine, -speed * sine, 0.0))
+        position = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
+        bob = Body(mass=MASS, position=position, velocity=(speed * cosine, -speed * sine, 0.0))
         pivot = Body(mass=MASS, position=(0.0, p.drive_amplitude, 0.0))
         shaking = MovingAnchor(
             a=1, amplitude=p.drive_amplitude, frequency=p.drive, axis=(0.0, 1.0, 0.0)
@@ -67,11 +68,14 @@ class KapitzaPendulum(Case):
         )
 
     def scales(self, p: Parameters) -> Scales:
-        """1/tau^2: squares of the drive, of the rate of a pendulum in the largest weight, and of
-        the start; 100 tau.
+        """1/tau^2 = Omega^2 + (g + a Omega^2)/l + thetadot0^2, T = 100 tau.
+
+        Omega is the drive; a Omega^2 is the largest acceleration of the pivot, in whose frame it
+        adds to gravity.
         """
-        shaken = p.drive_amplitude * p.drive**2
-        tau = 1.0 / float(np.sqrt(p.drive**2 + (p.gravity + shaken) / p.length + p.thetadot0**2))
+        pivot_acceleration = p.drive_amplitude * p.drive**2
+        pendulum = (p.gravity + pivot_acceleration) / p.length
+        tau = 1.0 / float(np.sqrt(p.drive**2 + pendulum + p.thetadot0**2))
         return Scales(length=p.length + p.drive_amplitude, tau=tau, duration=100 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -83,11 +87,15 @@ class KapitzaPendulum(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The quantities from the line between the pivot and the bob."""
-        # From the pivot, body 1, to the bob, body 0.
+        """theta = atan2(x, y) and thetadot = (x' y - x y')/(x^2 + y^2), each (T,).
+
+        (x, y) is the vector from the pivot, body 1, to the bob, body 0.
+        """
         x, y, _ = (trajectory.position[:, 0] - trajectory.position[:, 1]).T
         vx, vy, _ = (trajectory.velocity[:, 0] - trajectory.velocity[:, 1]).T
-        return {"theta": np.arctan2(x, y), "thetadot": (vx * y - x * vy) / (x * x + y * y)}
+        theta = np.arctan2(x, y)
+        thetadot = (vx * y - x * vy) / (x * x + y * y)
+        return {"theta": theta, "thetadot": thetadot}
 
     def truth(self, p: Parameters) -> Truth:
         """Validated integration; Floquet multipliers from the linear equation."""

@@ -63,13 +63,15 @@ class Logistic(IterationCase):
     chaotic_at: ClassVar = {"eta": "4"}
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """The equation never; the map at eta = 4, and not before the doublings have piled up;
-        beyond, windows of order lie dense.
+        """True for the map at eta = 4; False for the equation, for the map below the limit of the
+        period doublings, and for a start on the fixed point 0 or on its preimage 1.
+
+        None between: there windows of periodic orbits lie dense.
         """
         eta = p["eta"]
         assert isinstance(eta, Fraction)
-        regular = p["form"] == "ode" or eta < Fraction("3.5699")
-        if regular or p["x0"] in (0, 1):
+        is_regular = p["form"] == "ode" or eta < Fraction("3.5699")
+        if is_regular or p["x0"] in (0, 1):
             return False
         if eta == 4:
             return True
@@ -77,10 +79,10 @@ class Logistic(IterationCase):
 
     def problem(self, p: Parameters) -> Iteration:
         """x0 under the map, or under the flow of the equation over one unit of time."""
-        kind: type[LogisticFlow | LogisticMap] = LogisticMap
+        map_type: type[LogisticFlow | LogisticMap] = LogisticMap
         if p.form == "ode":
-            kind = LogisticFlow
-        return Iteration(kind(eta=p.eta), np.array([p.x0]), int(p.n))
+            map_type = LogisticFlow
+        return Iteration(map_type(eta=p.eta), np.array([p.x0]), int(p.n))
 
     def scales(self, p: Parameters) -> Scales:
         """x lies in [0, 1]; tau is one iterate."""

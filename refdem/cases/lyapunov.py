@@ -8,22 +8,26 @@ from refdem.core.case import Canonical, Case, Instance
 from refdem.core.selection import Selection
 
 SPAN = 200
-"""In units of tau: as long as a regular motion is followed."""
+"""Duration in units of tau for which a regular motion is followed."""
 
 
 def _parameters(case: Canonical) -> list[Mapping[str, str]]:
-    """The defaults, of a motion for SPAN tau, and what the case says is chaotic."""
+    """The parameter sets at which a case is looked at.
+
+    They are its defaults, for SPAN tau if it is a regular motion, and the set that it declares
+    chaotic.
+    """
     if isinstance(case, Case) and not case.chaotic_at:
-        plain = {"duration": f"{SPAN * case.at().scales.tau:.6g}"}
+        defaults = {"duration": f"{SPAN * case.at().scales.tau:.6g}"}
     else:
-        plain = {}
+        defaults = {}
     if case.chaotic_at:
-        return [plain, case.chaotic_at]
-    return [plain]
+        return [defaults, case.chaotic_at]
+    return [defaults]
 
 
 def _reason(instance: Instance) -> str | None:
-    """None where the case says whether it is chaotic."""
+    """None where the case says whether it is chaotic, else why it is left out."""
     if instance.case.is_chaotic(instance.p) is not None:
         return None
     return "nobody has said whether the motion is chaotic"

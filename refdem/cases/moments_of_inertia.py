@@ -73,7 +73,7 @@ class MomentsOfInertia(Canonical):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a quaternion that is no turn."""
+        """Raises UsageError for the zero quaternion, which is no rotation."""
         attitude: Any = p["attitude"]
         if not any(attitude):
             raise UsageError(
@@ -87,30 +87,31 @@ class MomentsOfInertia(Canonical):
 
     def scales(self, p: Parameters) -> Scales:
         """The largest size and the mass of a cuboid of it; there is no time."""
-        size = max(p.a, p.b, p.c)
-        return Scales(length=size, tau=1.0, duration=1.0, mass=p.density * size**3)
+        length = max(p.a, p.b, p.c)
+        return Scales(length=length, tau=1.0, duration=1.0, mass=p.density * length**3)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Every property of every solid, in the scale of that solid's own mass and of the largest
-        size.
+        """Every property of every solid: the scales are the solid's mass m, the largest size L, and
+        m L^2.
         """
-        found = []
-        size = self.scales(p).length
-        for piece in _solids.solids(p):
-            if isinstance(piece.shape, Points):
-                mass = sum(piece.shape.mass)
+        quantities = []
+        length = self.scales(p).length
+        for solid in _solids.solids(p):
+            if isinstance(solid.shape, Points):
+                mass = sum(solid.shape.mass)
             else:
-                mass = p.density * _solids.volume(piece.name, p)
-            units = {
+                mass = p.density * _solids.volume(solid.name, p)
+            unit_and_scale = {
                 "mass": ("kg", mass),
-                "centre": ("m", size),
-                "inertia": ("kg m^2", mass * size**2),
+                "centre": ("m", length),
+                "inertia": ("kg m^2", mass * length**2),
             }
-            found += [
-                Quantity(f"{piece.name}.{name}", *units[name.partition(".")[0]])
-                for name in MASS_PROPERTIES
-            ]
-        return tuple(found)
+            for name in MASS_PROPERTIES:
+                # Before the point: mass, centre or inertia.
+                property_kind = name.partition(".")[0]
+                unit, scale = unit_and_scale[property_kind]
+                quantities.append(Quantity(f"{solid.name}.{name}", unit, scale))
+        return tuple(quantities)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The mass properties that the engine could give."""

@@ -77,21 +77,19 @@ class NeglectedGyroscopic(Case):
         return _tumbling.scene(p)
 
     def scales(self, p: Parameters) -> Scales:
-        """L: the largest radius of gyration; 1/tau^2 = |omega|^2, and 4 k/m more on the slope."""
+        """L is the largest radius of gyration; 1/tau^2 = |omega|^2, plus 4 k/m on the slope, where
+        up to four corners touch.
+        """
         if p.member == _tumbling.SLOPE:
-            stiff = 4 * p.stiffness / p.mass
+            contacts = 4 * p.stiffness / p.mass
         else:
-            stiff = 0.0
-        tau = 1 / np.sqrt(norm(p.omega_body) ** 2 + stiff)
-        return Scales(
-            length=float(np.sqrt(p.inertia.max() / p.mass)),
-            tau=float(tau),
-            duration=LASTS,
-            mass=p.mass,
-        )
+            contacts = 0.0
+        tau = float(1 / np.sqrt(norm(p.omega_body) ** 2 + contacts))
+        gyration_radius = float(np.sqrt(p.inertia.max() / p.mass))
+        return Scales(length=gyration_radius, tau=tau, duration=LASTS, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angular velocity, attitude, and where the centre is."""
+        """Angular velocity in both axes, attitude, and the position x, y, z of the centre."""
         length = self.scales(p).length
         return (
             *_attitude.quantities(float(norm(p.omega_body))),

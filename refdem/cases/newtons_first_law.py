@@ -55,8 +55,8 @@ class NewtonsFirstLaw(Case):
         return _rest.SCENES[p.member]()
 
     def scales(self, p: Parameters) -> Scales:
-        """A turn of the free body and the way that it goes meanwhile; the bodies' size and their
-        own time.
+        """For the free body tau = 1/spin, L the way in that time, but at least 1 m; for bodies at
+        rest those of `_rest`.
         """
         if p.member != "free":
             return _rest.SCALES[p.member]
@@ -64,22 +64,22 @@ class NewtonsFirstLaw(Case):
         return Scales(length=length, tau=1.0 / p.spin, duration=20.0 / p.spin)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """State of the free body; displacement and velocity of each body at rest."""
+        """State of the free body; displacement r and velocity v of each body at rest."""
         s = self.scales(p)
-        found = []
+        columns = []
         if p.member != "free":
             for body in range(1, len(self.scene(p).bodies) + 1):
-                found += [Quantity(f"r{body}.{axis}", "m", s.length) for axis in "xyz"]
-                found += [Quantity(f"v{body}.{axis}", "m/s", s.speed) for axis in "xyz"]
-            return tuple(found)
-        found += [Quantity(axis, "m", s.length) for axis in "xyz"]
-        found += [Quantity(f"v{axis}", "m/s", s.speed) for axis in "xyz"]
-        found += [Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz"]
-        found += [Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz"]
-        return tuple(found)
+                columns += [Quantity(f"r{body}.{axis}", "m", s.length) for axis in "xyz"]
+                columns += [Quantity(f"v{body}.{axis}", "m/s", s.speed) for axis in "xyz"]
+            return tuple(columns)
+        columns += [Quantity(axis, "m", s.length) for axis in "xyz"]
+        columns += [Quantity(f"v{axis}", "m/s", s.speed) for axis in "xyz"]
+        columns += [Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz"]
+        columns += [Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz"]
+        return tuple(columns)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Displacements are from where the scene puts the bodies."""
+        """The quantities (T,) by name, in their order; displacements are from the scene's start."""
         if p.member == "free":
             columns = [
                 trajectory.position[:, 0],
@@ -88,19 +88,20 @@ class NewtonsFirstLaw(Case):
                 trajectory.attitude[:, 0],
             ]
         else:
-            moved = trajectory.position - self.scene(p).bodies.position
+            displacement = trajectory.position - self.scene(p).bodies.position
             columns = []
-            for body in range(moved.shape[1]):
-                columns += [moved[:, body], trajectory.velocity[:, body]]
-        return dict(
-            zip(
-                (q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True
-            )
-        )
+            for body in range(displacement.shape[1]):
+                columns += [displacement[:, body], trajectory.velocity[:, body]]
+        names = [quantity.name for quantity in self.quantities(p)]
+        return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
     def meant(self, p: Parameters) -> dict[str, object]:
-        """The parameters with what balances the bodies of members at rest."""
-        return dict(p) | ({} if p.member == "free" else _rest.balance(p.member))
+        """The parameters and, for bodies at rest, the numbers of their balance
+        (`_rest.balance`).
+        """
+        if p.member == "free":
+            return dict(p)
+        return dict(p) | _rest.balance(p.member)
 
     def truth(self, p: Parameters) -> Truth:
         """A straight line and a steady turn; zeros."""

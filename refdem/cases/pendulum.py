@@ -61,10 +61,13 @@ class Pendulum(Case):
         )
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = 1/max(w0, 2 k w0): the second is the rate at the bottom."""
+        """tau = 1/max(w0, 2 k w0), the second of which is the rate at the bottom; T = 20 tau.
+
+        (2 k w0)^2 = 4 w0^2 sin^2(theta0/2) + thetadot0^2 by the conservation of energy.
+        """
         w0 = np.sqrt(p.gravity / p.length)
-        bottom = np.hypot(2 * w0 * np.sin(p.theta0 / 2), p.thetadot0)
-        tau = 1.0 / float(max(w0, bottom))
+        bottom_rate = np.hypot(2 * w0 * np.sin(p.theta0 / 2), p.thetadot0)
+        tau = 1.0 / float(max(w0, bottom_rate))
         return Scales(length=p.length, tau=tau, duration=20 * tau, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -79,18 +82,20 @@ class Pendulum(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """theta = atan2(x, -y), thetadot = (x vy - y vx)/r^2."""
+        """theta = atan2(x, -y) [rad], thetadot = (x vy - y vx)/r^2 [rad/s], place, and the rod's
+        force [N] if the run has that channel; each (T,).
+        """
         x, y, _ = trajectory.position[:, 0].T
         vx, vy, _ = trajectory.velocity[:, 0].T
-        seen = {
+        observed = {
             "theta": np.arctan2(x, -y),
             "thetadot": (x * vy - y * vx) / (x * x + y * y),
             "x": x,
             "y": y,
         }
         if "rod_force" in trajectory.channels:
-            seen["rod_force"] = trajectory.channels["rod_force"].reshape(len(x), -1)[:, 0]
-        return seen
+            observed["rod_force"] = trajectory.channels["rod_force"].reshape(len(x), -1)[:, 0]
+        return observed
 
     def truth(self, p: Parameters) -> Truth:
         """Jacobi elliptic functions; tanh and sech on the separatrix."""

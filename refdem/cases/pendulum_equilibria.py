@@ -58,18 +58,25 @@ class PendulumEquilibria(Case):
             side = 1.0
         else:
             side = -1.0
-        mass = Body(
-            mass=MASS, position=(p.length * np.sin(p.delta), side * p.length * np.cos(p.delta), 0.0)
-        )
+        x = p.length * np.sin(p.delta)
+        y = side * p.length * np.cos(p.delta)
+        mass = Body(mass=MASS, position=(x, y, 0.0))
         return Scene.of(
             [mass], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))]
         )
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = 1/max(w0, rate at the bottom)."""
+        """tau = 1/max(w0, rate at the bottom), T = 20 tau.
+
+        From rest at the angle theta from the downward vertical the rate at the bottom is 2 w0
+        sin(theta/2), with theta = delta at the bottom and pi - delta at the top.
+        """
         w0 = np.sqrt(p.gravity / p.length)
-        half = abs(np.cos(p.delta / 2) if p.position == "top" else np.sin(p.delta / 2))
-        tau = 1.0 / float(w0 * max(1.0, 2 * half))
+        if p.position == "top":
+            sine = abs(np.cos(p.delta / 2))
+        else:
+            sine = abs(np.sin(p.delta / 2))
+        tau = 1.0 / float(w0 * max(1.0, 2 * sine))
         return Scales(length=p.length, tau=tau, duration=20 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

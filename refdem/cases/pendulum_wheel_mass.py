@@ -66,14 +66,17 @@ class PendulumWheelMass(StringOnWheel):
         """The pendulum on the right, the mass on the left, as far below the wheel as the pendulum's
         string is long.
         """
-        across = np.array((np.cos(p.theta0), np.sin(p.theta0), 0.0))
-        along = np.array((np.sin(p.theta0), -np.cos(p.theta0), 0.0))
-        speed = p.rdot0 - p.wheel_radius * p.thetadot0
-        place = p.wheel_radius * across + p.r0 * along
-        velocity = speed * along + p.r0 * p.thetadot0 * across
-        bob = Body(mass=p.mass, position=tuple(place), velocity=tuple(velocity))
+        # The string leaves the wheel at R e_t and goes on along e_r: a = R e_t + r e_r. With
+        # e_t' = -theta' e_r and e_r' = theta' e_t its velocity is u e_r + r theta' e_t, where
+        # u = r' - R theta' is also the upward velocity of the mass on the other side.
+        tangential = np.array((np.cos(p.theta0), np.sin(p.theta0), 0.0))
+        radial = np.array((np.sin(p.theta0), -np.cos(p.theta0), 0.0))
+        u = p.rdot0 - p.wheel_radius * p.thetadot0
+        position = p.wheel_radius * tangential + p.r0 * radial
+        velocity = u * radial + p.r0 * p.thetadot0 * tangential
+        bob = Body(mass=p.mass, position=tuple(position), velocity=tuple(velocity))
         counter = Body(
-            mass=p.counter_mass, position=(-p.wheel_radius, -p.r0, 0.0), velocity=(0.0, speed, 0.0)
+            mass=p.counter_mass, position=(-p.wheel_radius, -p.r0, 0.0), velocity=(0.0, u, 0.0)
         )
         string = StringOverWheel(a=0, b=1, radius=p.wheel_radius, inertia=p.wheel_inertia)
         return Scene.of([bob, counter], [string, UniformGravity(g=(0.0, -p.gravity, 0.0))])
@@ -88,20 +91,28 @@ class PendulumWheelMass(StringOnWheel):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Length and angle of the pendulum, and their rates."""
         s = self.scales(p)
-        rates = Quantity("rdot", "m/s", s.speed), Quantity("thetadot", "rad/s", 1.0 / s.tau)
-        return Quantity("r", "m", s.length), Quantity("theta", "rad", 1.0, angle=True), *rates
+        return (
+            Quantity("r", "m", s.length),
+            Quantity("theta", "rad", 1.0, angle=True),
+            Quantity("rdot", "m/s", s.speed),
+            Quantity("thetadot", "rad/s", 1.0 / s.tau),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The quantities from the pendulum alone: its string is a tangent of the wheel, (r + i R)
-        exp(i theta) = -y + i x.
+        """The quantities from the pendulum's bob alone, each (T,).
+
+        Its string is a tangent of the wheel, of length r: x^2 + y^2 = r^2 + R^2, and as complex
+        numbers (r + i R) exp(i theta) = -y + i x.
         """
         x, y, _ = trajectory.position[:, 0].T
         vx, vy, _ = trajectory.velocity[:, 0].T
         r = np.sqrt(x * x + y * y - p.wheel_radius**2)
         theta = np.angle((-y + 1j * x) / (r + 1j * p.wheel_radius))
-        rate = (vx * np.cos(theta) + vy * np.sin(theta)) / r
+        # Of the velocity u e_r + r theta' e_t, with u = r' - R theta'.
+        thetadot = (vx * np.cos(theta) + vy * np.sin(theta)) / r
         u = vx * np.sin(theta) - vy * np.cos(theta)
-        return {"r": r, "theta": theta, "rdot": u + p.wheel_radius * rate, "thetadot": rate}
+        rdot = u + p.wheel_radius * thetadot
+        return {"r": r, "theta": theta, "rdot": rdot, "thetadot": thetadot}
 
     def truth(self, p: Parameters) -> Truth:
         """The truth by validated integration of the equations of motion."""

@@ -75,7 +75,7 @@ class PhaseFlow(EnsembleCase):
     chaotic_at = NEVER
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a head on both sides of the line where dry friction turns."""
+        """Raises UsageError for a head on both sides of v = 0, where dry friction changes sign."""
         _cat.refuse_crossing(p)
 
     def problem(self, p: Parameters) -> Ensemble:
@@ -87,37 +87,40 @@ class PhaseFlow(EnsembleCase):
         return _flows.starts(p, outline)
 
     def scales(self, p: Parameters) -> Scales:
-        """The farthest corner, and how long it takes for a radian."""
+        """L is the largest amplitude of a corner, tau the time of a radian, T two and a half
+        periods.
+        """
         return _flows.scales(p, _cat.corners(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The position and velocity of every corner of the outline."""
         s = self.scales(p)
-        is_rod = p.flow == "pendulum"
-        kinds = (
-            ("x", "rad" if is_rod else "m", s.length, is_rod),
-            ("v", "rad/s" if is_rod else "m/s", s.speed, False),
-        )
-        found = []
+        is_pendulum = p.flow == "pendulum"
+        if is_pendulum:
+            unit = "rad"
+        else:
+            unit = "m"
+        quantities = []
         for corner in range(len(_cat.HEAD)):
-            for name, unit, size, is_angle in kinds:
-                found.append(Quantity(f"{name}_{corner}", unit, size, is_angle))
-        return tuple(found)
+            quantities.append(Quantity(f"x_{corner}", unit, s.length, angle=is_pendulum))
+            quantities.append(Quantity(f"v_{corner}", f"{unit}/s", s.speed))
+        return tuple(quantities)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The place and the rate of every corner at the samples, each (T,)."""
-        each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
-        place, rate = self.outline(p, trajectory)
-        seen = {}
+        per_side = trajectory.values["position"].shape[1] // len(_cat.HEAD)
+        x, v = self.outline(p, trajectory)
+        observed = {}
         for corner in range(len(_cat.HEAD)):
             # The first of the points on the side that begins at the corner.
-            seen[f"x_{corner}"] = place[:, corner * each]
-            seen[f"v_{corner}"] = rate[:, corner * each]
-        return seen
+            point = corner * per_side
+            observed[f"x_{corner}"] = x[:, point]
+            observed[f"v_{corner}"] = v[:, point]
+        return observed
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Position and velocity (T, M) of all points of the outline."""
-        return _flows.seen(p, trajectory)
+        return _flows.phase_points(p, trajectory)
 
     def meant(self, p: Parameters) -> dict[str, object]:
         """The parameters, with the corners of the head that they give."""

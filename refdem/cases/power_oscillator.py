@@ -56,7 +56,7 @@ class PowerOscillator(Case):
         return Scene.of([point], [Spring(a=0, stiffness=p.stiffness, exponent=p.exponent)])
 
     def scales(self, p: Parameters) -> Scales:
-        """The amplitude; tau from the largest stiffness, at the turning point."""
+        """L is the amplitude A; 1/tau^2 = n k A^(n-1)/m, from the largest stiffness on the way."""
         steepest = p.exponent * p.stiffness * abs(p.amplitude) ** (p.exponent - 1)
         tau = float(np.sqrt(p.mass / steepest))
         return Scales(length=abs(p.amplitude), tau=tau, duration=20 * tau, mass=p.mass)

@@ -72,17 +72,22 @@ class QuadraticResponse(Case):
         forces = [
             Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f
         ]
+        # The sign of a spring's stretch is defined along its direction: with a square the anchor
+        # must stay on one side, beyond all of the motion. A power of two keeps it exact.
         if p.eps:
-            room = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length))
+            length = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length))
         else:
-            room = 0.0
-        return _nonlinear.scene(p, p.w0**2, *forces, quadratic=p.eps, length=float(room))
+            length = 0.0
+        return _nonlinear.scene(p, p.w0**2, *forces, quadratic=p.eps, length=float(length))
 
     def scales(self, p: Parameters) -> Scales:
-        """The free amplitude and those that the drives would have without the square."""
+        """L is the free amplitude plus those that the drives would have without the square term.
+
+        Each is the steady f/sqrt((w0^2 - w^2)^2 + (2 delta w)^2), or f T/(2 w0) if that is less.
+        """
         steady = np.hypot(p.w0**2 - p.drive**2, 2 * p.delta * p.drive)
-        grown = (p.duration or 20 / p.w0) / (2 * p.w0)
-        response = float(np.sum(np.abs(p.f0) / np.maximum(steady, 1 / grown)))
+        growth = (p.duration or 20 / p.w0) / (2 * p.w0)
+        response = float(np.sum(np.abs(p.f0) / np.maximum(steady, 1 / growth)))
         length = float(np.hypot(p.x0, p.v0 / p.w0)) + response
         return _nonlinear.scales(p, p.w0**2, length, 2 * p.eps * length, *p.drive)
 

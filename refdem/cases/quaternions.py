@@ -50,13 +50,14 @@ class Quaternions(AlgebraCase):
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for a q that is no attitude, or none with Euler angles."""
         w, x, y, z = p.q
-        size = np.linalg.norm(p.q)
-        if not min(np.hypot(x, y), np.hypot(w, z)) > 1e-6 * size:
+        norm = np.linalg.norm(p.q)
+        # sin(theta/2) = |(x, y)|/|q| and cos(theta/2) = |(w, z)|/|q|.
+        if not min(np.hypot(x, y), np.hypot(w, z)) > 1e-6 * norm:
             raise UsageError(
                 "parameter q: expected x, y and w, z that are not both 0: its Euler angles z-x-z"
                 " would not be unique"
             )
-        if abs(w) < 1e-6 * size:
+        if abs(w) < 1e-6 * norm:
             raise UsageError(
                 "parameter q: expected a w other than 0: which of q and -q has w >= 0 would be"
                 " chance"
@@ -67,7 +68,7 @@ class Quaternions(AlgebraCase):
         return _quaternion_rows.rows(p)
 
     def sizes(self, p: Parameters) -> dict[str, float]:
-        """Products of the sizes of what is multiplied."""
+        """The magnitude of every result: that of a product is the product of the magnitudes."""
         return _quaternion_rows.sizes(p)
 
     def truth(self, p: Parameters) -> Truth:

@@ -95,23 +95,21 @@ class RigidCluster(Case):
         return Scene.of(bodies, rods)
 
     def scales(self, p: Parameters) -> Scales:
-        """L: the farthest point from the centre of mass; tau = 1/|omega|."""
-        arms = p.positions - p.masses @ p.positions / p.masses.sum()
+        """L is the largest distance of a point from the centre of mass; tau = 1/|omega|, T = 20
+        tau.
+        """
+        centre = p.masses @ p.positions / p.masses.sum()
+        farthest = float(np.linalg.norm(p.positions - centre, axis=1).max())
         tau = 1.0 / float(np.linalg.norm(p.omega))
-        return Scales(
-            length=float(np.linalg.norm(arms, axis=1).max()),
-            tau=tau,
-            duration=20 * tau,
-            mass=float(p.masses.sum()),
-        )
+        return Scales(length=farthest, tau=tau, duration=20 * tau, mass=float(p.masses.sum()))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: the places [m] of the four points."""
         length = self.scales(p).length
-        found = []
+        coordinates = []
         for number in range(1, 5):
-            found += [Quantity(f"r{number}.{axis}", "m", length) for axis in "xyz"]
-        return tuple(found)
+            coordinates += [Quantity(f"r{number}.{axis}", "m", length) for axis in "xyz"]
+        return tuple(coordinates)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The coordinates [m] of the four points at the samples, each (T,)."""

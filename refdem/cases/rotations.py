@@ -65,11 +65,11 @@ class Rotations(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for Euler angles that do not come back from their matrix."""
+        """Raises UsageError for Euler angles that their matrix does not determine."""
         if not (abs(p.euler[0]) < 3.14 and 0.01 < p.euler[1] < 3.13 and abs(p.euler[2]) < 3.14):
-            got = ", ".join(f"{x:g}" for x in p.euler)
+            given = ", ".join(f"{x:g}" for x in p.euler)
             raise UsageError(
-                f"parameter euler: got {got}; expected phi and psi between -3.14 and 3.14, theta"
+                f"parameter euler: got {given}; expected phi and psi between -3.14 and 3.14, theta"
                 " between 0.01 and 3.13"
             )
 
@@ -78,7 +78,7 @@ class Rotations(AlgebraCase):
         return _rotation_rows.rows(p)
 
     def sizes(self, p: Parameters) -> dict[str, float]:
-        """Vectors, rates and energies have sizes of their own."""
+        """The magnitudes of vectors, rates and energies."""
         return _rotation_rows.sizes(p)
 
     def truth(self, p: Parameters) -> Truth:

@@ -83,40 +83,42 @@ class StickSlip(Case):
     )
 
     def slider(self, p: Parameters) -> Slider:
-        """The slider: the belt that moves, and its law of friction."""
-        law = {
-            "law": LAWS[p.friction_law],
-            "mu0": p.mu0,
-            "mu1": p.mu1,
-            "lambda0": p.lambda0,
-            "lambda1": p.lambda1,
-        }
-        if p.lambda1 or (p.lambda0 and p.mu0 != p.mu1):
-            law = law
+        """The slider: the moving belt with Stribeck friction, or Coulomb friction mu0 if the
+        coefficient does not depend on the speed.
+        """
+        depends_on_speed = p.lambda1 or (p.lambda0 and p.mu0 != p.mu1)
+        if depends_on_speed:
+            law = {
+                "law": LAWS[p.friction_law],
+                "mu0": p.mu0,
+                "mu1": p.mu1,
+                "lambda0": p.lambda0,
+                "lambda1": p.lambda1,
+            }
         else:
             law = {"friction": p.mu0}
         return Slider(a=0, normal_force=p.a, belt_velocity=p.belt, **law)
 
     def scene(self, p: Parameters) -> Scene:
         """A point, its spring, the belt, and the drive if there is one."""
-        pull = p.a * (slider := self.slider(p)).coefficient(abs(p.belt))
+        slider = self.slider(p)
+        # The constant force -a mu(belt) of (1.125) is a shift of the anchor of the unit spring.
+        steady_pull = p.a * slider.coefficient(abs(p.belt))
+        spring = Spring(a=0, stiffness=1.0, anchor_b=(-steady_pull, 0.0, 0.0))
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         if p.gamma:
             drive = [Force(a=0, amplitude=p.gamma, frequency=p.eta)]
         else:
             drive = []
-        return Scene.of(
-            [point], [Spring(a=0, stiffness=1.0, anchor_b=(-pull, 0.0, 0.0)), slider, *drive]
-        )
+        return Scene.of([point], [spring, slider, *drive])
 
     def scales(self, p: Parameters) -> Scales:
-        """The way over which the spring balances friction; that of spring or drive, whichever is
-        faster.
+        """L = a mu0 + |gamma| + |x0| + |v0|, the stretch that balances friction, drive and start;
+        tau = 1/max(1, eta), the faster of spring and drive; T = 20 tau.
         """
         tau = 1.0 / max(1.0, p.eta)
-        return Scales(
-            length=p.a * p.mu0 + abs(p.gamma) + abs(p.x0) + abs(p.v0), tau=tau, duration=20 * tau
-        )
+        length = p.a * p.mu0 + abs(p.gamma) + abs(p.x0) + abs(p.v0)
+        return Scales(length=length, tau=tau, duration=20 * tau)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""
@@ -130,10 +132,10 @@ class StickSlip(Case):
         """Validated integration from event to event."""
         from refdem.truth.closed_forms.stick_slip import truth
 
-        asked: Any = p["duration"]
+        duration: Any = p["duration"]
         eta: Any = p["eta"]
         # The default duration of `scales`, 20 tau, as an exact number.
-        until = asked or 20 / max(Fraction(1), eta)
+        until = duration or 20 / max(Fraction(1), eta)
         return truth(p, {q.name: q.scale for q in self.quantities(p)}, until)
 
 

@@ -9,7 +9,7 @@ from refdem.scene.elements.contact import Contact
 
 
 def _loses(element: Element) -> bool:
-    """The element takes energy out, so that its motion has no way back."""
+    """True if the element dissipates energy, so that the motion does not run back."""
     if isinstance(element, Contact):
         if element.law == "rigid":
             return element.restitution < 1 or element.friction > 0

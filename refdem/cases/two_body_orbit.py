@@ -13,8 +13,10 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 
-# the shortest time of an eccentric orbit is far below its period: 20 of them would show too little
 REVOLUTIONS = 3
+"""Duration in revolutions: tau of an eccentric orbit is far below its period, so that 20 tau would
+show too little of it.
+"""
 
 
 def _periapsis(p: Parameters) -> tuple[float, float, float]:
@@ -24,11 +26,12 @@ def _periapsis(p: Parameters) -> tuple[float, float, float]:
     a = p.semi_major
     e = p.eccentricity
     if p.stiffness is not None:
-        # The middle is the centre: b = a sqrt(1 - e^2), passed at a w.
-        rate = float(np.sqrt(p.stiffness))
-        shortest = a * float(np.sqrt((1 - e) * (1 + e)))
-        return shortest, a * rate, 2 * np.pi / rate
-    # v^2 = gm/a (1 + e)/(1 - e), T = 2 pi sqrt(a^3/gm).
+        # r'' = -w^2 r with w^2 = k/m: the centre is the middle of the ellipse, the closest point
+        # the end of the short axis b = a sqrt(1 - e^2), passed with the speed a w; T = 2 pi/w.
+        w = float(np.sqrt(p.stiffness))
+        b = a * float(np.sqrt((1 - e) * (1 + e)))
+        return b, a * w, 2 * np.pi / w
+    # Kepler: r = a (1 - e), v^2 = gm/a (1 + e)/(1 - e), T = 2 pi sqrt(a^3/gm).
     distance = a * (1 - e)
     speed = float(np.sqrt(p.gm / a * (1 + e) / (1 - e)))
     period = 2 * np.pi * float(np.sqrt(a**3 / p.gm))
@@ -85,18 +88,16 @@ class TwoBodyOrbit(Case):
     def scene(self, p: Parameters) -> Scene:
         """The body on +x, which moves in +y, and what attracts it."""
         distance, speed, _ = _periapsis(p)
-        if p.stiffness is not None:
-            # From the end of the long axis the body goes at b w.
-            speed = distance * float(np.sqrt(p.stiffness))
-            distance = p.semi_major
         field: CentralField | Spring
         if p.stiffness is None:
             field = CentralField(gm=p.gm)
         else:
             field = Spring(a=0, stiffness=p.stiffness)
-        return Scene.of(
-            [Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field]
-        )
+            # It starts from the end of the long axis, with the speed b w.
+            speed = distance * float(np.sqrt(p.stiffness))
+            distance = p.semi_major
+        body = Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))
+        return Scene.of([body], [field])
 
     def scales(self, p: Parameters) -> Scales:
         """Distance at periapsis and tau = 1/(angular velocity there), so that L/tau is the speed

@@ -52,28 +52,25 @@ class TwoSpheres(Case):
         return _collision.scales(p)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place, velocity and angular velocity of both."""
+        """Position r, velocity v and angular velocity omega of spheres 1 and 2, by component."""
         s = self.scales(p)
-        kinds = (
+        vectors = (
             ("r", "m", s.length),
             ("v", "m/s", s.speed),
             ("omega", "rad/s", _collision.spin_scale(p)),
         )
-        found = []
+        components = []
         for number in (1, 2):
-            for kind, unit, size in kinds:
-                found += [Quantity(f"{kind}{number}.{axis}", unit, size) for axis in "xyz"]
-        return tuple(found)
+            for vector, unit, scale in vectors:
+                components += [Quantity(f"{vector}{number}.{axis}", unit, scale) for axis in "xyz"]
+        return tuple(components)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place, velocity and angular velocity of both."""
+        """The components (T,) of `quantities`, by name and in their order."""
         state = (trajectory.position, trajectory.velocity, trajectory.omega)
         columns = [column[:, body] for body in (0, 1) for column in state]
-        return dict(
-            zip(
-                (q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True
-            )
-        )
+        names = [quantity.name for quantity in self.quantities(p)]
+        return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
     def truth(self, p: Parameters) -> Truth:
         """Damped sine along the normal; sticking and gross sliding across it."""

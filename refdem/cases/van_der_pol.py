@@ -49,27 +49,26 @@ class VanDerPol(Case):
             _line.refuse_nothing(float(np.hypot(p.x0, p.v0)))
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, dashpot, and a force where there is one: a sine is a cosine a quarter of a turn
-        late.
-        """
+        """Spring, the dashpot mu (x^2 - 1), and a force where there is one."""
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
+        # sin(w t) = cos(w t - pi/2).
         if p.p:
             force = [Force(a=0, amplitude=p.p, frequency=p.drive, phase=-np.pi / 2)]
         else:
             force = []
-        return Scene.of(
-            [point],
-            [Spring(a=0, stiffness=1.0), Dashpot(a=0, damping=-p.mu, van_der_pol=p.mu), *force],
-        )
+        spring = Spring(a=0, stiffness=1.0)
+        dashpot = Dashpot(a=0, damping=-p.mu, van_der_pol=p.mu)
+        return Scene.of([point], [spring, dashpot, *force])
 
     def scales(self, p: Parameters) -> Scales:
-        """The cycle's amplitude, or the start's; tau from the strongest damping on the way, or from
-        the drive.
+        """L is the larger of the cycle's amplitude 2 and the start's, plus |p|; 1/tau the largest
+        of w0 = 1, the drive, and the damping mu (L^2 - 1).
         """
-        length = float(max(2.0, np.hypot(p.x0, p.v0 / max(1.0, p.mu))) + abs(p.p))
-        return Scales(
-            length, tau=float(1 / max(1.0, p.drive, p.mu * (length**2 - 1))), duration=20.0
-        )
+        start = np.hypot(p.x0, p.v0 / max(1.0, p.mu))
+        length = float(max(2.0, start) + abs(p.p))
+        strongest_damping = p.mu * (length**2 - 1)
+        tau = float(1 / max(1.0, p.drive, strongest_damping))
+        return Scales(length, tau=tau, duration=20.0)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

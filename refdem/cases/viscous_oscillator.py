@@ -57,13 +57,10 @@ class ViscousOscillator(Case):
         return _line.scene(p, *dashpot, *gravity)
 
     def scales(self, p: Parameters) -> Scales:
-        """Amplitude about the equilibrium, and its shift; tau is the faster of w0 and the
-        over-damped decay.
-        """
-        own = _line.scales(p, p.mass * p.gravity / p.stiffness)
-        return Scales(
-            own.length, 1 / _line.damped_rate(p.stiffness / p.mass, p.delta), own.duration, own.mass
-        )
+        """Those of the undamped motion, with 1/tau the larger of w0 and the over-damped decay."""
+        undamped = _line.scales(p, p.mass * p.gravity / p.stiffness)
+        tau = 1 / _line.damped_rate(p.stiffness / p.mass, p.delta)
+        return Scales(undamped.length, tau, undamped.duration, undamped.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

@@ -19,7 +19,7 @@ APPROACH = 1.40218211
 
 
 def depth(p: Parameters) -> float:
-    """The greatest overlap (3 E/k2)^(1/3) [m]."""
+    """The greatest overlap d_m = (3 E/k2)^(1/3) [m], where E = m v^2/2 = k2 d_m^3/3."""
     return float((1.5 * p.mass * p.closing_speed**2 / p.k2) ** (1 / 3))
 
 
@@ -51,23 +51,29 @@ class WedgeCollision(Case):
         """The wedge at the wall; its edge, its y axis, looks along +x, and nothing turns it but the
         law itself.
         """
-        size = p.mass * depth(p) ** 2
-        edge = (np.sqrt(0.5), 0.0, 0.0, -np.sqrt(0.5))
+        # Any moment of inertia will do: no torque acts, the law itself turns the wedge.
+        moment = p.mass * depth(p) ** 2
+        # A turn by -90 degrees about z takes the body's y axis, the edge, to +x.
+        edge_first = (np.sqrt(0.5), 0.0, 0.0, -np.sqrt(0.5))
         wedge = Body(
-            mass=p.mass, inertia=(size,) * 3, velocity=(p.closing_speed, 0.0, 0.0), attitude=edge
+            mass=p.mass,
+            inertia=(moment, moment, moment),
+            velocity=(p.closing_speed, 0.0, 0.0),
+            attitude=edge_first,
         )
         return Scene.of([wedge], [Wedge(quadratic=p.k2, stiffness=p.k1)])
 
     def scales(self, p: Parameters) -> Scales:
-        """Greatest overlap; tau by the shorter of approach and separation; twice the contact, the
-        way out to three overlaps.
+        """L is the greatest overlap; tau the shorter of approach and separation.
+
+        It lasts the approach, the separation (a quarter of a period, pi/2 sqrt(m/k1)), and the
+        flight out to three overlaps.
         """
-        inward = APPROACH * depth(p) / p.closing_speed
-        swing = float(np.sqrt(p.mass / p.k1))
-        tau = min(2 * inward / np.pi, swing)
-        return Scales(
-            length=depth(p), tau=tau, duration=inward + (np.pi / 2 + 3) * swing, mass=p.mass
-        )
+        approach_time = APPROACH * depth(p) / p.closing_speed
+        oscillation = float(np.sqrt(p.mass / p.k1))
+        tau = min(2 * approach_time / np.pi, oscillation)
+        duration = approach_time + (np.pi / 2 + 3) * oscillation
+        return Scales(length=depth(p), tau=tau, duration=duration, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Overlap, negative while apart, and its rate."""

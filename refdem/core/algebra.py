@@ -1,10 +1,11 @@
-"""The words of rotation algebra: every operation that an Identity may ask for, with the sizes of
-its operands and of its result.
+"""The operations of rotation algebra that an Identity may ask for, with the sizes of their operands
+and of their result.
 
 Matrices (9) are row by row and map body vectors to space; quaternions (4) are (w, x, y, z); angles
-are in radians; 0: any size.
+are in radians. Numbers in brackets are the equations of the source chapter.
 """
 
+# Operation: ((numbers of each operand), numbers of the result); 0 is any size.
 SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "sum": ((4, 4), 4),
     "dot": ((4, 4), 1),
@@ -12,10 +13,8 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "quotient": ((1, 1), 1),
     "plane-turn": ((1, 2), 2),  # angle, vector: by the matrix (1.9)
     "complex-turn": ((1, 2), 2),  # angle, vector: by exp(i angle)
-    "plane-eigenvalue": (
-        (1,),
-        2,
-    ),  # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix
+    # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix (1.9)
+    "plane-eigenvalue": ((1,), 2),
     "plane-determinant": ((1,), 1),
     "mirror": ((1, 2), 2),  # angle, vector: mirrored at the line with that angle to x
     "mirror-determinant": ((1,), 1),
@@ -28,10 +27,8 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "product": ((4, 4), 4),
     "real-product": ((4, 4), 4),  # by the real matrix 4 x 4 of the first
     "complex-product": ((4, 4), 4),  # by the complex matrices 2 x 2 of both
-    "complex-eigenvalue": (
-        (4,),
-        2,
-    ),  # real part and imaginary part >= 0 of an eigenvalue of the complex matrix
+    # real part and imaginary part >= 0 of an eigenvalue of the complex matrix 2 x 2
+    "complex-eigenvalue": ((4,), 2),
     "conjugate": ((4,), 4),
     "inverse": ((4,), 4),
     "absolute": ((4,), 1),
@@ -49,9 +46,9 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "omega-of-rate": ((4, 4), 3),  # 2 q' q* (1.89)
     "body-omega-of-rate": ((4, 4), 3),  # 2 q* q' (1.90)
     "rotation-energy": ((1, 1), 1),  # J omega^2/2
-    "first-order-freedom": (
-        (1, 0, 0),
-        1,
-    ),  # dimension, coordinates point by point, rods as pairs of points: velocities that keep them
-    "rigid-freedom": ((1, 0), 1),  # dimension, coordinates: motions that keep every distance
+    # dimension, coordinates point by point, rods as pairs of point numbers: dimension of the space
+    # of velocities that keep every rod's length to first order
+    "first-order-freedom": ((1, 0, 0), 1),
+    # dimension, coordinates: number of independent motions that keep every distance
+    "rigid-freedom": ((1, 0), 1),
 }

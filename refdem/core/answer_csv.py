@@ -1,6 +1,4 @@
-"""What a program hands back as a CSV file: a trajectory, or a table of the mass properties of
-solids.
-"""
+"""A program's answer in a CSV file: a trajectory, or a table of the mass properties of solids."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,8 +22,9 @@ TRAVELLING = ("motion", "solid")
 
 
 def most_rows(problem: "Problem") -> int:
-    """How many rows the answer has, without its header; raises UsageError for a question that does
-    not travel.
+    """Number of rows of the answer, without its header.
+
+    Raises UsageError for a kind of question that programs cannot be asked.
     """
     if problem.kind not in TRAVELLING:
         raise UsageError(
@@ -46,8 +45,13 @@ def read_answer(problem: "Problem", path: Path, events: Path | None = None) -> T
 
 
 def read_solids(path: Path, problem: Solid) -> Trajectory:
-    """Mass properties by `<solid>.<property>`; an empty cell is what the program cannot say."""
+    """The mass properties `<solid>.<property>` in a CSV file with a row a solid.
+
+    An empty cell is a property that the program does not determine. Raises EngineError that names
+    the wrong line.
+    """
     names = [piece.name for piece in problem.content.solids]
+    # One row more than expected is read, so that a file with more rows is noticed.
     lines = list(csv_lines(path, len(names) + 2, SOLID_COLUMNS))
     if lines:
         header = tuple(cell.strip() for cell in lines[0][1])
@@ -59,24 +63,29 @@ def read_solids(path: Path, problem: Solid) -> Trajectory:
         )
     if len(lines) - 1 != len(names):
         if len(lines) <= len(names):
-            came = f"{len(lines) - 1} rows"
+            actual = f"{len(lines) - 1} rows"
         else:
-            came = "more rows"
-        raise EngineError(f"{path.name} has {came}; expected {len(names)}, one a solid")
-    said = {
-        name: _said(line, name, f"{path.name} line {number}")
+            actual = "more rows"
+        raise EngineError(f"{path.name} has {actual}; expected {len(names)}, one a solid")
+    entries = {
+        name: _entries(line, name, f"{path.name} line {number}")
         for name, (number, line) in zip(names, lines[1:], strict=True)
     }
-    if not any(said.values()):
+    if not any(entries.values()):
         raise EngineError(
             f"{path.name} says nothing of any solid; a program that cannot say anything ends with"
             " exit status 77"
         )
-    return Trajectory.of_values(problem.times, properties(problem, lambda piece: said[piece.name]))
+    values = properties(problem, lambda piece: entries[piece.name])
+    return Trajectory.of_values(problem.times, values)
 
 
-def _said(line: list[str], solid: str, place: str) -> dict[str, float]:
-    """The properties in the cells of one row that are not empty."""
+def _entries(line: list[str], solid: str, place: str) -> dict[str, float]:
+    """The properties in the cells of one row that are not empty.
+
+    Raises EngineError, with the `place` (file and line), unless the row is that of `solid` and its
+    cells are finite numbers or empty.
+    """
     if len(line) != len(SOLID_COLUMNS):
         raise EngineError(f"{place} has {len(line)} columns; expected {len(SOLID_COLUMNS)}")
     if line[0].strip() != solid:
@@ -84,16 +93,14 @@ def _said(line: list[str], solid: str, place: str) -> dict[str, float]:
             f"{place} is of {line[0][:40]!r}; expected {solid!r}: the solids in the order of the"
             " request"
         )
-    found = {}
+    entries = {}
     for name, column, cell in zip(MASS_PROPERTIES, SOLID_COLUMNS[1:], line[1:], strict=True):
-        if cell.strip():
-            value = number_in(cell)
-        else:
-            value = None
-        if cell.strip() and (value is None or not np.isfinite(value)):
+        if not cell.strip():
+            continue
+        value = number_in(cell)
+        if value is None or not np.isfinite(value):
             raise EngineError(
                 f"{place}: {column} is {cell[:40]!r}; expected a finite number, or nothing"
             )
-        if value is not None:
-            found[name] = value
-    return found
+        entries[name] = value
+    return entries

@@ -1,5 +1,10 @@
-"""Energy, momentum and angular momentum of a scene along a trajectory, with the scales that make
-their errors numbers.
+"""Energy, momentum and angular momentum of a scene along a trajectory, and a scale for each.
+
+    E = sum (m v.v / 2 + omega.J omega / 2) + potential of every element       [J]
+    p = sum m v                                                               [kg m/s]
+    L = sum (m r x v + J omega), about the origin of space                    [kg m^2/s]
+
+A check divides the error of each by its scale, so that bounds are numbers without a unit.
 """
 
 import numpy as np
@@ -9,6 +14,7 @@ from refdem.core.case import Instance
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
+from refdem.scene.element import Element
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
@@ -22,17 +28,15 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 
 ALONG_THE_LINE = (Spring, Rod, Catch)
-"""Links whose force points along the line between their anchors."""
+"""Links whose force points along the line between their anchors: r x F cancels between the ends."""
 
 
 def kinetic(scene: Scene, run: Trajectory) -> Array:
     """Kinetic energy (T,) [J] of the bodies, and of what elements move (a wheel)."""
-    own = energy.kinetic(
-        scene.bodies.mass, scene.bodies.inertia, run.velocity, run.attitude, run.omega
-    )
-    total: Array = np.sum(
-        [own, *(element.kinetic(scene, run.velocity) for element in scene.elements)], axis=0
-    )
+    bodies = scene.bodies
+    of_bodies = energy.kinetic(bodies.mass, bodies.inertia, run.velocity, run.attitude, run.omega)
+    of_elements = [element.kinetic(scene, run.velocity) for element in scene.elements]
+    total: Array = np.sum([of_bodies, *of_elements], axis=0)
     return total
 
 
@@ -42,31 +46,28 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
 
 
 def energy_scale(instance: Instance) -> float:
-    """Kinetic energy and size of the potential at the start [J]; m (L/tau)^2 if both are zero.
+    """Energy [J] against which an error of the energy counts: that of the start.
 
-    The zero of a weight's potential is where the origin is, that of a spring which pushes is on a
-    hill, and a drive may find everything at rest: there it counts at least as the kinetic energy m
-    (L/tau)^2 / 2. Where the square or the cube of a spring pushes against its linear part, both
-    count.
+    It is the kinetic energy plus the size of the potential energy; m (L/tau)^2 if both are zero.
+    With gravity, a repelling spring or a drive the start may have no energy although much is
+    exchanged later, so the scale is at least m (L/tau)^2 / 2 there.
     """
-    bodies = instance.scene.bodies
-    start = Trajectory(
-        t=np.zeros(1),
-        **{
-            name: getattr(bodies, name)[None]
-            for name in ("position", "velocity", "attitude", "omega")
-        },
-    )
-    held = [abs(instance.scene.potential(start.position, start.attitude)[0])]
-    held += [
-        spring.potential_size(start.position, start.attitude)[0]
-        for spring in instance.scene.all(Spring)
-    ]
-    size = kinetic(instance.scene, start)[0] + max(held)
-    pushes = any(spring.stiffness < 0 for spring in instance.scene.all(Spring))
-    if instance.scene.all(UniformGravity) or instance.scene.is_driven() or pushes:
-        size = max(size, instance.scales.energy / 2)
-    return float(size) or instance.scales.energy
+    scene = instance.scene
+    states = ("position", "velocity", "attitude", "omega")
+    columns = {name: getattr(scene.bodies, name)[None] for name in states}
+    start = Trajectory(t=np.zeros(1), **columns)
+    # The terms of one spring's potential (linear, quadratic, cubic) may cancel in the sum.
+    # `potential_size` adds their sizes instead.
+    springs = scene.all(Spring)
+    potentials = [abs(scene.potential(start.position, start.attitude)[0])]
+    potentials += [spring.potential_size(start.position, start.attitude)[0] for spring in springs]
+    scale = kinetic(scene, start)[0] + max(potentials)
+    # The zero of these potentials is arbitrary: a weight's lies at the origin of space, that of a
+    # repelling spring on top of a hill; a drive may find everything at rest.
+    is_repelled = any(spring.stiffness < 0 for spring in springs)
+    if scene.all(UniformGravity) or scene.is_driven() or is_repelled:
+        scale = max(scale, instance.scales.energy / 2)
+    return float(scale) or instance.scales.energy
 
 
 def linear(scene: Scene, run: Trajectory) -> Array:
@@ -77,10 +78,9 @@ def linear(scene: Scene, run: Trajectory) -> Array:
 def momentum_scale(instance: Instance) -> float:
     """Sum of m |v| at the start [kg m/s]; m L/tau if nothing moves."""
     bodies = instance.scene.bodies
-    return (
-        float(bodies.mass @ np.linalg.norm(bodies.velocity, axis=1))
-        or instance.scales.mass * instance.scales.speed
-    )
+    speed = np.linalg.norm(bodies.velocity, axis=1)
+    at_start = float(bodies.mass @ speed)
+    return at_start or instance.scales.mass * instance.scales.speed
 
 
 def angular(scene: Scene, run: Trajectory) -> dict[str, Array]:
@@ -94,25 +94,28 @@ def angular(scene: Scene, run: Trajectory) -> dict[str, Array]:
 def angular_scale(instance: Instance) -> float:
     """Sum of m |r| |v| + |J omega| at the start [kg m^2/s]; m L^2/tau if nothing moves.
 
-    Bodies on which nothing acts fly as far as they go: |r| is then the farthest, for r x v is
-    rounded on its scale.
+    Without forces a body moves away as far as |v| T. Its r x v is then rounded on the scale of the
+    largest distance, so |r| is that distance: |r(0)| + |v| T.
     """
+    scales = instance.scales
     bodies = instance.scene.bodies
     speed = np.linalg.norm(bodies.velocity, axis=1)
     if instance.scene.elements:
         flight = 0.0
     else:
-        flight = instance.scales.duration * speed
-    orbital = bodies.mass @ ((np.linalg.norm(bodies.position, axis=1) + flight) * speed)
+        flight = scales.duration * speed
+    distance = np.linalg.norm(bodies.position, axis=1) + flight
+    orbital = bodies.mass @ (distance * speed)
     spin = np.sum(bodies.inertia.max(axis=1) * np.linalg.norm(bodies.omega, axis=1))
-    return (
-        float(orbital + spin)
-        or instance.scales.mass * instance.scales.length * instance.scales.speed
-    )
+    return float(orbital + spin) or scales.mass * scales.length * scales.speed
 
 
 def torque_reason(scene: Scene) -> str | None:
-    """None if no torque about the origin acts from outside, else where one comes from."""
+    """None if the total angular momentum about the origin is conserved, else the reason.
+
+    It changes by any torque about the origin: of the world, or of a pair of forces that do not act
+    along one line.
+    """
     for element in scene.elements:
         if isinstance(element, Contact) and element.friction > 0 and element.branch != "R-d/2":
             return (
@@ -126,13 +129,22 @@ def torque_reason(scene: Scene) -> str | None:
             )
         if isinstance(element, PeriodicBox):
             return "forces between periodic images do not act along one line"
-        central = isinstance(element, CentralField) or (
-            isinstance(element, ALONG_THE_LINE)
-            and not any(element.anchor_a)
-            and not (element.b < 0 and any(element.anchor_b))
-        )
-        if element.external and not central:
+        if element.external and not _is_central(element):
             return f"the element {element.kind} exerts an external torque"
     if scene.bodies.fixed.any():
         return "a body is fixed"
     return None
+
+
+def _is_central(element: Element) -> bool:
+    """True if the element's force on every body points to the origin, so that its torque is 0.
+
+    A link does so if it acts at the centre of body a and ends at the origin of the world; a link
+    between two bodies (b >= 0) exerts no net torque wherever it is anchored at b.
+    """
+    if isinstance(element, CentralField):
+        return True
+    if not isinstance(element, ALONG_THE_LINE) or any(element.anchor_a):
+        return False
+    is_tied_to_world = element.b < 0
+    return not (is_tied_to_world and any(element.anchor_b))

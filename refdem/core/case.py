@@ -31,7 +31,7 @@ NEVER: Mapping[str, str] = {}
 
 
 def given(**parameters: str) -> Mapping[str, str]:
-    """Parameters as text by name: what `chaotic_at` of a case is made of."""
+    """The parameters as a mapping from name to text, the form in which `chaotic_at` has them."""
     return parameters
 
 
@@ -44,8 +44,8 @@ def within_binary64(label: str) -> Iterator[None]:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
             yield
     except ArithmeticError as error:
-        told = "what follows from these parameters is too large or too small for binary64"
-        raise UsageError(f"{label}: {told} ({error.args[-1]}): take other parameters") from error
+        reason = "what follows from these parameters is too large or too small for binary64"
+        raise UsageError(f"{label}: {reason} ({error.args[-1]}): take other parameters") from error
 
 
 CLOCK = (
@@ -114,21 +114,23 @@ class Canonical(ABC):
         """Raises UsageError for values that are each in bounds but do not go together."""
 
     def meant(self, p: Parameters) -> Mapping[str, Any]:
-        """The exact numbers that the parameters stand for: what a witness of the truth begins
-        with.
+        """The exact numbers that the parameters stand for; a witness of the truth starts from them.
+
+        They are the parameters themselves unless a case derives others from them.
         """
         return p
 
     def is_chaotic(self, p: Parameters) -> bool | None:
         """True at the parameters `chaotic_at`, False where that is NEVER.
 
-        None where nobody has said.
+        None at other parameters, and where the case does not declare `chaotic_at`: not known.
         """
-        if not self.chaotic_at:
-            if self.chaotic_at is None:
-                return None
+        if self.chaotic_at is None:
+            return None
+        if self.chaotic_at == NEVER:
             return False
-        if all(p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()):
+        chaotic = {name: p.declared[name].parsed(text) for name, text in self.chaotic_at.items()}
+        if all(p[name] == value for name, value in chaotic.items()):
             return True
         return None
 
@@ -153,14 +155,17 @@ class Timed(Canonical):
 
     def lasting(self, p: Parameters) -> Scales:
         """The scales, with the duration that was asked for."""
-        own = self.scales(p)
-        return Scales(own.length, own.tau, p.duration or own.duration, own.mass)
+        default = self.scales(p)
+        return Scales(default.length, default.tau, p.duration or default.duration, default.mass)
 
     def times(self, p: Parameters) -> Array:
-        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves
-        of it are exact.
+        """Times (T,) [s] of the samples, T = samples + 1, from 0 to about the duration.
+
+        They are whole multiples of one interval, whose mantissa is rounded to 20 bits: its
+        multiples and its halvings, which are the steps, are then exact in binary64.
         """
         samples = int(p.samples)
+        # duration/samples = mantissa 2^exponent, 1/2 <= mantissa < 1.
         mantissa, exponent = np.frexp(self.lasting(p).duration / samples)
         interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
         return np.asarray(np.arange(samples + 1) * interval, dtype=np.float64)
@@ -179,9 +184,7 @@ class Case(Timed):
 
 
 class EnsembleCase(Timed):
-    """A canonical flow: a closed outline in the plane of a place and its rate is carried through
-    phase space.
-    """
+    """A canonical flow: a closed outline of points in phase space (x, v) is carried along by it."""
 
     @abstractmethod
     def problem(self, p: Parameters) -> Ensemble:
@@ -189,12 +192,12 @@ class EnsembleCase(Timed):
 
     @abstractmethod
     def starts(self, p: Parameters, outline: Array) -> tuple[Array, Array]:
-        """Position and velocity (M, N, 3) of points (M, 2) of that plane."""
+        """Position and velocity (M, N, 3) of M points (M, 2) of the phase plane (x, v)."""
 
     @abstractmethod
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
-        """Place and rate (T, M) of the points in their order; the last one has the first for a
-        neighbour.
+        """Coordinates x and v (T, M) of the outline's points in order; the last one is next to the
+        first.
         """
 
 
@@ -233,29 +236,25 @@ class Instance:
 
     def refuse_unjudgeable(self) -> None:
         """Raises UsageError for scales whose squares and products binary64 cannot hold, or a
-        duration in which there is nothing to see.
+        duration outside SHORTEST to LONGEST tau.
         """
         scales = self.scales
-        sizes = (
-            scales.length,
-            scales.tau,
-            scales.mass,
-            scales.energy,
-            *(q.scale for q in self.quantities.values()),
-        )
-        if not all(SMALLEST < size < LARGEST for size in sizes):
-            told = (
+        all_scales = [scales.length, scales.tau, scales.mass, scales.energy]
+        all_scales += [quantity.scale for quantity in self.quantities.values()]
+        if not all(SMALLEST < scale < LARGEST for scale in all_scales):
+            listed = (
                 f"length {scales.length:.3g} m, time {scales.tau:.3g} s, mass {scales.mass:.3g} kg,"
                 f" energy {scales.energy:.3g} J"
             )
             raise UsageError(
-                f"{self.label}: the scales come to {told}; expected each between 1e-100 and 1e100:"
-                " take other parameters"
+                f"{self.label}: the scales come to {listed}; expected each between 1e-100 and"
+                " 1e100: take other parameters"
             )
-        if not SHORTEST <= scales.duration / scales.tau <= LONGEST:
+        duration_in_tau = scales.duration / scales.tau
+        if not SHORTEST <= duration_in_tau <= LONGEST:
             raise UsageError(
                 f"parameter duration: got {scales.duration:.6g} s,"
-                f" {scales.duration / scales.tau:.3g} times the shortest time tau ="
+                f" {duration_in_tau:.3g} times the shortest time tau ="
                 f" {scales.tau:.6g} s of the motion; expected {SHORTEST:g} to {LONGEST:g} times tau"
             )
 

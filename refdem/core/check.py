@@ -22,10 +22,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and
-    the truth, if certified.
+    """One method on one instance, with all that a check needs to judge it.
 
-    `unsupported` says of any motion why the method cannot run it, or None.
+    `levels` are the refinement levels, coarse to fine: steps [s], or tolerances. `truth` is None
+    where nothing is certified, `truth_reason` says why. `unsupported(motion)` is the reason why the
+    method cannot run that motion, or None.
     """
 
     instance: Instance
@@ -42,9 +43,7 @@ class Subject:
 
     @property
     def order(self) -> float:
-        """The order to which the method is held in this scene: what it claims, or what the scene
-        leaves to fixed steps.
-        """
+        """The order to which the method is held in this scene (`refinement.order`)."""
         return refinement.order(self.instance, self.method)
 
     def round_off(self, level: float) -> float:
@@ -54,13 +53,14 @@ class Subject:
         )
 
     def noise(self, level: float) -> float:
-        """Relative error of positions and velocities that no step removes: round-off, and that of
-        sums of equal terms.
+        """Relative error of positions and velocities that a smaller step does not remove.
+
+        It is the round-off plus the systematic rounding of repeated sums of equal terms: those of
+        the clock and of steady motion.
         """
-        summed = refinement.clock(self.instance, self.method, level) + refinement.flight(
-            self.instance, self.method, level
-        )
-        return self.round_off(level) + summed
+        clock = refinement.clock(self.instance, self.method, level)
+        flight = refinement.flight(self.instance, self.method, level)
+        return self.round_off(level) + (clock + flight)
 
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
@@ -73,8 +73,10 @@ class Subject:
         return refinement.bound(self.instance, self.method, level, self.truth)
 
     def kept(self, claim: str, level: float) -> tuple[Array, str]:
-        """Bound (T,) on the change of something constant, and its basis: round-off if the method
-        claims to keep it.
+        """Bound (T,) on the relative change of a conserved quantity, and the basis of that bound.
+
+        It is round-off where the method claims `claim` (energy, momentum, angular-momentum) to be
+        conserved in this scene, else round-off plus the truncation error of the claimed order.
         """
         rounding = np.full(len(self.instance.times), self.round_off(level))
         if self.method.keeps(claim, self.instance.problem.features):

@@ -46,11 +46,13 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     def covers(self, record: Record, finding: Finding) -> bool:
         """True if the deviation is about this finding."""
-        inside = record.label.removeprefix(record.case).strip("[]")
+        # The label is case[parameters].
+        parameters = record.label.removeprefix(record.case).strip("[]")
+        is_same_property = (self.case, self.check) == (record.case, finding.check)
         return (
-            (self.case, self.check) == (record.case, finding.check)
+            is_same_property
             and fnmatchcase(finding.quantity, self.quantity)
             and fnmatchcase(record.method, self.method)
             and fnmatchcase(record.version, self.versions)
-            and fnmatchcase(inside, self.parameters)
+            and fnmatchcase(parameters, self.parameters)
         )

@@ -21,17 +21,16 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 DESCRIBED = "external"
-"""Not an engine of its own but the way to any program that has a refdem.toml."""
+"""The module in engines/ that is no engine itself: it adapts any program that has a refdem.toml."""
 
 
 _HERE: "dict[str, Engine]" = {}
+"""Engines that exist in this process only, by name (`engine_here`)."""
 
 
 @contextmanager
 def engine_here(engine: "Engine") -> Iterator[None]:
-    """While it lasts, `engine` finds this object by its name: for an engine that lives in this
-    process alone.
-    """
+    """Within this context `engine(name)` finds the given object, an engine of this process only."""
     _HERE[engine.name] = engine
     try:
         yield
@@ -59,15 +58,19 @@ def _others(group: str) -> dict[str, Any]:
 
 
 def _load(folder: str, attribute: str, name: str) -> Any:
-    """The object called `attribute` in the module of that name; raises UsageError with the nearest
-    name.
+    """The object of the public id `name`: `attribute` of its module in refdem/<folder>, or that of
+    an entry point.
+
+    Raises UsageError with the nearest known name.
     """
-    known = {module.replace("_", "-"): module for module in _names(folder)}
-    if name in known:
-        return getattr(import_module(f"refdem.{folder}.{known[name]}"), attribute)
-    if name in _others(folder):
-        return _others(folder)[name].load()
-    raise UsageError(f"no {folder[:-1]} {name!r}; {nearest(name, [*known, *_others(folder)])}")
+    modules = {module.replace("_", "-"): module for module in _names(folder)}
+    if name in modules:
+        return getattr(import_module(f"refdem.{folder}.{modules[name]}"), attribute)
+    entry_points_by_name = _others(folder)
+    if name in entry_points_by_name:
+        return entry_points_by_name[name].load()
+    hint = nearest(name, [*modules, *entry_points_by_name])
+    raise UsageError(f"no {folder[:-1]} {name!r}; {hint}")
 
 
 def names(folder: str) -> list[str]:
@@ -97,14 +100,14 @@ def package_of(folder: str, name: str) -> str | None:
 
 def case(name: str) -> "Canonical":
     """The case (or selection) of that id."""
-    found: Canonical = _load("cases", "CASE", name)
-    return found
+    canonical: Canonical = _load("cases", "CASE", name)
+    return canonical
 
 
 def check(name: str) -> "Check":
     """The check that has the given name."""
-    found: Check = _load("checks", "CHECK", name)
-    return found
+    check_object: Check = _load("checks", "CHECK", name)
+    return check_object
 
 
 def engine(name: str) -> "Engine":
@@ -116,8 +119,8 @@ def engine(name: str) -> "Engine":
     if name.endswith(".toml"):
         program: Engine = import_module(f"refdem.engines.{DESCRIBED}").load(Path(name))
         return program
-    found: Engine = _load("engines", "ENGINE", name)
-    return found
+    engine_object: Engine = _load("engines", "ENGINE", name)
+    return engine_object
 
 
 def truth_of(name: str, **given: str) -> "Truth":

@@ -14,22 +14,26 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, kw_only=True)
 class Method:
-    """One way to run an engine, and what is claimed for it; the checks hold it to the claims.
+    """One way to run an engine, with its claims; the checks hold it to them.
 
-    control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the
-    order where a scene has the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`, or in
-    `error <= C 1e3 tol S` of a tolerance, there for smooth motions. `conserves`: energy, momentum,
-    angular-momentum, each to round-off; `broken_with`: features of a scene with which a law among
-    them is kept to the order only; `symplectic`: no secular drift of energy. `complete_state`: a
-    run can go on from its end state.
-    `velocity_time`: velocities and omegas hold at their sample, or half a step before it.
-    `summed_clock`: its time is a plain sum of its steps, so that it may be off by u t for each of
-    them. `locates_events`: it tells events at their own times and not at the end of the step that
-    sees them. `answers` is the kind of questions that it is for; of one without time it `knows`
-    these features, and is silent about others. `derived` names what the adapter makes of other
-    numbers in such a way that a law about it always holds, each with the reason: a check of that
-    law could not fail, and so does not apply. Known are `attitude` (unit quaternions), `rod` and
-    `ball_joint` (closed joints), `dissipated_work` (the energy balance).
+    control: a fixed `step`, a `tolerance`, or `exact` (round-off only).
+    order, order_with: the order p of the error; `order_with` lowers it for scenes with a feature.
+    constant: C in `error <= C L (T/tau) (h/tau)^p`; for a tolerance C in `error <= C 1e3 tol S`,
+    there for smooth motions.
+    conserves: energy, momentum, angular-momentum, each to round-off.
+    broken_with: for a law of `conserves`, the features of a scene with which it holds only to the
+    order.
+    symplectic: no secular drift of energy.
+    complete_state: a run can be continued from its end state.
+    velocity_time: velocities and omegas hold at their sample, or half a step before it.
+    summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
+    locates_events: events have their own times, not that of the end of the step that sees them.
+    answers: the kind of questions that the method is for.
+    knows: for questions without time, the features that it can answer; it leaves out others.
+    derived: numbers that the adapter computes from others in such a way that a law about them
+    always holds, each with the reason. A check of that law could not fail, and so does not apply.
+    Known are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints),
+    `dissipated_work` (the energy balance).
     """
 
     name: str
@@ -62,19 +66,16 @@ class Method:
         return 0.0
 
     def order_for(self, features: frozenset[str]) -> int:
-        """The order claimed for a scene with these features."""
-        return min(
-            [
-                self.order,
-                *(order for feature, order in self.order_with.items() if feature in features),
-            ]
-        )
+        """The order claimed for a scene with these features: the least that applies."""
+        lowered = [order for feature, order in self.order_with.items() if feature in features]
+        return min([self.order, *lowered])
 
     def keeps(self, law: str, features: frozenset[str]) -> bool:
-        """Whether a law is claimed to hold to round-off in a scene with these features."""
+        """True if a law is claimed to hold to round-off in a scene with these features."""
         if self.control == "exact":
             return True
-        return law in self.conserves and not self.broken_with.get(law, frozenset()) & features
+        breaking = self.broken_with.get(law, frozenset())
+        return law in self.conserves and not breaking & features
 
     @property
     def round_off(self) -> float:
@@ -100,14 +101,16 @@ Waiting = Callable[[], float]
 """Starts a program, waits for it, returns the seconds that it took or raises; safe in any thread.
 """
 Stages = Generator[Waiting, Waiting, Result]
-"""Work around a program: yields what waits, is sent what then returns or raises the same, returns
-its result.
+"""Work around a program as a generator. It yields each `Waiting`, so that the caller may wait for
+several programs at once; it is sent a function that returns or raises what the waiting did; its
+return value is the result.
 """
 
 
 def finished(stages: Stages[Result]) -> Result:
-    """The result of work in stages, all of it done here."""
+    """The result of work in stages, each waited for in this thread."""
     try:
+        # Sent back unchanged: the generator calls it itself, and so waits here.
         waiting = next(stages)
         while True:
             waiting = stages.send(waiting)
@@ -138,8 +141,9 @@ class Engine(ABC):
 
     @property
     def address(self) -> str:
-        """What `discovery.engine` finds it by, also in another process: its name, or the path of
-        its refdem.toml.
+        """The name or the path of a refdem.toml by which `discovery.engine` finds the engine.
+
+        It is valid in other processes too.
         """
         return self.name
 
@@ -188,8 +192,8 @@ class Engine(ABC):
 
 
 class ProgramEngine(Engine):
-    """An engine whose runs are those of a program, which it ends by `time_limit`: whoever wants
-    them need only wait.
+    """An engine whose runs are those of a program; it ends the program itself after
+    `time_limit`.
     """
 
     @abstractmethod

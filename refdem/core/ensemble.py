@@ -37,8 +37,8 @@ class Ensemble(Problem):
     """A scene of N bodies, M starts of it at times[0]: position, velocity (M, N, 3) [m, m/s], and
     the times (T,) [s] asked for.
 
-    The answer has `position` and `velocity` (T, M, N, 3). The state that the scene itself has does
-    not count. Nothing turns.
+    The answer has `position` and `velocity` (T, M, N, 3). The starts replace the state of the scene
+    itself. No body rotates.
     """
 
     kind: ClassVar[str] = "ensemble"
@@ -64,6 +64,7 @@ class Ensemble(Problem):
         """The ensemble of a document; raises UsageError if its starts have the wrong length."""
         scene = Scene.of_document(document.scene)
         count = 3 * len(scene.bodies)
+        # A number has 8 bytes; bytes beyond the last whole number are left out.
         raw = [
             np.frombuffer(column[: len(column) // 8 * 8], dtype="<f8").astype(float)
             for column in (document.position, document.velocity)
@@ -92,14 +93,13 @@ class Ensemble(Problem):
         )
 
     def perturbed(self, ulps: int) -> "Ensemble":
-        """Every start moved as that of a motion is."""
-        moved = ulps * 2.0**-52
-        turns = np.where(np.arange(self.velocity[0].size) % 2, 1.0, -1.0).reshape(
-            self.velocity[0].shape
-        )
-        return Ensemble(
-            self.scene, self.times, self.position * (1 + moved), self.velocity * (1 + turns * moved)
-        )
+        """Every start moved as `Motion.perturbed` moves that of a motion."""
+        eps = ulps * 2.0**-52
+        one_start = self.velocity[0]
+        signs = np.where(np.arange(one_start.size) % 2, 1.0, -1.0).reshape(one_start.shape)
+        position = self.position * (1 + eps)
+        velocity = self.velocity * (1 + signs * eps)
+        return Ensemble(self.scene, self.times, position, velocity)
 
     def when(self, sample: float) -> str:
         """A time [s] in words, for sentences."""

@@ -23,11 +23,11 @@ def of_package(name: str) -> str:
     it.
     """
     try:
-        found = distribution(name)
+        package = distribution(name)
     except PackageNotFoundError:
         return "missing"
     return hashlib.sha256(
-        f"{found.version}\0{found.read_text('RECORD') or ''}".encode()
+        f"{package.version}\0{package.read_text('RECORD') or ''}".encode()
     ).hexdigest()
 
 
@@ -62,8 +62,9 @@ def of_module(name: str) -> str:
 
 
 def of_tree(root: Path) -> str:
-    """sha256 of the places and contents of all files below a folder, but for what Python caches and
-    what is hidden.
+    """sha256 of the relative paths and contents of all files below a folder.
+
+    Hidden files and Python's caches are left out.
     """
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*")):
@@ -86,12 +87,8 @@ def of_machine() -> str:
     flags = ""
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
-        flags = next(
-            (
-                line
-                for line in cpuinfo.read_text().splitlines()
-                if line.startswith(("flags", "Features"))
-            ),
-            "",
-        )
+        lines = cpuinfo.read_text().splitlines()
+        # The line is called "flags" on x86 and "Features" on ARM; every core has the same one.
+        feature_lines = (line for line in lines if line.startswith(("flags", "Features")))
+        flags = next(feature_lines, "")
     return hashlib.sha256(f"{platform.machine()}\0{flags}".encode()).hexdigest()

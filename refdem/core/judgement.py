@@ -1,5 +1,10 @@
 """From measured values to findings: errors against truth in units of each quantity's scale, and the
 verdict itself.
+
+error_q(t) = max(0, |observed_q(t) - truth_q(t)| - radius_q(t)) / scale_q,   pass: error <= bound
+
+for every quantity q. An attitude is compared as one rotation, by the angle between the two.
+`until` is the number of certified samples, `level` the step [s] or tolerance of a run.
 """
 
 from collections.abc import Mapping
@@ -23,28 +28,27 @@ from refdem.errors import EngineError
 Array = NDArray[np.float64]
 
 PERTURBED = 64
-"""A start moved by so many units in the last place shows how errors grow."""
+"""Units in the last place by which a start is moved to show how errors grow."""
 SMALL = 0.25
-"""Errors above this part of the scale have no order: the motion is another one."""
+"""Errors above this part of the scale have no order: the run then follows another motion."""
 MORE = 8.0
-"""One perturbation stands for all: others may grow by this factor more."""
+"""One perturbation stands for those in every direction: others may grow by this factor more."""
 MOST_POINTS = 256
-"""Points that a curve in a record keeps; the largest value of each stretch is the one that is kept.
-"""
+"""Points that a curve in a record keeps: the largest value of each of as many stretches."""
 
 
 ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 """The quantities that are compared together as one rotation."""
 ROOM = 4.0
-"""An error may be so many times what its order makes of it at another step. A pair of steps shows
-an error to within a few per cent where it falls with order p; with ROOM a motion passes whose last
-pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
+"""Factor by which an error may exceed what its order predicts from another step. A pair of steps
+shows an error to within a few per cent where it falls with order p; with ROOM a motion passes whose
+last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
 ROOM_OF_KINKS = 64.0
 """ROOM where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike
 to 1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
 ROOM_OF_CUTS = 16.0
-"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the
-last piece.
+"""The same of a method that cuts its steps at kinks: there only the length of the last part of a
+cut step is random.
 """
 SHARP = 0.1
 """A bound above this part of the signal decides nothing: a body that never moves would pass it."""
@@ -75,15 +79,15 @@ class Sight:
 
 
 def sharpest(bounds: Array, signal: Array) -> Sight:
-    """The sight at the sample where the bound is the smallest part of what has moved so far.
+    """Bound and signal at the sample where bound / signal is least.
 
-    `bounds` and `signal` are (T,), in one unit; the signal counts as its largest value so far.
+    `bounds` and `signal` are (T,), in one unit; the signal at a sample is its largest value so far.
     """
-    so_far = np.maximum.accumulate(signal)
+    largest_signal = np.maximum.accumulate(signal)
     with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.where(so_far > 0, bounds / so_far, np.inf)
-    point = int(np.argmin(part))
-    return Sight(float(bounds[point]), float(so_far[point]))
+        ratio = np.where(largest_signal > 0, bounds / largest_signal, np.inf)
+    sample = int(np.argmin(ratio))
+    return Sight(float(bounds[sample]), float(largest_signal[sample]))
 
 
 def judged(
@@ -138,15 +142,15 @@ def judged(
 
 def _compared(value: float, bound: float, unit: str) -> str:
     """The value with its unit and how it compares with the bound, as the end of a sentence."""
-    size = f"{value:.2g}"
+    measured = f"{value:.2g}"
     limit = f"{bound:.2g}"
     if unit != "1":
-        size = f"{size} {unit}"
+        measured = f"{measured} {unit}"
         limit = f"{limit} {unit}"
     if value <= bound:
-        return f"{size}, within the bound {limit}"
+        return f"{measured}, within the bound {limit}"
     if value > bound:
-        return f"{size}, above the bound {limit}"
+        return f"{measured}, above the bound {limit}"
     return f"not a number (the bound is {limit})"
 
 
@@ -182,13 +186,16 @@ def worst(
     signal: Array | float | None = None,
     **more: Any,
 ) -> Finding:
-    """The finding at the sample that comes nearest to its bound, with the whole curve.
+    """The finding at the sample where value / bound is largest, with the whole curve.
 
-    `signal`, a number or (T,), is how far the quantity has moved; see `Sight`.
+    `values` (T,) at times `t` (T,) are held to `allowed`, a number or (T,). `signal`, a number or
+    (T,), is how far the quantity has moved; see `Sight`.
     """
     bounds = np.broadcast_to(np.asarray(allowed, float), values.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(np.isnan(values), np.inf, np.where(values > 0, values / bounds, 0.0))
+        # 0 is within every bound, also within one of 0; what is not a number exceeds every bound.
+        ratio = np.where(values > 0, values / bounds, 0.0)
+        ratio = np.where(np.isnan(values), np.inf, ratio)
     point = int(np.argmax(ratio))
     series = curve(t, values, bounds)
     if signal is None:
@@ -210,12 +217,13 @@ def undecided(check: str, quantity: str, why: str) -> Finding:
 
 
 MIXED = "every quantity combines positions with velocities, which are half a step early"
+"""The reason where none of the quantities can be compared for such a method."""
 
 
 def certified(subject: Subject) -> SampledTruth | None:
-    """The truth if at least two samples of it (or the only one) are certified."""
-    least = min(2, len(subject.instance.times))
-    if subject.truth is not None and subject.truth.until >= least:
+    """The truth if at least two samples of it (or the only one) are certified, else None."""
+    needed = min(2, len(subject.instance.times))
+    if subject.truth is not None and subject.truth.until >= needed:
         return subject.truth
     return None
 
@@ -234,49 +242,55 @@ def errors(
     """Error (until,) of every quantity against truth, in units of its scale, less the radius that
     truth itself has.
 
-    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Where
-    velocities lag by
-    `delay` [s], quantities made of them are compared with truth at their own time, and those that
-    mix both are left out: none may be left. Raises EngineError if the trajectory shows nothing that
-    can be compared.
+    Angles are compared modulo 2 pi, the components of an attitude together as the angle of one
+    rotation. Where velocities lag by `delay` [s], quantities made of velocities alone are compared
+    with the truth of that earlier time; those that combine positions with velocities are left out,
+    so that the result may be empty. Raises EngineError if the trajectory shows nothing that can be
+    compared.
     """
     observed = instance.observe(trajectory)
     if not delay:
         return _errors(instance, observed, truth)
-    by_velocity, by_position = _made_of(instance, trajectory)
-    placed = {name: values for name, values in observed.items() if name not in by_velocity}
-    if placed:
-        found = _errors(instance, placed, truth)
-    else:
-        found = {}
-    late = {name: values for name, values in observed.items() if name in by_velocity - by_position}
-    if late:
-        found |= _errors(instance, late, truth.delayed(delay))
-    return found
+    by_velocity, by_position = _dependences(instance, trajectory)
+    of_velocity_alone = by_velocity - by_position
+    on_time = {name: values for name, values in observed.items() if name not in by_velocity}
+    delayed = {name: values for name, values in observed.items() if name in of_velocity_alone}
+    scaled: dict[str, Array] = {}
+    if on_time:
+        scaled |= _errors(instance, on_time, truth)
+    if delayed:
+        scaled |= _errors(instance, delayed, truth.delayed(delay))
+    return scaled
 
 
-def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
-    """Names of the quantities that change with velocities, and of those that change with
-    positions.
+def _dependences(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
+    """Names of the quantities that depend on velocities, and of those that depend on positions.
+
+    A quantity depends on those columns of a trajectory whose change alters it.
     """
+    of_velocities = _altered_quantities(instance, trajectory, ("velocity", "omega"))
+    of_positions = _altered_quantities(instance, trajectory, ("position", "attitude"))
+    return of_velocities, of_positions
+
+
+def _altered_quantities(
+    instance: Instance, trajectory: Trajectory, columns: tuple[str, str]
+) -> set[str]:
+    """Names of the quantities that come out differently where these columns are changed."""
     from refdem.mechanics.quaternion import product
 
-    plain = instance.observe(trajectory)
-    moved = []
-    turn = np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
-    for names in (("velocity", "omega"), ("position", "attitude")):
-        other: dict[str, Any] = {}
-        for name in names:
-            values = getattr(trajectory, name)
-            if name == "attitude":
-                other[name] = product(turn, values)
-            else:
-                other[name] = 1.5 * values + 0.25
-        moved.append(instance.observe(replace(trajectory, **other)))
-    by_velocity, by_position = (
-        {name for name in plain if np.any(plain[name] != seen[name])} for seen in moved
-    )
-    return by_velocity, by_position
+    # Any change without a symmetry of its own will do; an attitude must stay a unit quaternion.
+    rotation = np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
+    changed: dict[str, Any] = {}
+    for column in columns:
+        values = getattr(trajectory, column)
+        if column == "attitude":
+            changed[column] = product(rotation, values)
+        else:
+            changed[column] = 1.5 * values + 0.25
+    before = instance.observe(trajectory)
+    after = instance.observe(replace(trajectory, **changed))
+    return {name for name in before if np.any(before[name] != after[name])}
 
 
 def _errors(
@@ -284,100 +298,118 @@ def _errors(
 ) -> dict[str, Array]:
     """`errors` of what was observed, all of it at the samples of this truth."""
     until = truth.until
-    found: dict[str, Array] = {}
+    scaled: dict[str, Array] = {}
     for name, values in observed.items():
         quantity = instance.quantities[name]
+        # The components of a group, as of an attitude, are compared together below.
         if quantity.group or name not in truth.values:
             continue
-        difference = values[:until] - truth.value(name)
-        if quantity.angle:
-            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        found[name] = np.maximum(0.0, np.abs(difference) - truth.radius(name)) / quantity.scale
+        difference = _difference(values[:until], truth.value(name), is_angle=quantity.angle)
+        distance = np.maximum(0.0, np.abs(difference) - truth.radius(name))
+        scaled[name] = distance / quantity.scale
     if all(name in observed and name in truth.values for name in ATTITUDE):
-        found["attitude"] = _rotation_error(observed, truth)
-    if not found:
+        scaled["attitude"] = _rotation_error(observed, truth)
+    if not scaled:
         raise EngineError(
             "the trajectory shows none of the quantities of the case; expected "
             + ", ".join(instance.quantities)
         )
-    return found
+    return scaled
+
+
+def _difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
+    """values - reference, each (T,); for angles the representative in [-pi, pi)."""
+    difference: Array = values - reference
+    if is_angle:
+        difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+    return difference
 
 
 def _rotation_error(observed: dict[str, Array], truth: SampledTruth) -> Array:
-    """Angle (until,) [rad] between observed and true attitude, less the radius of the truth."""
+    """Angle (until,) [rad] between observed and true attitude, less the radius of the truth.
+
+    A quaternion has the half angle, so a change of it by delta turns the attitude by 2 delta.
+    """
     from refdem.mechanics.quaternion import angle_between
 
-    seen = np.stack([observed[name][: truth.until] for name in ATTITUDE], axis=-1)
-    seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
+    attitude = np.stack([observed[name][: truth.until] for name in ATTITUDE], axis=-1)
+    attitude = attitude / np.linalg.norm(attitude, axis=-1, keepdims=True)
     true = np.stack([truth.value(name) for name in ATTITUDE], axis=-1)
     radius = 2.0 * np.max([truth.radius(name) for name in ATTITUDE], axis=0)
-    error: Array = np.maximum(0.0, angle_between(seen, true) - radius)
+    error: Array = np.maximum(0.0, angle_between(attitude, true) - radius)
     return error
 
 
 def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
-    """How far the truth of every quantity is from its start (until,), in units of its scale: the
-    signal beside `errors`.
+    """Distance |truth(t) - truth(0)| (until,) of every quantity, in units of its scale: the signal
+    beside `errors`.
 
-    Angles modulo 2 pi, the components of an attitude together as the angle of one rotation [rad].
-    The answer to a question without time does not move: there it is the size of the number itself.
+    Angles are compared modulo 2 pi, the components of an attitude together as the angle of one
+    rotation [rad]. The answer to a question without time does not move: its signal is its size.
     """
-    found: dict[str, Array] = {}
+    signals: dict[str, Array] = {}
     for name, quantity in instance.quantities.items():
         if quantity.group or name not in truth.values:
             continue
         values = truth.value(name)
         if isinstance(instance.problem, Static):
-            away = values
+            start = np.zeros_like(values)
         else:
-            away = values - values[0]
-        if quantity.angle:
-            away = np.remainder(away + np.pi, 2 * np.pi) - np.pi
-        found[name] = np.abs(away) / quantity.scale
+            start = values[0]
+        displacement = _difference(values, start, is_angle=quantity.angle)
+        signals[name] = np.abs(displacement) / quantity.scale
     if all(name in truth.values for name in ATTITUDE):
         from refdem.mechanics.quaternion import angle_between
 
         true = np.stack([truth.value(name) for name in ATTITUDE], axis=-1)
-        found["attitude"] = angle_between(true, np.broadcast_to(true[0], true.shape))
-    return found
+        signals["attitude"] = angle_between(true, np.broadcast_to(true[0], true.shape))
+    return signals
 
 
 def predictable(scaled: Mapping[str, Array]) -> int:
     """Number of samples before any of these errors (until,) by quantity first exceeds SMALL."""
-    largest = np.maximum.reduce(list(scaled.values()))
-    beyond = np.flatnonzero(~(largest <= SMALL))
+    return _samples_within(np.maximum.reduce(list(scaled.values())), SMALL)
+
+
+def _samples_within(error: Array, limit: float) -> int:
+    """Number of samples before the error (until,) first exceeds the limit or is not a number."""
+    beyond = np.flatnonzero(~(error <= limit))
     if len(beyond):
         return int(beyond[0])
-    return len(largest)
+    return len(error)
 
 
 def followed(
     subject: Subject, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON
 ) -> int:
-    """Number of samples before a run first is that part of the scale from truth: S tells of the
-    true motion, not of another.
+    """Number of samples before the run's error first exceeds `within`, a part of the scale.
+
+    From there on the run follows another motion, and S, which is the error growth along the true
+    motion, says nothing about it.
     """
-    off = errors(subject.instance, run, truth, subject.method.delay(level))
-    largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
-    beyond = np.flatnonzero(~(largest <= within))
-    if len(beyond):
-        return int(beyond[0])
-    return len(largest)
+    return _samples_within(_largest_error(subject, level, run, truth), within)
+
+
+def _largest_error(subject: Subject, level: float, run: Trajectory, truth: SampledTruth) -> Array:
+    """The largest error of any quantity at each sample (until,), in units of the scales."""
+    scaled = errors(subject.instance, run, truth, subject.method.delay(level))
+    # The zeros stand in where no quantity can be compared.
+    largest: Array = np.maximum.reduce([np.zeros(truth.until), *scaled.values()])
+    return largest
 
 
 def largest_so_far(subject: Subject, level: float, run: Trajectory, truth: SampledTruth) -> Array:
     """The largest error of any quantity against truth up to each sample (until,), in units of the
     scales.
     """
-    off = errors(subject.instance, run, truth, subject.method.delay(level))
-    largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
-    so_far: Array = np.maximum.accumulate(largest)
+    so_far: Array = np.maximum.accumulate(_largest_error(subject, level, run, truth))
     return so_far
 
 
 def room_of(subject: Subject) -> float:
-    """How many times an error may be what it is at another step: ROOM, and more where kinks scatter
-    it.
+    """Factor by which an error may exceed what its order predicts from another step.
+
+    It is ROOM, and more where kinks scatter the errors.
     """
     if not kinked(subject.instance):
         return ROOM
@@ -387,52 +419,51 @@ def room_of(subject: Subject) -> float:
 
 
 def signed(subject: Subject, run: Trajectory, truth: SampledTruth, count: int) -> Array:
-    """Differences (parts, count) from truth with their signs, in units of their scales; angles
-    modulo 2 pi.
+    """Signed differences (rows, count) from truth, in units of their scales; angles modulo 2 pi.
 
-    An attitude counts as the vector [rad] of the small turn from the true one, in body axes.
+    There is one row a quantity. An attitude has three: the vector [rad] of the small rotation from
+    the true attitude to the observed one, in body axes.
     """
     observed = subject.instance.observe(run)
-    found = []
+    rows = []
     for name, values in observed.items():
         quantity = subject.instance.quantities[name]
         if quantity.group or name not in truth.values:
             continue
-        difference = values[:count] - truth.value(name)[:count]
-        if quantity.angle:
-            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        found.append(difference / quantity.scale)
-    parts = [f"attitude.{axis}" for axis in "wxyz"]
-    if all(name in observed and name in truth.values for name in parts):
-        found += list(_small_turns(observed, truth, parts, count))
-    return np.array(found)
+        reference = truth.value(name)[:count]
+        difference = _difference(values[:count], reference, is_angle=quantity.angle)
+        rows.append(difference / quantity.scale)
+    if all(name in observed and name in truth.values for name in ATTITUDE):
+        rows += list(_small_rotations(observed, truth, count))
+    return np.array(rows)
 
 
-def _small_turns(
-    observed: dict[str, Array], truth: SampledTruth, parts: list[str], count: int
-) -> Array:
-    """Vectors (3, count) [rad] of the turn from the true attitude to the observed one: 2 vec(q* p),
-    of q and -q the nearer.
+def _small_rotations(observed: dict[str, Array], truth: SampledTruth, count: int) -> Array:
+    """Rotation vectors (3, count) [rad] from the true attitude q to the observed attitude p.
+
+    q* p = (cos(a/2), n sin(a/2)) for the rotation by a about n, so that the vector a n is 2 vec(q*
+    p) to first order in a. Of p and -p, the same attitude, the one with a positive real part is the
+    nearer.
     """
     from refdem.mechanics.quaternion import product
 
-    seen = np.stack([observed[name][:count] for name in parts], axis=-1)
-    seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
-    true = np.stack([truth.value(name)[:count] for name in parts], axis=-1)
+    attitude = np.stack([observed[name][:count] for name in ATTITUDE], axis=-1)
+    attitude = attitude / np.linalg.norm(attitude, axis=-1, keepdims=True)
+    true = np.stack([truth.value(name)[:count] for name in ATTITUDE], axis=-1)
     conjugate = true * np.array([1.0, -1.0, -1.0, -1.0])
-    between = product(conjugate, seen)
-    nearer = np.where(between[:, :1] < 0, -between, between)
-    turns: Array = 2.0 * nearer[:, 1:].T
-    return turns
+    relative = product(conjugate, attitude)
+    nearer = np.where(relative[:, :1] < 0, -relative, relative)
+    vectors: Array = 2.0 * nearer[:, 1:].T
+    return vectors
 
 
 def left_at_finest(subject: Subject, coarse: Array) -> float:
-    """What the claimed order leaves at the finest level of an error (T,) that the coarsest level
-    shows; infinite if it says nothing.
+    """Largest error at the finest level that the order predicts from the errors (T,) at the
+    coarsest level `coarse`; infinite if it predicts nothing.
 
-    With an error C h^p it is 2^-p for every halving of the step, and ROOM times that where terms of
-    higher order still count. Kinks scatter C from step to step; round-off, which does not fall, is
-    the caller's to add.
+    An error C h^p falls by 2^-p with every halving of the step; the prediction is ROOM times that,
+    because terms of higher order still count. It predicts nothing where kinks scatter C from step
+    to step. Round-off, which does not fall, is the caller's to add.
     """
     if (
         subject.method.control != "step"
@@ -446,56 +477,61 @@ def left_at_finest(subject: Subject, coarse: Array) -> float:
 
 
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
-    """Largest difference (T,) of any state of any body between two runs, each column in its scale;
-    of any quantity without a scene.
+    """Largest difference (T,) between two runs of any state of any body, each in its scale.
+
+    The scales are L for positions, L/tau for velocities, the largest omega at the start (or 1/tau)
+    for omegas, and 1 rad for the angle between attitudes. Without a scene it is the largest
+    difference of any quantity.
     """
     if not isinstance(instance.problem, Motion):
-        one = instance.observe(a)
-        other = instance.observe(b)
-        apart: Array = np.maximum.reduce(
-            [np.abs(one[name] - other[name]) / q.scale for name, q in instance.quantities.items()]
+        of_a = instance.observe(a)
+        of_b = instance.observe(b)
+        largest_of_quantities: Array = np.maximum.reduce(
+            [np.abs(of_a[name] - of_b[name]) / q.scale for name, q in instance.quantities.items()]
         )
-        return apart
+        return largest_of_quantities
     scales = instance.scales
     bodies = instance.scene.bodies
-    spin = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
-    parts = [
+    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    differences = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
         np.abs(a.velocity - b.velocity).max(axis=(1, 2)) / scales.speed,
     ]
     if "rotation" in instance.scene.features:
         from refdem.mechanics.quaternion import angle_between
 
-        turns = bodies.inertia.any(axis=1)
-        parts.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / spin)
-        parts.append(
-            angle_between(a.attitude[:, turns], b.attitude[:, turns]).max(axis=1, initial=0.0)
-        )
-    largest: Array = np.maximum.reduce(parts)
+        rotates = bodies.inertia.any(axis=1)
+        angles = angle_between(a.attitude[:, rotates], b.attitude[:, rotates])
+        differences.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / omega_scale)
+        differences.append(angles.max(axis=1, initial=0.0))
+    largest: Array = np.maximum.reduce(differences)
     return largest
 
 
 def perturbation(method: Method) -> int:
-    """Units in the last place by which a start is moved to show how errors grow: those of a double,
-    a single one being 2^29.
+    """Units in the last place, those of a double, by which a start is moved to show error growth.
+
+    u of the method's precision is 2^53 u such units: 1 for double precision, 2^29 for single.
     """
     return PERTURBED * round(method.round_off * 2.0**53)
 
 
 def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Trajectory) -> Array:
-    """How much an early error has grown (T,), as a start moved by `perturbation` shows it: what
-    stands in for S without truth.
+    """Growth factor (T,) of an error made at the start, which stands in for S without truth.
+
+    It is MORE |moved - base| / (relative perturbation of the start), at least 1, its largest value
+    so far. `moved` is the run whose start was moved by `perturbation`, `base` the plain run.
     """
-    shown = distances(instance, moved, base) / (perturbation(method) * 2.0**-52)
-    return np.maximum.accumulate(np.maximum(1.0, MORE * shown))
+    perturbed_by = perturbation(method) * 2.0**-52
+    ratio = distances(instance, moved, base) / perturbed_by
+    return np.maximum.accumulate(np.maximum(1.0, MORE * ratio))
 
 
 def curve(t: Array, value: Array, bound: Array | float) -> Series:
     """A curve of at most MOST_POINTS points that keeps the largest value of each stretch."""
     bound = np.broadcast_to(np.asarray(bound, float), value.shape)
-    pick = np.arange(len(value))
+    kept = np.arange(len(value))
     if len(value) > MOST_POINTS:
-        pick = np.array(
-            [part[np.argmax(value[part])] for part in np.array_split(pick, MOST_POINTS)]
-        )
-    return Series(t=t[pick].tolist(), value=value[pick].tolist(), bound=bound[pick].tolist())
+        stretches = np.array_split(kept, MOST_POINTS)
+        kept = np.array([stretch[np.argmax(value[stretch])] for stretch in stretches])
+    return Series(t=t[kept].tolist(), value=value[kept].tolist(), bound=bound[kept].tolist())

@@ -1,5 +1,6 @@
-"""Maps that an iteration applies again and again, as whoever answers reads them: numbers, and no
-code.
+"""Maps that an iteration applies again and again, described by their numbers and without code.
+
+An engine implements the map by its name (`kind`) and reads its numbers from the request.
 """
 
 from typing import ClassVar

@@ -1,8 +1,8 @@
-"""What comes from outside (a program's output, a file, a name) as one printable line.
+"""Text from outside (a program's output, a file, a name) made safe to show.
 
-Nothing from outside may move a cursor, begin a line of its own, or be read as a command by a
-service that reads logs. Where it goes on to (HTML, CSV, Markdown) it is escaped once more in that
-way.
+Such text may not move a cursor, begin a line of its own, or be read as a command by a service that
+reads logs: it becomes one printable line. Before it goes into HTML, CSV or Markdown it is escaped
+once more for that format.
 """
 
 import os
@@ -14,12 +14,12 @@ from typing import BinaryIO
 from refdem.errors import EngineError
 
 MOST = 2000
-"""Characters of a line."""
+"""Most characters of a line."""
 
 
-def _shown(character: str, kept: str = "") -> str:
-    """The character itself if it prints or is one of those kept, "?" otherwise."""
-    if character.isprintable() or character in kept:
+def _printable_character(character: str, allowed: str = "") -> str:
+    """The character itself if it prints or is one of those `allowed`, "?" otherwise."""
+    if character.isprintable() or character in allowed:
         return character
     return "?"
 
@@ -27,13 +27,12 @@ def _shown(character: str, kept: str = "") -> str:
 def one_line(text: str, most: int = MOST) -> str:
     """The text as one printable line of at most `most` characters.
 
-    Lines are joined by " / ", other characters that do not print become "?", and what the log of a
-    workflow on GitHub would take for a command is broken by a blank: `##[` anywhere, `::` at the
-    begin.
+    Lines are joined by " / ", other characters that do not print become "?". A GitHub workflow's
+    log takes `##[` anywhere, and `::` at the start of a line, for a command: a blank breaks these.
     """
     lines = [line.strip() for line in text.splitlines()]
     joined = " / ".join(line for line in lines if line)
-    printable = "".join(_shown(character) for character in joined)
+    printable = "".join(_printable_character(character) for character in joined)
     printable = printable.replace("##[", "# #[")
     if printable.startswith("::"):
         printable = f": {printable[1:]}"
@@ -46,11 +45,11 @@ def printable(text: str) -> str:
     """The text with "?" for characters that do not print; lines stay lines."""
     if text.isprintable():
         return text
-    return "".join(_shown(character, kept="\n\t") for character in text)
+    return "".join(_printable_character(character, allowed="\n\t") for character in text)
 
 
 MARKED = re.compile(r"[\\`*_{}\[\]#|~$]")
-"""Characters by which Markdown makes more of a text than it says."""
+"""Characters that are markup in Markdown."""
 SPOKEN_TO = re.compile(r"@(?=\w)|://|(?<=www)\.|#(?=\d)", re.IGNORECASE)
 """Where GitHub makes a mention, a link, or a reference to an issue of bare text."""
 NOTHING = "&#8203;"
@@ -58,22 +57,23 @@ NOTHING = "&#8203;"
 
 
 def markdown_text(text: str) -> str:
-    """The text as Markdown shows it: one line, no markup, no HTML, no end of a table's cell, nobody
-    mentioned, no link.
+    """Markdown that shows the text literally on one line: no markup, HTML, table cell, mention of a
+    person, or link arises from it.
     """
     line = " ".join(printable(text).split())
-    parts = [line]
-    for found in reversed(list(SPOKEN_TO.finditer(line))):
-        before = parts[0][: found.start() + 1]
-        after = parts[0][found.start() + 1 :]
-        parts[:1] = [before, after]
-    return NOTHING.join(_marked(part) for part in parts)
+    # Cut after the first character of every mention or link; a space of no width in the cut ends
+    # it.
+    cuts = [match.start() + 1 for match in SPOKEN_TO.finditer(line)]
+    starts = [0, *cuts]
+    ends = [*cuts, len(line)]
+    pieces = [line[start:end] for start, end in zip(starts, ends, strict=True)]
+    return NOTHING.join(_escaped(piece) for piece in pieces)
 
 
-def _marked(text: str) -> str:
-    """The text with what Markdown and HTML would read written so that it is shown."""
-    shown = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return MARKED.sub(r"\\\g<0>", shown)
+def _escaped(text: str) -> str:
+    """The text with HTML's special characters as entities, Markdown's behind a backslash."""
+    html = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return MARKED.sub(r"\\\g<0>", html)
 
 
 def cell(value: object) -> object:
@@ -89,10 +89,10 @@ def cell(value: object) -> object:
 
 
 def opened(path: Path) -> BinaryIO | None:
-    """A file that a program wrote, None if there is none; raises EngineError if it is no plain file
-    of its own.
+    """A file that a program wrote, open for reading; None if there is none.
 
-    A link may lead to the answer of another run, and a pipe would be waited for without end.
+    Raises EngineError unless it is a plain file with this one name: a link may lead to the answer
+    of another run, and reading a pipe may wait for ever.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW | os.O_CLOEXEC)
@@ -103,8 +103,8 @@ def opened(path: Path) -> BinaryIO | None:
             f"{path.name} cannot be read: {error.strerror}; expected a plain file that this run"
             " wrote"
         ) from None
-    found = os.fstat(descriptor)
-    if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink != 1:
         os.close(descriptor)
         raise EngineError(
             f"{path.name} is a link, a pipe, a device or a folder; expected a plain file that this"

@@ -23,8 +23,11 @@ LARGEST = Fraction(10**100)
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One parameter: `default` as text ("3/2", "1,2,3"; "" where the case decides), unit, bounds,
-    shape or choices.
+    """The declaration of one parameter of a case.
+
+    `default` is text ("3/2", "1,2,3"; "" where the case computes one). A parameter is a number, an
+    array of numbers of the given `shape`, or one of the words `choices`; numbers lie within the
+    bounds `above` (exclusive), `at_least` and `at_most`, and are whole where `whole` says so.
     """
 
     name: str
@@ -64,7 +67,7 @@ class Parameter:
             return text
         if text == "" and self.default == "":
             return None
-        numbers = tuple(self._number(part.strip()) for part in text.split(","))
+        numbers = tuple(self._number(entry.strip()) for entry in text.split(","))
         if self.shape:
             expected = int(np.prod(self.shape))
         else:
@@ -81,6 +84,7 @@ class Parameter:
         return numbers[0]
 
     def _number(self, text: str) -> Fraction:
+        """The exact value of a decimal or a fraction of decimals over a whole number."""
         if not _NUMBER.fullmatch(text):
             raise UsageError(
                 f"parameter {self.name}: got {text!r}; expected a finite decimal or fraction such"
@@ -98,11 +102,12 @@ class Parameter:
         return number
 
     def _refuse_out_of_bounds(self, number: Fraction) -> None:
-        is_above = self.above is None or number > _as_written(self.above)
-        is_enough = self.at_least is None or number >= _as_written(self.at_least)
-        is_few = self.at_most is None or number <= _as_written(self.at_most)
-        is_whole = not self.whole or number.denominator == 1
-        if not (is_above and is_enough and is_few and is_whole):
+        """Raises UsageError unless the number meets every bound that the parameter has."""
+        meets_above = self.above is None or number > _as_written(self.above)
+        meets_at_least = self.at_least is None or number >= _as_written(self.at_least)
+        meets_at_most = self.at_most is None or number <= _as_written(self.at_most)
+        meets_whole = not self.whole or number.denominator == 1
+        if not (meets_above and meets_at_least and meets_at_most and meets_whole):
             raise UsageError(
                 f"parameter {self.name}: got {float(number):.17g} {self.unit}; expected"
                 f" {self.bounds()}"
@@ -148,11 +153,12 @@ class Parameters(Mapping[str, Exact]):
 
     def changed(self) -> dict[str, str]:
         """The values that differ from the defaults, as text, in declared order."""
-        return {
-            n: _text(v)
-            for n, v in self._exact.items()
-            if v != self.declared[n].parsed(self.declared[n].default)
-        }
+        texts = {}
+        for name, value in self._exact.items():
+            parameter = self.declared[name]
+            if value != parameter.parsed(parameter.default):
+                texts[name] = _text(value)
+        return texts
 
 
 def _as_written(bound: float) -> Fraction:
@@ -161,13 +167,15 @@ def _as_written(bound: float) -> Fraction:
 
 
 def _text(value: Exact) -> str:
+    """The shortest text that `parsed` reads as exactly this value: a decimal, else a fraction."""
     if isinstance(value, tuple):
         return ",".join(_text(x) for x in value)
     if not isinstance(value, Fraction):
         return value or ""
-    short = repr(float(value))
-    if "inf" not in short and Fraction(short) == value:
-        exact = short
+    decimal = repr(float(value))
+    # A fraction too large for a double is printed as inf.
+    if "inf" not in decimal and Fraction(decimal) == value:
+        exact = decimal
     else:
         exact = str(value)
     if exact.endswith(".0"):
@@ -176,7 +184,7 @@ def _text(value: Exact) -> str:
 
 
 def nearest(name: str, known: Any) -> str:
-    """A hint: the nearest known name, or all of them."""
+    """A hint for an unknown name: the most similar of the `known` names, or all of them."""
     close = difflib.get_close_matches(name, list(known), 1, 0.5)
     if close:
         return f"did you mean {close[0]!r}?"
@@ -201,16 +209,16 @@ def labelled(label: str) -> tuple[str, dict[str, str]]:
 
 def settings(pairs: list[str]) -> dict[str, str]:
     """Parameters from `name=value` texts; raises UsageError."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for pair in pairs:
         name, equals, value = pair.partition("=")
         if not equals or not name or not value:
             raise UsageError(
                 f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3"
             )
-        if found.get(name, value) != value:
+        if texts.get(name, value) != value:
             raise UsageError(
-                f"--set got {name} twice, as {found[name]} and as {value}; expected it once"
+                f"--set got {name} twice, as {texts[name]} and as {value}; expected it once"
             )
-        found[name] = value
-    return found
+        texts[name] = value
+    return texts

@@ -40,8 +40,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 CLOCK_ROUNDINGS = 8
-"""A time in single precision is a step, a number of steps and a start, each rounded, times and
-plus.
+"""Roundings of a time start + count * step in single precision: three numbers, a product and a sum,
+and some to spare.
 """
 UNEVEN = 1e-3
 """Part of a step by which a sample may lie off a whole number of steps: its time is rounded."""
@@ -50,13 +50,13 @@ WHOLE = 1e-9
 MISCOUNTED = 0.01
 """Part of a step: a clock that is off by whole steps to within this has miscounted them."""
 FORMAT = 1
-"""Of a request."""
+"""The version of the format of a request; a request of another version is refused."""
 COUNT = "count `stride` steps from each sample to the next and never compare times"
 """What a program must do so that its steps meet the samples."""
 
 
-def _iteration(read: IterationDocument) -> Iteration:
-    return Iteration(read.map, np.array(read.start), read.n)
+def _iteration(document: IterationDocument) -> Iteration:
+    return Iteration(document.map, np.array(document.start), document.n)
 
 
 AnyDocument = IterationDocument | SolidDocument | IdentityDocument | EnsembleDocument
@@ -66,7 +66,7 @@ OTHERS: dict[type, Callable[[Any], Problem]] = {
     IdentityDocument: Identity,
     EnsembleDocument: Ensemble.read,
 }
-"""How each document of a question that is no motion is read back."""
+"""The function that reads each document of a question other than a motion."""
 
 
 class RequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -115,19 +115,22 @@ class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
 
 
 class _Kind(msgspec.Struct):
+    """Tells the two kinds of request documents apart: `problem` is not in that of a motion."""
+
     problem: msgspec.Raw = msgspec.Raw()
 
 
-def _refuse_format(came: int) -> None:
+def _refuse_format(version: int) -> None:
     """Raises UsageError for a request that another version of refdem wrote."""
-    if came != FORMAT:
-        raise UsageError(f"request: format is {came}; expected {FORMAT}")
+    if version != FORMAT:
+        raise UsageError(f"request: format is {version}; expected {FORMAT}")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Request:
-    """One run: problem, method, and its step [s] (size only) or tolerance; neither for exact
-    methods.
+    """One run: a problem, the name of the method, and its step [s] (size only) or tolerance.
+
+    Exact methods have neither. `repeat` numbers requests that are otherwise equal.
     """
 
     problem: Problem
@@ -160,14 +163,19 @@ class Request:
                 method=other.method,
                 **control,
             )
-        read = json_as(RequestDocument, text, "request")
-        _refuse_format(read.format)
-        problem = Motion(Scene.of_document(read.scene, file), np.array(read.times))
-        request = cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
-        if read.stride is not None and read.stride != request._told_stride:
+        document = json_as(RequestDocument, text, "request")
+        _refuse_format(document.format)
+        problem = Motion(Scene.of_document(document.scene, file), np.array(document.times))
+        request = cls(
+            problem=problem,
+            method=document.method,
+            step=document.step,
+            tolerance=document.tolerance,
+        )
+        if document.stride is not None and document.stride != request._told_stride:
             raise UsageError(
-                f"request: stride is {read.stride}; expected {request._told_stride}, as step and"
-                " times say"
+                f"request: stride is {document.stride}; expected {request._told_stride}, as step"
+                " and times say"
             )
         return request
 
@@ -209,19 +217,20 @@ class Request:
 
     @property
     def stride(self) -> int:
-        """Steps from sample to sample; raises UsageError if the step does not divide every sample
-        interval alike.
+        """Number of steps from each sample to the next: sample interval / step.
+
+        Raises UsageError if the method has no step, or if one stride does not fit every interval.
         """
         if self.step is None:
             raise UsageError("stride: the method has no fixed step")
-        exact = abs(self.problem.interval) / self.step
+        quotient = abs(self.problem.interval) / self.step
         # Beyond 2^53 no program counts its steps, and the quotient of two doubles may be infinite.
-        is_countable = exact < 2.0**53
+        is_countable = quotient < 2.0**53
         if is_countable:
-            stride = round(exact)
+            stride = round(quotient)
         else:
             stride = 0
-        if stride < 1 or abs(exact - stride) > WHOLE * exact:
+        if stride < 1 or abs(quotient - stride) > WHOLE * quotient:
             raise UsageError(
                 f"step is {self.step} s; expected a whole fraction of the sample interval"
                 f" {abs(self.problem.interval)} s"
@@ -240,17 +249,15 @@ class Request:
         return self.stride
 
     def _refuse_uneven(self) -> None:
-        """Raises UsageError unless the samples are evenly spaced: one stride holds for all of
-        them.
-        """
+        """Raises UsageError unless the samples are evenly spaced: t_n = t_0 + n (t_1 - t_0)."""
         times = self.problem.times
         even = times[0] + np.arange(len(times)) * self.problem.interval
-        off = np.abs(times - even)
-        worst = int(np.argmax(off))
+        deviation = np.abs(times - even)
+        worst = int(np.argmax(deviation))
         # Each time carries its own rounding, and the n-th multiple of the first interval n times
         # that of the first two.
         rounding = 4 * 2.0**-53 * len(times) * float(np.max(np.abs(times)))
-        if off[worst] > UNEVEN * (self.step or 0.0) + rounding:
+        if deviation[worst] > UNEVEN * (self.step or 0.0) + rounding:
             raise UsageError(
                 f"times[{worst}] is {times[worst]:.17g} s; expected {even[worst]:.17g} s: "
                 "a method with a fixed step needs evenly spaced samples"
@@ -292,10 +299,10 @@ class Request:
         return replace(self, problem=Motion(scene, times))
 
     def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
-        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the
-        round-off of its precision.
+        """Raises EngineError unless the engine's times `t` (T,) [s] are the samples asked for.
 
-        A clock may be the sum of its steps, which rounds as often.
+        They may differ by the round-off of its precision, `round_off`, and by that of a clock which
+        adds up its steps: one rounding a step.
         """
         times = self.problem.times
         if t.shape != times.shape:
@@ -304,35 +311,37 @@ class Request:
             steps = 0
         else:
             steps = self.stride * (len(times) - 1)
-        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(
-            abs(times[0]), abs(times[-1]), abs(self.problem.interval)
-        )
-        late = t - times
-        worst: Any = np.argmax(np.abs(late))
-        if abs(late[worst]) > allowed:
+        relative = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53)
+        largest_time = max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
+        allowed = relative * largest_time
+        lag = t - times
+        worst: Any = np.argmax(np.abs(lag))
+        if abs(lag[worst]) > allowed:
+            hint = self.miscounted(float(lag[worst] - lag[0]))
             raise EngineError(
                 f"trajectory.t[{worst}] is {t[worst]:.17g} s; expected {times[worst]:.17g} s, "
-                f"the sample that was asked for{self.miscounted(float(late[worst] - late[0]))}"
+                f"the sample that was asked for{hint}"
             )
 
-    def miscounted(self, late: float) -> str:
-        """What to do about a run that is late by this time [s], where it is a whole number of
-        steps; else nothing.
+    def miscounted(self, lag: float) -> str:
+        """The end of a sentence about a run whose clock is ahead by `lag` [s] of the sample.
 
-        `late` is positive where the program has gone too far, whatever the direction of time.
+        It says how many steps too many or too few the program took if that is a whole number of
+        them, and is empty otherwise.
         """
         if self.step is None:
             return ""
-        exact = late / self.signed_step
-        extra = round(exact)
-        if extra == 0 or abs(exact - extra) > MISCOUNTED:
+        # Positive where the program took too many steps, whatever the direction of time.
+        quotient = lag / self.signed_step
+        extra = round(quotient)
+        if extra == 0 or abs(quotient - extra) > MISCOUNTED:
             return ""
         if abs(extra) == 1:
             steps = "1 step"
         else:
             steps = f"{abs(extra)} steps"
         if extra > 0:
-            side = "too many"
+            excess = "too many"
         else:
-            side = "too few"
-        return f"; the program took {steps} {side} on the way: {COUNT}"
+            excess = "too few"
+        return f"; the program took {steps} {excess} on the way: {COUNT}"

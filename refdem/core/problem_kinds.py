@@ -1,5 +1,6 @@
-"""The kinds of questions: a motion of a scene, an iteration of a map; those without time are in
-statics.
+"""The kinds of questions: `Motion` of a scene and `Iteration` of a map.
+
+Those about many starts are in core/ensemble.py, those without time in core/statics.py.
 """
 
 from abc import ABC, abstractmethod
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 LATEST = 1e250
 """Seconds: sums of as many times as there can be stay inside binary64."""
 FIT = 1e-10
-"""Rods and strings may be off by ten times this part of their length at the start."""
+"""A tenth of the relative error that the length of a rod or string may have at the start."""
 DENSE = 128
 PER_OCTAVE = 8
 """An iteration is sampled at every iterate up to DENSE, then PER_OCTAVE times in each octave, and
@@ -29,11 +30,11 @@ at its last.
 
 
 class Problem(ABC):
-    """One question. `times` (T,): the samples, seconds of a motion, numbers of iterates of an
-    iteration, else mere numbers.
+    """One question to an engine.
 
-    `scene` is what a motion has and nothing else. A new kind is a subclass with a document of its
-    own in problem.OTHERS.
+    `times` (T,) are the samples: seconds of a motion, numbers of iterates of an iteration, mere
+    numbers otherwise. `scene` exists for motions and ensembles only. A new kind of question is a
+    subclass with a document of its own in problem.OTHERS.
     """
 
     kind: ClassVar[str]
@@ -49,7 +50,7 @@ class Problem(ABC):
     @property
     @abstractmethod
     def features(self) -> frozenset[str]:
-        """What whoever answers must be able to do, derived from the content."""
+        """Names of what an engine must support to answer, derived from the content."""
 
     @property
     def interval(self) -> float:
@@ -104,30 +105,31 @@ class Motion(Problem):
         return self.scene.document()
 
     def perturbed(self, ulps: int) -> "Motion":
-        """Positions and spins moved up, velocities by turns down and up.
+        """The motion whose start is moved by a relative eps = ulps 2^-52.
 
-        All of them up would be the same motion on another scale wherever forces are linear, and
-        would show no growth at all. A large move would no longer fit what is tied to something: it
-        turns the bodies about the world's anchor instead.
+        Positions and omegas are multiplied by 1 + eps, components of velocities alternately by 1 -
+        eps and 1 + eps: the same factor for all would be the same motion on another scale wherever
+        forces are linear, and would show no growth at all. A large change would no longer satisfy
+        constraints, so there the bodies are rotated about the world's anchor instead.
         """
         bodies = self.scene.bodies
-        moved = ulps * 2.0**-52
-        if abs(moved) > FIT and "constraint" in self.features:
-            return self._turned(moved)
-        turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(
-            bodies.velocity.shape
-        )
-        velocity = bodies.velocity * (1 + turns * moved)
+        eps = ulps * 2.0**-52
+        if abs(eps) > FIT and "constraint" in self.features:
+            return self._rotated(eps)
+        signs = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0)
+        signs = signs.reshape(bodies.velocity.shape)
         scene = self.scene.with_state(
-            position=bodies.position * (1 + moved),
-            velocity=velocity,
-            omega=bodies.omega * (1 + moved),
+            position=bodies.position * (1 + eps),
+            velocity=bodies.velocity * (1 + signs * eps),
+            omega=bodies.omega * (1 + eps),
         )
         return Motion(scene, self.times)
 
-    def _turned(self, angle: float) -> "Motion":
-        """The bodies and their velocities turned about z by a small angle [rad]; what they are tied
-        to in the world stays.
+    def _rotated(self, angle: float) -> "Motion":
+        """Positions and velocities of the bodies rotated about z by a small angle [rad].
+
+        The axis goes through the first anchor of a link in the world, or the origin; rods between
+        bodies and one to that anchor keep their lengths.
         """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
         pivot = np.zeros(3)
@@ -135,12 +137,11 @@ class Motion(Problem):
             pivot = np.array(anchors[0])
         c = np.cos(angle)
         s = np.sin(angle)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         bodies = self.scene.bodies
-        position = pivot + (bodies.position - pivot) @ turn.T
-        return Motion(
-            self.scene.with_state(position=position, velocity=bodies.velocity @ turn.T), self.times
-        )
+        position = pivot + (bodies.position - pivot) @ rotation.T
+        velocity = bodies.velocity @ rotation.T
+        return Motion(self.scene.with_state(position=position, velocity=velocity), self.times)
 
     def when(self, sample: float) -> str:
         """A time [s] in words, for sentences."""
@@ -180,16 +181,19 @@ class Iteration(Problem):
             or self.start.shape != (self.map.dimension,)
             or not np.all(np.isfinite(self.start))
         ):
-            told = f"n = {self.n} and a start of shape {self.start.shape}"
             raise UsageError(
-                f"iteration: {told}; expected n >= 1 and {self.map.dimension} finite numbers"
+                f"iteration: n = {self.n} and a start of shape {self.start.shape}; expected n >= 1"
+                f" and {self.map.dimension} finite numbers"
             )
 
     @property
     def times(self) -> Array:  # type: ignore[override]
-        """Numbers of the iterates asked for (T,)."""
+        """Numbers (T,) of the iterates asked for: 0, 1, ... DENSE, DENSE 2^(k/PER_OCTAVE) for k =
+        1, 2, ... below n, and n.
+        """
         octaves = max(0.0, np.log2(self.n / DENSE))
-        sparse = np.round(DENSE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE))
+        k = np.arange(1, int(octaves * PER_OCTAVE) + 1)
+        sparse = np.round(DENSE * 2.0 ** (k / PER_OCTAVE))
         numbers = [*np.arange(min(self.n, DENSE) + 1), *sparse[sparse < self.n]]
         if self.n > DENSE:
             numbers.append(self.n)
@@ -205,13 +209,13 @@ class Iteration(Problem):
         return IterationDocument(map=self.map, start=self.start.tolist(), n=self.n)  # type: ignore[arg-type]
 
     def perturbed(self, ulps: int) -> "Iteration":
-        """The numbers of the start moved by turns up and down: all of them up would keep a
-        direction.
+        """The numbers of the start multiplied alternately by 1 + eps and 1 - eps, eps = ulps 2^-52.
+
+        The same factor for all would keep the direction of a vector.
         """
-        turns = np.where(np.arange(len(self.start)) % 2, -1.0, 1.0)
-        return Iteration(
-            self.map, self.map.admitted(self.start * (1 + turns * ulps * 2.0**-52)), self.n
-        )
+        signs = np.where(np.arange(len(self.start)) % 2, -1.0, 1.0)
+        start = self.start * (1 + signs * ulps * 2.0**-52)
+        return Iteration(self.map, self.map.admitted(start), self.n)
 
     def when(self, sample: float) -> str:
         """The index of an iterate in words, for sentences."""

@@ -1,4 +1,4 @@
-"""What is compared: a named quantity with its unit and the scale that makes its error a number."""
+"""The quantities that are compared, and the scales in which their errors are counted."""
 
 from dataclasses import dataclass
 
@@ -44,5 +44,5 @@ class Quantity:
     group: str = ""
 
     def __post_init__(self) -> None:
-        """Raises ValueError unless the scale is finite and positive."""
+        """numpy's number becomes a float, which records and stores can hold."""
         object.__setattr__(self, "scale", float(self.scale))

@@ -1,8 +1,7 @@
-"""Files that people and programs wrote, read as what they should be: whatever is wrong is one
-sentence with the place.
+"""Reads TOML and JSON that people and programs wrote into typed structs.
 
-Raised is UsageError alone, for a name that no file can have, a folder, bytes that are no text,
-brackets in brackets without end, and for what does not fit.
+Every fault becomes a UsageError of one sentence with its place: a name that no file can have, a
+folder, bytes that are no text, brackets nested too deeply, a field that does not fit.
 """
 
 import re
@@ -22,7 +21,7 @@ UNKNOWN = re.compile(r"unknown field `([^`]*)`")
 
 
 def content(path: Path, expected: str) -> bytes:
-    """The bytes of a file; `expected` says what should have been there."""
+    """The bytes of a file; raises UsageError that ends with `expected`, what the file should be."""
     try:
         return path.read_bytes()
     except (OSError, ValueError) as error:
@@ -31,7 +30,7 @@ def content(path: Path, expected: str) -> bytes:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file of that name; no for a name that none can have."""
+    """True if there is a file of that name; False also for a name that no file can have."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -41,17 +40,20 @@ def is_file(path: Path) -> bool:
 def toml_as(
     kind: type[T], path: Path, expected: str, defaults: Mapping[str, Any] | None = None
 ) -> T:
-    """A TOML file as a `kind`; `defaults` stand for what it does not say."""
+    """A TOML file as a struct of type `kind`; `defaults` are values of fields that it leaves out.
+
+    Raises UsageError with the place of the first fault.
+    """
     data = content(path, expected)
     try:
-        found = tomllib.loads(data.decode("utf-8"))
-        return msgspec.convert({**(defaults or {}), **found}, kind)
+        fields = tomllib.loads(data.decode("utf-8"))
+        return msgspec.convert({**(defaults or {}), **fields}, kind)
     except UNREADABLE as error:
         raise UsageError(f"{one_line(str(path))}: {said(error, kind)}") from None
 
 
 def json_as(kind: type[T], data: bytes, where: str) -> T:
-    """JSON as a `kind`; `where` says whose it is."""
+    """JSON as a struct of type `kind`; raises UsageError that begins with `where`, its origin."""
     try:
         return msgspec.json.decode(data, type=kind)
     except UNREADABLE as error:
@@ -59,7 +61,7 @@ def json_as(kind: type[T], data: bytes, where: str) -> T:
 
 
 def said(error: Exception, kind: Any) -> str:
-    """What is wrong, with the nearest name where one is not known."""
+    """An error of reading a `kind` as one line, with the nearest known name of an unknown field."""
     if isinstance(error, RecursionError):
         return "brackets within brackets, too deep to be read"
     text = one_line(str(error))
@@ -70,17 +72,17 @@ def said(error: Exception, kind: Any) -> str:
 
 
 def names(kind: Any) -> Iterator[str]:
-    """The names of all fields of a kind and of the kinds within it."""
-    waiting = [msgspec.inspect.type_info(kind)]
-    while waiting:
-        found = waiting.pop()
-        if isinstance(found, msgspec.inspect.StructType):
-            for field in found.fields:
+    """The names of all fields of a struct type and of the types nested in it."""
+    unvisited = [msgspec.inspect.type_info(kind)]
+    while unvisited:
+        info = unvisited.pop()
+        if isinstance(info, msgspec.inspect.StructType):
+            for field in info.fields:
                 yield field.encode_name
-                waiting.append(field.type)
-        elif isinstance(found, msgspec.inspect.ListType):
-            waiting.append(found.item_type)
-        elif isinstance(found, msgspec.inspect.Metadata):
-            waiting.append(found.type)
-        elif isinstance(found, msgspec.inspect.UnionType):
-            waiting += found.types
+                unvisited.append(field.type)
+        elif isinstance(info, msgspec.inspect.ListType):
+            unvisited.append(info.item_type)
+        elif isinstance(info, msgspec.inspect.Metadata):
+            unvisited.append(info.type)
+        elif isinstance(info, msgspec.inspect.UnionType):
+            unvisited += info.types

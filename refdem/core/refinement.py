@@ -1,4 +1,16 @@
-"""Bounds and refinement: how large an error may be at a step, and which steps to take."""
+"""Bounds and refinement: how large an error may be at a step, and which steps to take.
+
+Every bound is relative: an error in units of a quantity's scale. With step h, order p, shortest
+time tau, duration T, unit round-off u, number of steps n, and S(t), by which the motion itself
+makes an earlier error grow,
+
+    truncation  = C (1 + t/tau) (h/tau)^p
+    round-off   = c u max(1, sqrt(n), T/tau)
+    bound       = (truncation + round-off + clock + flight) S(t)
+
+`clock` and `flight` are the roundings that add up in proportion to n, not to its root. `level` is
+the step h [s], or the tolerance of a method that chooses its own steps.
+"""
 
 import math
 
@@ -21,6 +33,8 @@ three sigma are allowed.
 """
 HORIZON = 0.1
 """A run is scored up to the first time at which its bound exceeds this part of the scale."""
+ORDER_LEVELS = 3
+"""Levels that an order needs: two pairs, which must agree."""
 COUNTING_FLOOR = 20.0
 """A level counts for the order while its bound is at least this many times round-off."""
 TURN_ROUNDINGS = 3.0
@@ -33,18 +47,18 @@ its three axes in five turns.
 MOST_STEPS = 1e10
 """More steps than this are a slip of the caller's: no engine finishes them within a day."""
 CLOCK_STEPS = 4.0
-"""Steps that a method which chooses them takes in a shortest time: one of high order turns a
-fraction of a radian a step.
+"""Steps in one tau = 1/omega_max of a method that chooses its own steps: one of high order advances
+the phase by a fraction of a radian a step.
 """
 KINKS = frozenset({"contact", "friction", "catch", "piecewise_field", "wedge", "spring:exponent"})
-"""What brings forces that are not smooth: a touch, a stop, the edge of a field, the square root of
-a stretch.
+"""Features of a scene whose forces are not smooth: a touch, a stop, the edge of a field, a root of
+the stretch.
 """
 SOMETIMES = frozenset(
     {"contact", "catch", "wedge", "piecewise_field", "uniform_gravity", "plane", "periodic_box"}
 )
-"""Elements whose force is constant or acts only for a while: between, or all the time, bodies gain
-the same at every step.
+"""Elements whose force is constant or acts only for a while. With no others in the scene, there are
+long stretches in which every step adds the same amount to a body's position or velocity.
 """
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.
@@ -67,51 +81,56 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
     off in phase by u t.
     """
-    turns = instance.scales.duration / instance.scales.tau
-    return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), turns)
+    phase = instance.scales.duration / instance.scales.tau
+    return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), phase)
 
 
 def sweeping(instance: Instance, method: Method) -> float:
-    """How many times round-off grows where rods share bodies, at least 1: the impulses of every
-    sweep over them are rounded.
+    """Factor >= 1 by which round-off grows where rods share bodies.
 
-    A sweep that halves what is left needs log2(1/u) of them; a body has its rods' impulses in each,
-    in place of ten roundings a step.
+    A constraint solver sweeps over the rods again and again, and each sweep halves the residual: it
+    needs log2(1/u) sweeps to reach round-off. In every sweep a body is given the impulses of its
+    rods, 2 rods/bodies on average, each rounded. So the roundings of a step are
+
+        log2(1/u) 2 rods/bodies   in place of the 10 that ROUND_OFF_FACTOR counts,
+
+    and errors of random sign grow as the root of that ratio.
     """
     scene = instance.scene
     rods = len(scene.all(Rod))
     if rods < 2 or method.control != "step":
         return 1.0
-    return max(1.0, math.sqrt(-math.log2(method.round_off) * 2 * rods / len(scene.bodies) / 10.0))
+    sweeps = -math.log2(method.round_off)
+    roundings = sweeps * 2 * rods / len(scene.bodies)
+    return max(1.0, math.sqrt(roundings / 10.0))
 
 
 def flight(instance: Instance, method: Method, level: float) -> float:
-    """Relative round-off of what is added to again and again by the same amount: u a step; 0 where
-    forces vary all the time.
+    """Relative round-off u n of n additions of the same amount; 0 where forces vary all the time.
 
-    A body in free flight adds h v to its place at every step, and one that falls adds h g to its
-    velocity. Sums of equal terms round alike, step after step, so that roundings do not add as the
-    square root. Dry friction of constant size adds h f/m always against the motion: measured for
-    velocity Verlet that applies it by itself, 0.2 to 0.5 u a step, beside any spring. Gravity
-    beside a spring only moves the equilibrium: there the square root holds (measured: 3 u sqrt(n)
-    up to 1e6 steps).
+    A body in free flight adds h v to its position at every step, one that falls adds h g to its
+    velocity. Sums of equal terms round the same way step after step, so their roundings add in
+    proportion to n and not to sqrt(n). Dry friction of constant size adds h f/m, always against the
+    motion (measured for velocity Verlet with friction alone and beside a spring: 0.2 to 0.5 u a
+    step). Gravity beside a spring only moves the equilibrium, and the root holds (measured: 3 u
+    sqrt(n) up to 1e6 steps).
     """
     if method.control != "step" or not isinstance(instance.problem, Motion):
         return 0.0
     kinds = {element.kind for element in instance.scene.elements}
-    is_even = kinds <= SOMETIMES or "slider" in kinds
-    if is_even:
+    adds_equal_terms = kinds <= SOMETIMES or "slider" in kinds
+    if adds_equal_terms:
         return method.round_off * steps_at(instance, method, level)
     return 0.0
 
 
 def turning(instance: Instance, method: Method, level: float) -> float:
-    """Relative round-off of angular momentum where bodies turn by the same angles at every step:
-    TURN_ROUNDINGS u a step.
+    """Relative round-off of angular momentum where bodies rotate: TURN_ROUNDINGS u n for n steps.
 
-    The squares of a rounded cosine and sine do not add to 1, so that a turn by them stretches what
-    it turns a little, and the same turn stretches it alike, step after step. A body that spins
-    steadily repeats its turns, one that tumbles comes back to them.
+    The squares of a rounded cosine and sine do not add to 1, so a rotation by them changes the
+    length of a vector by a rounding. The same rotation changes it by the same factor at every step,
+    so these roundings add in proportion to n. A body that spins steadily repeats its rotations, one
+    that tumbles returns to them.
     """
     if method.control != "step" or "rotation" not in instance.problem.features:
         return 0.0
@@ -119,40 +138,45 @@ def turning(instance: Instance, method: Method, level: float) -> float:
 
 
 def clock(instance: Instance, method: Method, level: float) -> float:
-    """Relative error of a clock that is summed plainly: u T/tau for each addition; else 0.
+    """Relative error that a summed clock causes: u T/tau for each addition; 0 if none is summed.
 
-    One that chooses its steps adds one a sample and CLOCK_STEPS a tau. Of given steps the number is
-    known, whatever the sum says, and the clock counts only where a drive reads it.
+    A time that is off by u t shifts the phase t/tau of the motion by u t/tau, and n additions do so
+    n times. A method that chooses its steps makes one addition a sample and CLOCK_STEPS in each
+    tau. A method of fixed steps takes the right number of them whatever its clock says, so the
+    clock matters only where a drive reads it.
     """
-    turns = instance.scales.duration / instance.scales.tau
+    phase = instance.scales.duration / instance.scales.tau
     if not method.summed_clock:
         return 0.0
     if method.control != "step":
-        return method.round_off * turns * (len(instance.times) + CLOCK_STEPS * turns)
-    driven = any(element.reads_clock for element in instance.scene.elements)
-    if driven:
-        return method.round_off * turns * steps_at(instance, method, level)
+        additions = len(instance.times) + CLOCK_STEPS * phase
+        return method.round_off * phase * additions
+    is_driven = any(element.reads_clock for element in instance.scene.elements)
+    if is_driven:
+        return method.round_off * phase * steps_at(instance, method, level)
     return 0.0
 
 
 def order(instance: Instance, method: Method) -> float:
-    """The order p to which a method is held: the one that it claims for the scene, or less where no
-    fixed steps have that.
+    """The order p to which a method is held: min(claimed order, limit of the scene's smoothness).
+
+    The limit is the largest order that fixed steps can have across a singular force of the scene.
     """
     claimed = method.order_for(instance.problem.features)
-    limit = smoothness(instance, method)
-    if limit is None or limit.order >= claimed:
+    singularity = smoothness(instance, method)
+    if singularity is None or singularity.order >= claimed:
         return claimed
-    return limit.order
+    return singularity.order
 
 
 def smoothness(instance: Instance, method: Method) -> Singularity | None:
-    """What of the scene leaves fixed steps the lowest order, or None.
+    """The singular force of the scene that limits the order of fixed steps most, or None.
 
-    A method that locates events may start a step on each. One whose `order_with` names a feature of
-    that element claims an order for it with open eyes, and is held to that. A force that jumps is
-    no news to the author of a code: an order above 1 there is a claim that steps are cut where it
-    jumps, and is held as it stands.
+    Left out are those for which the method's claim stands as it is:
+    - all of them, if the method locates events, for it may start a step on each;
+    - those of an element that `order_with` names, for the claim was made with it in view;
+    - jumps, for every author knows of them: an order above 1 there claims that steps are cut at the
+      jump.
     """
     if (
         method.control != "step"
@@ -170,13 +194,14 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
 
 
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
-    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s].
+    """Relative truncation error (T,) allowed at times t (T,) [s].
 
-    C 1e3 tol for a tolerance; 0 if exact.
+    It is C (1 + t/tau) (h/tau)^p for a step h, C 1e3 tol for a tolerance, and 0 if exact.
     """
     if method.control == "exact":
         return np.zeros(len(t))
     if method.control == "tolerance":
+        # The constant C that a method with a tolerance claims holds for smooth motions only.
         if kinked(instance):
             constant = 1.0
         else:
@@ -189,20 +214,20 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
 
 
 def kinked(instance: Instance) -> bool:
-    """The motion may have kinks in the middle of a step, so that errors fall with the order on the
-    whole and not from pair to pair.
+    """True if the force may have kinks within a step: the error then falls with the order over many
+    levels, but not from each level to the next.
     """
     return bool(KINKS & instance.problem.features)
 
 
 def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, ...]:
-    """The levels from which an order is read: finer ones as well where kinks scatter the errors of
-    each.
+    """The levels from which an order is read: with kinks, FURTHER halvings of the finest as
+    well.
     """
     if not levels or not kinked(instance):
         return tuple(levels)
-    further = (levels[-1] / 2**k for k in range(1, FURTHER + 1))
-    return (*levels, *further)
+    finer = (levels[-1] / 2**k for k in range(1, FURTHER + 1))
+    return (*levels, *finer)
 
 
 def steps_at(instance: Instance, method: Method, level: float) -> float:
@@ -213,20 +238,20 @@ def steps_at(instance: Instance, method: Method, level: float) -> float:
 
 
 def bound(instance: Instance, method: Method, level: float, truth: SampledTruth) -> Array:
-    """Relative error allowed at every certified sample (until,): (truncation + round-off) times S
-    so far.
+    """Relative error (until,) allowed at every certified sample.
+
+    bound = (truncation + round-off + clock + flight) max S, the largest S up to the sample.
     """
     t = instance.times[: truth.until]
-    allowed = truncation(instance, method, level, t) + round_off(
-        instance, method, steps_at(instance, method, level)
-    )
-    unremoved = clock(instance, method, level) + flight(instance, method, level)
-    return (allowed + unremoved) * truth.growth()
+    steps = steps_at(instance, method, level)
+    of_method = truncation(instance, method, level, t) + round_off(instance, method, steps)
+    of_equal_terms = clock(instance, method, level) + flight(instance, method, level)
+    return (of_method + of_equal_terms) * truth.growth()
 
 
 def scored(allowed: Array) -> int:
-    """Number of samples before the bound first exceeds a tenth of the scale: the predictability
-    horizon.
+    """Number of samples before the bound `allowed` (until,) first exceeds HORIZON, a tenth of the
+    scale: the predictability horizon.
     """
     beyond = np.flatnonzero(allowed > HORIZON)
     if len(beyond):
@@ -237,46 +262,71 @@ def scored(allowed: Array) -> int:
 def levels(
     instance: Instance, method: Method, count: int, most_steps: float, step: float | None = None
 ) -> tuple[float, ...]:
-    """Refinement levels, coarse to fine: steps (or tolerances), each a power of two below the
-    sample interval.
+    """At most `count` refinement levels, coarse to fine.
 
-    The first step is the largest with C (T/tau) (h/tau)^p <= 0.1, or the smallest that `most_steps`
-    allow: such a run is scored up to its horizon. Then halves, while there are at most `most_steps`
-    steps and the bound stays above round-off. With `step`, the levels start there; raises
-    UsageError for one that no run could finish. None if `most_steps` make even tau, the shortest
-    time, too short a step.
+    A tolerance falls from 1e-4 by factors of 100; exact methods have the one level 0. Steps [s] are
+    halvings of the sample interval: from the first step on they are halved while a run takes at
+    most `most_steps` steps and, once there are the three levels that an order needs, while the
+    truncation bound stays above round-off. With `step` the levels start there; raises UsageError
+    for a step that no run could finish. No levels at all if `most_steps` would make every step
+    longer than tau, the shortest time of the motion.
     """
     if method.control == "exact":
         return (0.0,)
     if method.control == "tolerance":
         tolerances = (10.0 ** -(4 + 2 * j) for j in range(count))
-        return tuple(
-            t for t in tolerances if t > COUNTING_FLOOR * method.round_off
-        )  # below, step control never ends
-    power = order(instance, method)
-    scales = instance.scales
-    first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (
-        1.0 / power
-    )
-    interval = float(instance.times[1])
-    if step is not None and instance.times[-1] / step > MOST_STEPS:
+        # Step control never ends with a tolerance near round-off.
+        smallest = COUNTING_FLOOR * method.round_off
+        return tuple(tolerance for tolerance in tolerances if tolerance > smallest)
+    duration = instance.times[-1]
+    if step is not None and duration / step > MOST_STEPS:
         raise UsageError(
-            f"step is {step:g} s, which makes {instance.times[-1] / step:.1g} steps; expected at"
+            f"step is {step:g} s, which makes {duration / step:.1g} steps; expected at"
             f" most {MOST_STEPS:g}: take a longer step"
         )
-    if step is None and instance.times[-1] / most_steps > scales.tau:
+    if step is None and duration / most_steps > instance.scales.tau:
         return ()
-    halvings = max(0, int(np.ceil(np.log2(interval / first) - 1e-9)))
-    if step is None:
-        halvings = min(halvings, max(0, int(np.log2(most_steps * interval / instance.times[-1]))))
-    chosen = [interval * 2.0**-halvings]
+    power = order(instance, method)
+    chosen = [_first_step(instance, method, power, most_steps, step)]
     while len(chosen) < count:
         finer = chosen[-1] / 2
-        allowed = method.constant * (scales.duration / scales.tau) * (finer / scales.tau) ** power
-        steps = instance.times[-1] / finer
-        if steps > most_steps or (
-            len(chosen) >= 3 and allowed < COUNTING_FLOOR * round_off(instance, method, steps)
-        ):
+        steps = duration / finer
+        allowed = _final_truncation(instance, method, power, finer)
+        is_enough = len(chosen) >= ORDER_LEVELS
+        floor = COUNTING_FLOOR * round_off(instance, method, steps)
+        if steps > most_steps or (is_enough and allowed < floor):
             break
         chosen.append(finer)
     return tuple(chosen)
+
+
+def _final_truncation(instance: Instance, method: Method, power: float, step: float) -> float:
+    """Truncation bound C (T/tau) (h/tau)^p at the end of a run with this step h [s]."""
+    scales = instance.scales
+    phase = scales.duration / scales.tau
+    return float(method.constant * phase * (step / scales.tau) ** power)
+
+
+def _first_step(
+    instance: Instance, method: Method, power: float, most_steps: float, step: float | None
+) -> float:
+    """The coarsest step [s], the sample interval halved as often as needed.
+
+    It is at most `step` if that is given. Else it is at most the h of
+
+        C (T/tau) (h/tau)^p = 0.1,   that is   h = tau (0.1 tau / (C T))^(1/p),
+
+    or the smallest step that `most_steps` allow, whichever is longer: a run whose error leaves the
+    scale before the end is scored up to its horizon.
+    """
+    scales = instance.scales
+    interval = float(instance.times[1])
+    target = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (
+        1.0 / power
+    )
+    # The 1e-9 keeps a target that is a halving itself, but for its rounding.
+    halvings = max(0, int(np.ceil(np.log2(interval / target) - 1e-9)))
+    if step is None:
+        most_halvings = int(np.log2(most_steps * interval / instance.times[-1]))
+        halvings = min(halvings, max(0, most_halvings))
+    return interval * 2.0**-halvings

@@ -8,30 +8,32 @@ from refdem.core.problem import Request
 
 
 def request_text(request: Request) -> str:
-    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true and false as 1
-    and 0, null left out.
+    """The request as lines such as `scene.bodies.0.mass 1.0`, one for each number or word of its
+    JSON.
 
-    A list also has its length as `<key>.count`; numbers that need not be whole have a point or an
-    exponent.
+    Indices count from 0, a list also has its length as `<key>.count`; numbers have 17 digits, and
+    those that need not be whole have a point or an exponent; true and false are 1 and 0, null is
+    left out.
     """
-    return "".join(
-        f"{key} {value}\n" for key, value in _lines("", msgspec.json.decode(request.to_json()))
-    )
+    document = msgspec.json.decode(request.to_json())
+    return "".join(f"{key} {value}\n" for key, value in _lines("", document))
 
 
 def _lines(key: str, value: Any) -> list[tuple[str, str]]:
-    """The lines, as pairs of key and value, of every leaf of a document."""
+    """The lines, as pairs of key and value, of a JSON value that stands at `key` of the
+    document.
+    """
     if key:
         prefix = f"{key}."
     else:
         prefix = ""
     if isinstance(value, dict):
-        return [line for name, part in value.items() for line in _lines(f"{prefix}{name}", part)]
+        return [line for name, entry in value.items() for line in _lines(f"{prefix}{name}", entry)]
     if isinstance(value, list):
         lines = [(f"{prefix}count", str(len(value)))]
-        return lines + [
-            line for n, part in enumerate(value) for line in _lines(f"{prefix}{n}", part)
-        ]
+        for index, entry in enumerate(value):
+            lines += _lines(f"{prefix}{index}", entry)
+        return lines
     if value is None:
         return []
     if isinstance(value, bool):

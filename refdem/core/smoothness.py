@@ -1,10 +1,10 @@
-"""Which order a scene leaves to fixed steps: a step that holds a singular force has an error that
-no order makes smaller.
+"""The largest order that fixed steps can have in a scene: singular forces limit it.
 
-A force that goes as |s|^n through s = 0, at a place within the step that no method of fixed steps
-looks for, gives the step an error of h^(n+2) in velocity times time, and one such step a passage
-leaves an error of order n + 1 (Hairer, Norsett and Wanner 1993, section II.6). A force that jumps
-has n = 0. Measured: RK4 has 2.26 for n = 5/4, 2.57 for n = 3/2 and 3.08 for n = 2.
+A force that goes as |s|^n through s = 0 is not smooth there. A method of fixed steps does not look
+for the zero, which then lies somewhere within a step. That step has an error of h^(n+2) in velocity
+times time, whatever the order of the method, and one such step in each passage leaves an error of
+order n + 1 (Hairer, Norsett and Wanner 1993, section II.6). A force that jumps has n = 0, one with
+a kink n = 1. Measured: RK4 has 2.26 for n = 5/4, 2.57 for n = 3/2 and 3.08 for n = 2.
 """
 
 import math
@@ -46,10 +46,8 @@ class Singularity(NamedTuple):
 
 
 def singularities(scene: Scene) -> list[tuple[Element, Singularity]]:
-    """Every element whose force is singular where a motion may pass, with what is singular
-    there.
-    """
-    found = []
+    """Every element whose force is singular where a motion may pass, with its singularity."""
+    singular_elements = []
     for element in scene.elements:
         singular: Singularity | None
         if isinstance(element, Contact):
@@ -57,13 +55,16 @@ def singularities(scene: Scene) -> list[tuple[Element, Singularity]]:
         else:
             singular = _of_other(element)
         if singular is not None:
-            found.append((element, singular))
-    return found
+            singular_elements.append((element, singular))
+    return singular_elements
 
 
 def _of_contact(law: Contact) -> Singularity:
-    """A dashpot jumps at the touch, sliding friction where slip turns round; else the normal force
-    begins as overlap^n.
+    """The strongest singularity of a contact law.
+
+    A dashpot's force jumps at the touch, sliding friction without a tangential spring where the
+    slip velocity changes sign. A tangential spring has a kink where it starts to slip. Otherwise
+    the normal force begins as overlap^n, n the exponent of the law.
     """
     if law.law == "rigid":
         return Singularity(JUMP, "contact:rigid")
@@ -77,8 +78,10 @@ def _of_contact(law: Contact) -> Singularity:
 
 
 def _of_other(element: Element) -> Singularity | None:
-    """Friction and edges; a power of the stretch that is no odd number, and the drag |w| w where a
-    motion turns back: |s|^n sgn s has no Taylor series at s = 0.
+    """The singularity of an element that is not a contact, or None.
+
+    A spring's |s|^n sgn s has no Taylor series at s = 0 unless n is odd, nor has the drag |w| w
+    where a motion turns back.
     """
     if isinstance(element, Slider):
         return Singularity(JUMP, "friction")

@@ -1,6 +1,4 @@
-"""Is a step stable: many steps of it from the start of a motion, and whether the run stays
-bounded.
-"""
+"""Stability of a step size: many steps from the start of a motion, which must stay bounded."""
 
 from dataclasses import replace
 
@@ -18,23 +16,32 @@ BEYOND = 100.0
 
 
 def probe(instance: Instance, multiple: float) -> Motion:
-    """STEPS steps of `multiple` times 2/omega = 2 tau, each a sample."""
+    """The instance's motion over STEPS steps of `multiple` times 2 tau, every step a sample.
+
+    2 tau = 2/omega_max is the stability limit of velocity Verlet.
+    """
     step = 2 * instance.scales.tau * multiple
     return replace(instance.motion, times=np.arange(STEPS + 1, dtype=np.float64) * step)
 
 
 def excess(instance: Instance, run: Trajectory) -> float:
-    """The largest place, velocity or spin of the run, each in units of its scale; what flies freely
-    may go as far as it does.
+    """The largest |position|, |velocity| or |omega| of the run, each in units of its scale.
+
+    A scale is the case's own (L, L/tau, 1/tau) plus the value at the start; without forces a body
+    may also fly as far as its speed allows.
     """
     scales = instance.scales
     scene = instance.scene
-    speed = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
+    speed_scale = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
     if scene.elements:
         flight = 0.0
     else:
-        flight = speed * float(run.t[-1] - run.t[0])
-    reach = scales.length + float(np.max(np.abs(scene.bodies.position))) + flight
-    spin = 1 / scales.tau + float(np.max(np.abs(scene.bodies.omega)))
-    sizes = ((run.position, reach), (run.velocity, speed), (run.omega, spin))
-    return max(float(np.max(np.abs(values)) / size) for values, size in sizes)
+        flight = speed_scale * float(run.t[-1] - run.t[0])
+    length_scale = scales.length + float(np.max(np.abs(scene.bodies.position))) + flight
+    omega_scale = 1 / scales.tau + float(np.max(np.abs(scene.bodies.omega)))
+    scaled = (
+        (run.position, length_scale),
+        (run.velocity, speed_scale),
+        (run.omega, omega_scale),
+    )
+    return max(float(np.max(np.abs(values)) / scale) for values, scale in scaled)

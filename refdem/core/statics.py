@@ -1,4 +1,8 @@
-"""Questions without time: mass properties of solids, and programs of rotation algebra."""
+"""Questions without time: mass properties of solids, and programs of rotation algebra.
+
+A `Solid` asks for mass, centre of mass and tensor of inertia of a list of pieces, an `Identity` for
+the results of a list of operations (core/algebra.py), each of which may use earlier results.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -193,21 +197,27 @@ def of_piece(piece: Piece) -> frozenset[str]:
 def properties(
     problem: Solid, of: Callable[[Piece], Mapping[str, float] | None]
 ) -> dict[str, Array]:
-    """The values of every solid of which `of` says something: some of MASS_PROPERTIES by name."""
-    found = {piece.name: of(piece) for piece in problem.content.solids}
-    return {
-        f"{name}.{entry}": np.array([value])
-        for name, entries in found.items()
-        for entry, value in (entries or {}).items()
-    }
+    """The values `<solid>.<property>`, each (1,), of all solids of the problem.
+
+    `of(piece)` returns some of MASS_PROPERTIES by name, or None if it says nothing of that piece.
+    """
+    values: dict[str, Array] = {}
+    for piece in problem.content.solids:
+        entries = of(piece) or {}
+        for entry, value in entries.items():
+            values[f"{piece.name}.{entry}"] = np.array([value])
+    return values
 
 
 def body(mass: float, centre: Array, inertia: Array) -> dict[str, float]:
     """All of MASS_PROPERTIES of a mass [kg], a centre (3,) [m] and a tensor (3, 3) [kg m^2]."""
-    entries = [
-        inertia["xyz".index(name[-2]), "xyz".index(name[-1])] for name in MASS_PROPERTIES[4:]
-    ]
-    return dict(zip(MASS_PROPERTIES, map(float, (mass, *centre, *entries)), strict=True))
+    values = [float(mass), *map(float, centre)]
+    for name in MASS_PROPERTIES[4:]:
+        # The name ends in the two axes of the entry, as in inertia.xy.
+        row = "xyz".index(name[-2])
+        column = "xyz".index(name[-1])
+        values.append(float(inertia[row, column]))
+    return dict(zip(MASS_PROPERTIES, values, strict=True))
 
 
 class Operation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -242,28 +252,30 @@ class Identity(Static):
     content: IdentityDocument
 
     def __post_init__(self) -> None:
-        known: dict[str, int] = {}
-        for each in self.content.operations:
-            expected, result = SIZES.get(each.operation, ((), -1))
-            got = tuple(_size(operand, known) for operand in each.operands)
-            fits = len(got) == len(expected) and all(
-                b in (0, a) and a >= 0 for a, b in zip(got, expected, strict=True)
-            )
-            if result < 0 or not fits or each.name in known:
-                told = (
-                    f"operation {each.name} ({each.operation}) has operands of sizes {got} (-1:"
+        """Raises UsageError for an unknown operation, operands of wrong sizes, a name given
+        twice.
+        """
+        result_sizes: dict[str, int] = {}
+        for step in self.content.operations:
+            # -1 stands for an operation that does not exist.
+            expected, result = SIZES.get(step.operation, ((), -1))
+            sizes = tuple(_size(operand, result_sizes) for operand in step.operands)
+            if result < 0 or not _fit(sizes, expected) or step.name in result_sizes:
+                actual = (
+                    f"operation {step.name} ({step.operation}) has operands of sizes {sizes} (-1:"
                     " unknown)"
                 )
-                wanted = str(expected)
                 if result <= 0:
-                    wanted = f"one of {', '.join(SIZES)}"
-                raise UsageError(f"{told}; expected {wanted}, each name once")
-            known[each.name] = result
+                    expectation = f"one of {', '.join(SIZES)}"
+                else:
+                    expectation = str(expected)
+                raise UsageError(f"{actual}; expected {expectation}, each name once")
+            result_sizes[step.name] = result
 
     @property
     def features(self) -> frozenset[str]:
         """The names of the operations, each of which an engine must support."""
-        return frozenset(f"identity:{each.operation}" for each in self.content.operations)
+        return frozenset(f"identity:{step.operation}" for step in self.content.operations)
 
     def document(self) -> IdentityDocument:
         """The operations, as written to JSON."""
@@ -271,46 +283,58 @@ class Identity(Static):
 
     def perturbed(self, ulps: int) -> "Identity":
         """The same operations with every operand moved up by some ulps."""
-        moved = 1 + ulps * 2.0**-52
+        factor = 1 + ulps * 2.0**-52
 
-        def shifted(each: Operation) -> Operation:
+        def perturbed_step(step: Operation) -> Operation:
             operands: list[list[float] | str] = []
-            for operand in each.operands:
+            for operand in step.operands:
                 if isinstance(operand, str):
                     operands.append(operand)
                 else:
-                    operands.append([x * moved for x in operand])
-            return msgspec.structs.replace(each, operands=operands)
+                    operands.append([x * factor for x in operand])
+            return msgspec.structs.replace(step, operands=operands)
 
-        return Identity(
-            IdentityDocument(operations=[shifted(each) for each in self.content.operations])
-        )
+        operations = [perturbed_step(step) for step in self.content.operations]
+        return Identity(IdentityDocument(operations=operations))
 
 
-def _size(operand: list[float] | str, known: Mapping[str, int]) -> int:
-    """How many numbers an operand has; -1 for the name of a result that is not known."""
+def _fit(sizes: tuple[int, ...], expected: tuple[int, ...]) -> bool:
+    """True if operands of these sizes are as many as expected, each known and of its size."""
+    if len(sizes) != len(expected):
+        return False
+    # 0 expects any size; a size of -1 is that of an unknown result.
+    return all(
+        size >= 0 and needed in (0, size) for size, needed in zip(sizes, expected, strict=True)
+    )
+
+
+def _size(operand: list[float] | str, result_sizes: Mapping[str, int]) -> int:
+    """Count of numbers of an operand; -1 for the name of a result that is not known."""
     if isinstance(operand, str):
-        return known.get(operand, -1)
+        return result_sizes.get(operand, -1)
     return len(operand)
 
 
-def _value(operand: list[float] | str, found: Mapping[str, Array]) -> Array:
-    """The numbers (k,) of an operand: its own, or those of the result that it names."""
+def _value(operand: list[float] | str, earlier: Mapping[str, Array]) -> Array:
+    """The numbers (k,) of an operand: given ones, or those of the earlier result that it names."""
     if isinstance(operand, str):
-        value: Array = found[operand][0]
+        value: Array = earlier[operand][0]
         return value
     return np.array(operand)
 
 
 def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dict[str, Array]:
-    """The result (1, k) of every operation that is in `answers` and whose operands are known; a
-    function takes arrays (k,).
+    """The results (1, k) of the problem's operations by name, computed one after the other.
+
+    `answers` has a function of arrays (k,) for each kind of operation that an engine can do. An
+    operation is left out if it has none there, or if it uses a result that was left out.
     """
-    found: dict[str, Array] = {}
-    for each in problem.content.operations:
-        if each.operation in answers and all(
-            not isinstance(x, str) or x in found for x in each.operands
-        ):
-            operands = [_value(operand, found) for operand in each.operands]
-            found[each.name] = np.asarray(answers[each.operation](*operands), float).reshape(1, -1)
-    return found
+    computed: dict[str, Array] = {}
+    for step in problem.content.operations:
+        references = [operand for operand in step.operands if isinstance(operand, str)]
+        is_computable = all(name in computed for name in references)
+        if step.operation in answers and is_computable:
+            operands = [_value(operand, computed) for operand in step.operands]
+            result = np.asarray(answers[step.operation](*operands), float)
+            computed[step.name] = result.reshape(1, -1)
+    return computed

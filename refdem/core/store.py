@@ -1,9 +1,9 @@
 """The store: one SQLite file of finished runs, truths and charts; only the parent process writes
 it.
 
-It is a cache. Whatever is wrong with it costs time and a line on standard error, never a campaign:
-an entry whose digest does not match, or which does not decode, is dropped and made again; a file
-that is no database is moved aside; a disk that is full or cannot be written keeps nothing more.
+It is a cache. A fault of it costs time and a line on standard error, never a campaign: an entry
+whose digest does not match, or which does not decode, is dropped and made again; a file that is no
+database is moved aside; where the disk is full or read-only, nothing more is kept.
 """
 
 import hashlib
@@ -51,7 +51,7 @@ def default_path() -> Path:
 
 
 def digest_of(kind: str, key: str, data: bytes) -> bytes:
-    """What an entry is recognised by; an entry under another key is another one."""
+    """The digest of an entry: of its kind, its key and its bytes."""
     return hashlib.blake2b(f"{kind}\0{key}\0".encode() + data, digest_size=16).digest()
 
 
@@ -90,7 +90,7 @@ class Store:
 
     @property
     def is_usable(self) -> bool:
-        """Whether entries are read and kept; if not, everything is made anew."""
+        """True if entries are read and kept; else everything is made anew."""
         return self._tally.connection is not None
 
     def get(self, kind: str, key: str) -> bytes | None:
@@ -99,10 +99,10 @@ class Store:
         if connection is None:
             return None
         try:
-            asked = connection.execute(
+            cursor = connection.execute(
                 "SELECT digest, data FROM entries WHERE kind=? AND key=?", (kind, key)
             )
-            row = asked.fetchone()
+            row = cursor.fetchone()
         except FAULTS as error:
             self._failed(error)
             return None
@@ -115,9 +115,9 @@ class Store:
         return data
 
     def read(self, kind: str, key: str, decode: Callable[[bytes], T]) -> T | None:
-        """What `decode` makes of the bytes under (kind, key).
+        """The result of `decode` on the bytes under (kind, key).
 
-        None if there are none, or if they do not decode.
+        None if there are none, or if `decode` fails: the entry is then dropped.
         """
         data = self.get(kind, key)
         if data is None:
@@ -171,8 +171,9 @@ class Store:
         self._tally.file = _inode(self.path)
 
     def _failed(self, error: Exception) -> None:
-        """Goes on with a new file where this one is damaged, and without a store where nothing can
-        be written.
+        """Replaces a damaged file by a new one; works on without a store where SQLite cannot write.
+
+        `error` is what SQLite raised.
         """
         connection = self._tally.connection
         self._tally.connection = None
@@ -192,8 +193,8 @@ class Store:
     def _renew(self, error: Exception) -> None:
         """Moves a damaged file aside and opens a new one, unless another process already has."""
         aside = self.path.with_name(f"{self.path.name}.damaged")
-        found = _inode(self.path)
-        is_renewed = self._tally.file is not None and found != self._tally.file
+        inode = _inode(self.path)
+        is_renewed = self._tally.file is not None and inode != self._tally.file
         try:
             if not is_renewed:
                 os.replace(self.path, aside)

@@ -1,8 +1,14 @@
 """Symmetries of mechanics: the same scene shifted, rotated, boosted, mirrored, relabelled, in other
 units, started later.
 
-x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give the same motion,
-whatever the truth is.
+With units mass mu, length l and time tau, orthogonal Q, shift d, boost u and delay t0, a state at t
+is mapped to that at t' by
+
+    x' = l (Q x + d + u t),   v' = (l/tau) (Q v + u),   omega' = det(Q) Q omega / tau,
+    t' = tau t + t0,          m' = mu m.
+
+A code must give the same motion, whatever the truth is: `applied` maps the motion, `undone` maps
+the trajectory of the mapped motion back.
 """
 
 from dataclasses import dataclass, field, replace
@@ -30,11 +36,11 @@ Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
 UNITS = (1 / sqrt(11.0), sqrt(51.0), 3.0 + 2.0**-24)
-"""Units of mass, length and time in which no number stays round: what a code keeps in too few
-digits is rounded anew.
+"""Units of mass, length and time in which no number stays round: a code that keeps a number in too
+few digits rounds it differently in them.
 
-That of time has 26 bits: too many for single precision, and few enough for a clock that is summed
-plainly in double precision.
+The unit of time has 26 bits: too many for single precision, and few enough that a clock summed in
+double precision stays exact.
 """
 REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 """What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
@@ -42,8 +48,11 @@ REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Symmetry:
-    """One map: unit quaternion `turn`, reflection of x, shift d [m], boost u [m/s], order of
-    bodies, units, delay [s].
+    """One symmetry map.
+
+    `turn` is the unit quaternion of the rotation, `mirrored` reflects x before it, `shift` is d
+    [m], `boost` u [m/s], `reverse` numbers the bodies backwards, `units` are the factors of mass,
+    length and time, `delay` is t0 [s].
     """
 
     turn: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
@@ -56,11 +65,11 @@ class Symmetry:
 
     @property
     def q(self) -> Array:
-        """The orthogonal matrix Q (3, 3)."""
-        turned: Array = matrix(self.turn)
+        """The orthogonal matrix Q (3, 3): the rotation, after the reflection of x if mirrored."""
+        rotation: Array = matrix(self.turn)
         if self.mirrored:
-            return turned @ np.diag([-1.0, 1.0, 1.0])
-        return turned
+            return rotation @ np.diag([-1.0, 1.0, 1.0])
+        return rotation
 
     def applied(self, motion: Motion) -> Motion:
         """The motion as the symmetry shows it."""
@@ -71,13 +80,18 @@ class Symmetry:
         return Motion(scene, self.units[2] * motion.times + self.delay)
 
     def undone(self, run: Trajectory) -> Trajectory:
-        """The trajectory of the motion itself, from that of the motion as the symmetry shows it."""
+        """The trajectory of the original motion, from the trajectory `run` of the mapped one.
+
+        The inverse of the map in the module's head: t = (t' - t0)/tau,
+        x = Q^T (x'/l - d - u t), v = Q^T (v' tau/l - u), omega = det(Q) Q^T omega' tau.
+        """
         _, length, time = self.units
         if self.reverse:
             order = slice(None, None, -1)
         else:
             order = slice(None)
         t = (run.t - self.delay) / time
+        # Rows are vectors: r @ Q is Q^T r.
         position = (
             run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
         ) @ self.q
@@ -96,32 +110,33 @@ class Symmetry:
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
 
     def _bodies(self, bodies: Bodies) -> Bodies:
-        """The bodies, column by column; the attitude of a point stays."""
+        """The bodies as the symmetry maps them, column by column; a point keeps its attitude."""
         mass, length, time = self.units
         speed = length / time
         # A mirror image turns the other way: omega is an axial vector.
-        turns = np.any(bodies.inertia, axis=1, keepdims=True)
+        has_inertia = np.any(bodies.inertia, axis=1, keepdims=True)
         if self.mirrored:
             sense = -1.0
-            turned = bodies.attitude * REFLECTION
+            attitude = bodies.attitude * REFLECTION
         else:
             sense = 1.0
-            turned = product(self.turn, bodies.attitude)
+            attitude = product(self.turn, bodies.attitude)
         # r -> l (Q r + shift), v -> (l/t) (Q v + boost), omega -> +-Q omega/t.
         position = length * (bodies.position @ self.q.T + self.shift)
         velocity = speed * (bodies.velocity @ self.q.T + self.boost)
         omega = bodies.omega @ self.q.T / time * sense
-        shown = [self._shape(shape) for shape in bodies.shapes]
+        # Bodies name their shape by its number in `shapes`, so that each is mapped once.
+        mapped_shapes = [self._shape(shape) for shape in bodies.shapes]
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
             "inertia": bodies.inertia * (mass * length**2),
             "position": position,
             "velocity": velocity,
-            "attitude": np.where(turns, turned, bodies.attitude),
+            "attitude": np.where(has_inertia, attitude, bodies.attitude),
             "omega": omega,
             "fixed": bodies.fixed.copy(),
         }
-        shapes = tuple(shown[number] for number in bodies.shape_number.tolist())
+        shapes = tuple(mapped_shapes[number] for number in bodies.shape_number.tolist())
         if self.reverse:
             columns = {name: column[::-1].copy() for name, column in columns.items()}
             shapes = shapes[::-1]
@@ -134,30 +149,35 @@ class Symmetry:
             return Sphere(radius=shape.radius * length)
         if isinstance(shape, Polyhedron):
             if self.mirrored:
-                side = -1.0
-            else:
-                side = 1.0
-            if self.mirrored:
+                sign = -1.0
+                # A reflection turns the order of a face's vertices round: seen from outside, it
+                # must stay counter-clockwise.
                 faces = tuple(face[::-1] for face in shape.faces)
             else:
+                sign = 1.0
                 faces = shape.faces
-            return Polyhedron(
-                vertices=tuple(
-                    (side * x * length, y * length, z * length) for x, y, z in shape.vertices
-                ),
-                faces=faces,
+            vertices = tuple(
+                (sign * x * length, y * length, z * length) for x, y, z in shape.vertices
             )
+            return Polyhedron(vertices=vertices, faces=faces)
         return shape
 
     def _number(self, value: float, dimension: Dimension) -> float:
-        """A number in the units of the symmetry; 0 is 0 in all of them."""
+        """A number in the units of the symmetry: value mu^a l^b tau^c for the dimension (a, b, c).
+
+        0 stays 0 in all units, also where the factor is out of range.
+        """
         if not value:
             return 0.0
-        return value * float(np.prod(np.array(self.units) ** np.array(dimension)))
+        factor = np.prod(np.array(self.units) ** np.array(dimension))
+        return value * float(factor)
 
     def _element(self, element: Element, count: int) -> Element:
-        """An element with every field as its type says: places, directions, numbers with a
-        dimension, bodies by number.
+        """An element with every field mapped as its annotated type says.
+
+        A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, `a`
+        and `b` are numbers of bodies of which there are `count`, and every other number has the
+        dimension that its annotation states.
         """
         changed: dict[str, Any] = {}
         hints = types_of(type(element))
@@ -165,10 +185,12 @@ class Symmetry:
             value = getattr(element, name)
             hint = hints[name]
             if hint == Position:
-                changed[name] = self._place(
-                    value,
-                    space=not isinstance(element, Link) or (name == "anchor_b" and element.b < 0),
-                )
+                # A link's anchors are in body axes, but for one at the world (b = -1).
+                if isinstance(element, Link):
+                    in_space = name == "anchor_b" and element.b < 0
+                else:
+                    in_space = True
+                changed[name] = self._place(value, space=in_space)
             elif hint in (Direction, Acceleration):
                 if hint == Acceleration:
                     unit = self.units[1] / self.units[2] ** 2
@@ -182,10 +204,11 @@ class Symmetry:
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:
-        """A place in space, or an anchor in body axes."""
+        """A point [m] mapped: l (Q x + d) of one in space; l x, reflected, of one in body axes."""
         length = self.units[1]
         if space:
-            return tuple((length * (self.q @ np.array(value) + self.shift)).tolist())
+            mapped = length * (self.q @ np.array(value) + self.shift)
+            return tuple(mapped.tolist())
         x, y, z = value
         if self.mirrored:
             x = -x
@@ -193,19 +216,22 @@ class Symmetry:
 
 
 def of(instance: Instance, name: str) -> Symmetry:
-    """The symmetry of that name for an instance, within the dimensions in which it moves; sizes of
-    the order of its scales.
+    """The symmetry called `name`, one of NAMES, for an instance.
+
+    Shift and boost are a few times its length and speed scales, in the dimensions in which it
+    moves; all numbers of them are dyadic fractions, so that they add no rounding of their own.
     """
     scales = instance.scales
     features = instance.scene.features
-    flat = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    # 1 for every axis along which the instance may move: x, x-y or x-y-z.
+    movable = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
     if "dimension:3" in features:
         turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
         turn = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
-    shift = scales.length * np.array([8.0, -4.0, 2.0]) * flat
-    boost = scales.speed * np.array([0.5, -0.25, 0.125]) * flat
-    known = {
+    shift = scales.length * np.array([8.0, -4.0, 2.0]) * movable
+    boost = scales.speed * np.array([0.5, -0.25, 0.125]) * movable
+    symmetries = {
         "shifted": Symmetry(shift=shift),
         "rotated": Symmetry(turn=turn),
         "boosted": Symmetry(boost=boost),
@@ -214,21 +240,23 @@ def of(instance: Instance, name: str) -> Symmetry:
         "rescaled": Symmetry(units=UNITS),
         "delayed": Symmetry(delay=16 * instance.problem.interval),
     }
-    return known[name]
+    return symmetries[name]
 
 
 _PICTURES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = WeakKeyDictionary()
+"""The mapped motions of every instance by the symmetry's name; they live as long as it does."""
 
 
 def picture(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
-    """The symmetry of that name and the instance's motion as it shows it; made once, for every
-    method is shown the same.
+    """The symmetry called `name` and the instance's motion mapped by it.
+
+    They are made once for each instance, because every method is given the same.
     """
-    made = _PICTURES.setdefault(instance, {})
-    if name not in made:
-        view = of(instance, name)
-        made[name] = view, view.applied(instance.motion)
-    return made[name]
+    pictures = _PICTURES.setdefault(instance, {})
+    if name not in pictures:
+        symmetry = of(instance, name)
+        pictures[name] = symmetry, symmetry.applied(instance.motion)
+    return pictures[name]
 
 
 def broken(scene: Scene, name: str) -> str | None:
@@ -249,27 +277,34 @@ def broken(scene: Scene, name: str) -> str | None:
 
 
 def size(instance: Instance, symmetry: Symmetry) -> float:
-    """How many times the scale the numbers become larger: round-off grows with them."""
+    """Size of the mapped motion's coordinates and velocities in units of their scales, at least 1.
+
+    Round-off is relative to the numbers that are rounded, so it grows by this factor:
+    max(1, |x|/L, |v| tau/L) of the start + (|d| + |u| T)/L + |u| tau/L.
+    """
     scales = instance.scales
     bodies = instance.scene.bodies
-    own = (
+    at_start = (
         np.abs(bodies.position).max() / scales.length,
         np.abs(bodies.velocity).max() / scales.speed,
-    )  # of the start itself
-    far = np.linalg.norm(symmetry.shift) + np.linalg.norm(symmetry.boost) * scales.duration
-    return float(
-        max(1.0, *own) + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed
     )
+    boost = np.linalg.norm(symmetry.boost)
+    displacement = np.linalg.norm(symmetry.shift) + boost * scales.duration
+    return float(max(1.0, *at_start) + displacement / scales.length + boost / scales.speed)
 
 
 def rounded_rates(instance: Instance) -> float:
-    """Error of a turn [rad] at the end, in roundings of the moments: much for a needle, by (J_b -
-    J_c)/J_a in Euler's equations.
+    """Rotation angle [rad] at the end per unit relative error of the moments of inertia.
+
+    Euler's equations, omega_a' = (J_b - J_c)/J_a omega_b omega_c, turn relative errors eps of the
+    moments into an error of up to eps (J_b + J_c)/J_a in the rate, which is large for a needle.
+    Over the duration it adds up to eps (J_b + J_c)/J_a T/tau, J_a the smallest moment of any free
+    body.
     """
     bodies = instance.scene.bodies
-    turns = instance.scales.duration / instance.scales.tau
-    moments = bodies.inertia[np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed]
-    return float(
-        np.max((moments.sum(axis=1) - moments.min(axis=1)) / moments.min(axis=1), initial=0.0)
-        * turns
-    )
+    phase = instance.scales.duration / instance.scales.tau
+    rotates = np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed
+    moments = bodies.inertia[rotates]
+    smallest = moments.min(axis=1)
+    ratio = (moments.sum(axis=1) - smallest) / smallest
+    return float(np.max(ratio, initial=0.0) * phase)

@@ -1,4 +1,4 @@
-"""What an engine hands back: states at times, events, and beside them what they cost."""
+"""An engine's answer: states at times, events and channels, and the cost of making them."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -133,6 +133,8 @@ STATE = ("position", "velocity", "attitude", "omega")
 
 
 class _Packed(msgspec.Struct):
+    """The MessagePack form of a trajectory: each array as its shape and its bytes."""
+
     arrays: dict[str, tuple[list[int], bytes]]
     channels: dict[str, tuple[list[int], bytes]]
     events: tuple[Event, ...]
@@ -140,9 +142,11 @@ class _Packed(msgspec.Struct):
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:
-    """Shape and numbers; of one row that stands for all, as of bodies that do not turn, that
-    row.
+    """Shape and bytes of an array; of an array whose rows are one broadcast row, that row only.
+
+    Bodies that do not rotate have such an attitude and omega.
     """
+    # A stride of 0 is numpy's mark of a broadcast axis.
     if values.ndim and values.strides[0] == 0:
         rows = values[:1]
     else:
@@ -151,10 +155,11 @@ def _packed(values: Array) -> tuple[list[int], bytes]:
 
 
 def _unpacked(shape: list[int], data: bytes) -> Array:
-    found = np.frombuffer(data, dtype="<f8")
-    if found.size == np.prod(shape):
-        return found.reshape(shape)
-    return np.broadcast_to(found.reshape(1, *shape[1:]), shape)
+    """The array that `_packed` wrote; a single row is broadcast to the shape."""
+    numbers = np.frombuffer(data, dtype="<f8")
+    if numbers.size == np.prod(shape):
+        return numbers.reshape(shape)
+    return np.broadcast_to(numbers.reshape(1, *shape[1:]), shape)
 
 
 def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:

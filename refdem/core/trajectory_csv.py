@@ -29,32 +29,34 @@ MOST_EVENTS = 1_000_000
 def read_trajectory(
     path: Path, samples: int, bodies: int, events: Path | None = None
 ) -> Trajectory:
-    """The trajectory in a file with a row per sample and body; raises EngineError with the line
-    that is wrong.
+    """The trajectory in a CSV file with a row per sample and body; raises EngineError that names
+    the wrong line.
 
-    A channel's numbers stand in the rows of a sample, the k-th element's in body k's row; cells
-    that are empty in every sample are no element's.
+    A channel (rod_force, overlap, ...) has a column of its own. In the rows of one sample, the
+    value of the k-th element that has this channel stands in the row of body k; the other rows of
+    the column are empty.
     """
-    wanted = samples * bodies
-    lines = csv_lines(path, wanted + 2, COLUMNS)
+    row_count = samples * bodies
+    # One row more than expected is read, so that a file with more rows is noticed.
+    lines = csv_lines(path, row_count + 2, COLUMNS)
     _, first = next(lines, (1, []))
     header = [name.strip() for name in first]
     channels = _channels(header, path.name)
     # Row by row into one array, so that a file takes little more memory than its numbers.
-    rows = np.empty((wanted, len(header)))
+    rows = np.empty((row_count, len(header)))
     count = 0
     for number, line in lines:
         row = _row(line, header, number, path.name)
-        if count < wanted:
+        if count < row_count:
             rows[count] = row
         count += 1
-    if count != wanted:
-        if count < wanted:
-            came = f"{count} rows"
+    if count != row_count:
+        if count < row_count:
+            actual = f"{count} rows"
         else:
-            came = "more rows"
+            actual = "more rows"
         raise EngineError(
-            f"{path.name} has {came}; expected {wanted}: {samples} samples of {bodies} bodies"
+            f"{path.name} has {actual}; expected {row_count}: {samples} samples of {bodies} bodies"
         )
     table = rows.reshape(samples, bodies, -1)
     _refuse_disorder(table, bodies, path.name)
@@ -63,15 +65,17 @@ def read_trajectory(
     arrays: dict[str, Any] = {
         name: np.ascontiguousarray(column) for name, column in columns.items()
     }
-    shown = {
+    # The channels are the columns after those of the state.
+    channel_values = {
         name: _channel(table[:, :, STATES + n], name, path.name) for n, name in enumerate(channels)
     }
-    return Trajectory(channels=shown, events=_events(events, bodies), **arrays)
+    return Trajectory(channels=channel_values, events=_events(events, bodies), **arrays)
 
 
 def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str]]]:
-    """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no
-    CSV file.
+    """The first `most` lines that are not empty, each with its line number in the file.
+
+    Raises EngineError, which names the expected `columns`, if there is no file or it is no CSV.
     """
     binary = opened(path)
     if binary is None:
@@ -103,45 +107,48 @@ def _channels(header: list[str], name: str) -> list[str]:
 
 
 def _row(line: list[str], header: list[str], number: int, name: str) -> list[float]:
-    """The numbers of one line, with (1, 0, 0, 0) and 0 for the empty attitude and omega of a point,
-    NaN for an empty channel.
+    """The numbers of one line; EngineError, with file `name` and line `number`, if one is missing.
+
+    An empty attitude and omega are those of a point, (1, 0, 0, 0) and 0; an empty channel is NaN.
     """
     if len(line) != len(header):
         raise EngineError(f"{name} line {number} has {len(line)} columns; expected {len(header)}")
+    # Columns 8 to STATES are attitude and omega.
     if not any(cell.strip() for cell in line[8:STATES]):
         line = [*line[:8], *POINT, *line[STATES:]]
-    found = plain_numbers(line)
-    if found is not None:
-        return found
-    found = []
+    plain = plain_numbers(line)
+    if plain is not None:
+        return plain
+    numbers: list[float] = []
     for column, cell in zip(header, line, strict=True):
-        empty = column in CHANNELS and not cell.strip()
+        is_empty_channel = column in CHANNELS and not cell.strip()
         value: float | None = np.nan
-        if not empty:
+        if not is_empty_channel:
             value = number_in(cell)
-        if value is None or not (empty or np.isfinite(value)):
+        if value is None or not (is_empty_channel or np.isfinite(value)):
             raise EngineError(
                 f"{name} line {number}: {column} is {one_line(cell, 40)!r}; expected a finite"
                 " number"
             )
-        found.append(value)
-    return found
+        numbers.append(value)
+    return numbers
 
 
 def plain_numbers(line: list[str]) -> list[float] | None:
-    """The numbers of a line that has nothing but finite numbers in Python's form, which is almost
-    every line; else None.
+    """The numbers of a line if all cells are finite numbers in Python's notation, else None.
+
+    Almost every line is of this kind, and is read fast here.
     """
     text = "".join(line)
     # float() takes more than numbers: 1_000, digits of other scripts, nan.
     if not text.isascii() or "_" in text:
         return None
     try:
-        found = list(map(float, line))
+        numbers = list(map(float, line))
     except ValueError:
         return None
-    if all(map(isfinite, found)):
-        return found
+    if all(map(isfinite, numbers)):
+        return numbers
     return None
 
 
@@ -189,10 +196,10 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     else:
         header = ()
     if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
-        came = one_line(",".join(header), 200)
+        first_line = one_line(",".join(header), 200)
         raise EngineError(
-            f"{path.name} line 1 is {came!r}; expected time,kind,body and at most {MOST_EVENTS}"
-            " events"
+            f"{path.name} line 1 is {first_line!r}; expected time,kind,body and at most"
+            f" {MOST_EVENTS} events"
         )
     return tuple(_event(line, number, path.name, bodies) for number, line in lines[1:])
 
@@ -205,9 +212,9 @@ def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
         time = number_in(line[0])
         body = number_in(line[2])
     if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
-        came = one_line(",".join(line), 80)
+        text = one_line(",".join(line), 80)
         raise EngineError(
-            f"{name} line {number} is {came!r}; expected a time, a kind and a body of"
+            f"{name} line {number} is {text!r}; expected a time, a kind and a body of"
             f" 0..{bodies - 1}"
         )
     return Event(time, one_line(line[1], 40), int(body))

@@ -1,4 +1,4 @@
-"""Certified values: balls with a decimal midpoint and a proven radius, and their rounded samples
+"""Certified values: balls with an exact midpoint and a proven radius, and their rounded samples
 that judging reads.
 """
 
@@ -36,19 +36,18 @@ class Ball:
         return mid, float(np.nextafter(radius, np.inf)) if radius else 0.0
 
     def decimals(self, places: int = 60) -> tuple[str, str]:
-        """Decimal midpoint and a radius, rounded up, so that the decimal interval contains the
-        ball.
+        """Decimal midpoint and decimal radius of an interval that contains the ball.
 
-        As many decimal places as the radius warrants, but at most `places`.
+        The midpoint has as many decimal places as the radius warrants, but at most `places`. The
+        radius covers the rounding of the midpoint, |mid - decimal| + radius, and is rounded up.
         """
         if self.radius:
+            # Two digits beyond the first one of the radius.
             places = min(places, -_exponent(self.radius) + 2)
-        else:
-            places = places
         unit = Fraction(10) ** -places
         scaled = round(self.mid / unit)
-        slack = abs(self.mid - scaled * unit) + self.radius
-        return _decimal(scaled, places), _rounded_up(slack)
+        radius = abs(self.mid - scaled * unit) + self.radius
+        return _decimal(scaled, places), _rounded_up(radius)
 
 
 def _exponent(value: Fraction) -> int:
@@ -72,14 +71,15 @@ def _rounded_up(value: Fraction) -> str:
     if not value:
         return "0"
     exponent = _exponent(value) - 2
-    scaled = str(-((-value / Fraction(10) ** exponent).__floor__()))
-    return f"{scaled[0]}.{scaled[1:3]}e{exponent + len(scaled) - 1}"
+    # ceil(x) = -floor(-x); it has three digits, or four where it rounds up to 1000.
+    digits = str(-((-value / Fraction(10) ** exponent).__floor__()))
+    return f"{digits[0]}.{digits[1:3]}e{exponent + len(digits) - 1}"
 
 
 class Truth(ABC):
-    """What a case's quantities certainly are.
+    """The certified values of a case's quantities as functions of time.
 
-    `method` and `witness` say how they were proved and who checked.
+    `method` says how they are proved, `witness` which independent computation checks them.
     """
 
     method: str
@@ -93,19 +93,20 @@ class Truth(ABC):
 
     @abstractmethod
     def sensitivity(self, t: Fraction) -> float:
-        """S(t) >= 1: no error that is made at any time s in [0, t] is larger at t than S(t) times
-        what it was at s.
+        """S(t) >= 1, a bound on error growth: an error made at any time s in [0, t] is at t at most
+        S(t) times what it was at s, to first order in the error.
 
-        To first order in the error, whose coordinates and whose effect on the quantities are
-        counted in their scales: the supremum over s of the norm of D(t) D(s)^-1, D being the
-        derivative of the flow, is at most S(t). Judging takes the largest S so far
-        (`SampledTruth.growth`). S(t) depends on t alone, not on what else is asked.
+        With D(t) the derivative of the state at t by the start, in coordinates scaled as the
+        quantities are,
+
+            sup over 0 <= s <= t of |D(t) D(s)^-1|  <=  S(t).
+
+        Judging takes the largest S so far (`SampledTruth.growth`). S(t) depends on t alone, not on
+        the other times that are asked for.
         """
 
     def refined(self, digits: int) -> "Truth":
-        """The same truth with radii of at most 10^-digits; as it is where that cannot be asked
-        for.
-        """
+        """The same truth with radii of at most 10^-digits; unchanged where radii are not chosen."""
         return self
 
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
@@ -117,20 +118,18 @@ class Truth(ABC):
         return {}
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` with radii of at most 10^-digits is about to cost; 0 where that
-        is not worth a word.
-        """
+        """Estimated CPU seconds of `at(t)` with radii of at most 10^-digits; 0 if negligible."""
         return 0.0
 
 
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
-    """Truth at the samples of one problem: doubles with radii; what judging reads and the store
+    """Truth at the samples of one problem: doubles with radii, which judging reads and the store
     keeps.
 
-    `until` counts the certified samples; `reason` says why there are no more; `printed` has the
-    scalars in decimals.
-    `earlier` has, for a delay [s], values and radii at that much before each sample, for velocities
-    that lag; nothing is known before the first, so its radius is infinite.
+    `until` counts the certified samples, `reason` says why there are no more. `scalars` are (value,
+    radius), `printed` the same in decimals. `earlier` maps a delay [s] to (values, radii) at that
+    much before each sample, for velocities that lag; before the first sample nothing is known, so
+    the radius there is infinite.
     """
 
     t: list[float]

@@ -40,7 +40,7 @@ class Variant:
 
     @property
     def goes_on(self) -> bool:
-        """True if the run starts from the end of another one."""
+        """True if the run starts from the end of the plain run of its level."""
         return self.change in ("reversed", "backward")
 
     def __str__(self) -> str:

@@ -27,9 +27,10 @@ MEMBERS = tuple(
 
 @cache
 def member(name: str) -> Member:
-    """The member that a parameter set names."""
-    found: Member = import_module(f"{__name__}.{name.replace('-', '_')}").MEMBER
-    return found
+    """The member of the family with that name: the MEMBER of its file."""
+    module = import_module(f"{__name__}.{name.replace('-', '_')}")
+    named: Member = module.MEMBER
+    return named
 
 
 class ImpactBenchmarks(Case):
@@ -76,18 +77,17 @@ class ImpactBenchmarks(Case):
         return member(p.member).quantities(member(p.member).values(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """What the member that is asked for sees in a trajectory."""
+        """The quantities (T,) by name, as the member that is asked for computes them."""
         return member(p.member).observe(member(p.member).values(p), trajectory)
 
     def meant(self, p: Parameters) -> dict[str, Any]:
-        """The member's own numbers as they are written; a witness derives the rest by itself."""
+        """The member's own exact numbers; a witness derives from them, by itself, all others."""
         return {"member": p["member"], **member(p.member).written(p)}
 
     def truth(self, p: Parameters) -> Truth:
         """The member's: closed form, or proven from switch to switch."""
-        return member(p.member).truth(
-            member(p.member).values(p), {q.name: q.scale for q in self.quantities(p)}
-        )
+        scale = {q.name: q.scale for q in self.quantities(p)}
+        return member(p.member).truth(member(p.member).values(p), scale)
 
 
 CASE = ImpactBenchmarks()

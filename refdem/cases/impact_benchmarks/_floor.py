@@ -1,4 +1,7 @@
-"""Spheres over the floor y = 0 in gravity along -y, under the linear law."""
+"""Spheres over the floor y = 0 in gravity along -y, under the linear law.
+
+`v` holds the values of a member: exact numbers by name, such as `v.radius`, `v.stiffness`.
+"""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -22,8 +25,8 @@ class OnFloor(Member):
     """What the members have in common: one law, gravity."""
 
     def values(self, p: Parameters) -> Any:
-        """The parameters with the dashpot that makes the restitution of the sphere on the floor,
-        without gravity.
+        """The parameters with the dashpot that gives the restitution of an impact on the floor
+        without gravity; friction is 0 and restitution 1 unless the member has them.
         """
         v = super().values(p)
         v.effective = v.mass
@@ -42,7 +45,7 @@ class OnFloor(Member):
         return Scene.of(bodies, [ground, *planes, weight, linear(v)])
 
     def floor(self, v: Any) -> Any:
-        """The floor as truth is told of it, in exact numbers."""
+        """The sphere, its contact with the floor and gravity, in exact numbers, for the truth."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
         return Floor(
@@ -55,12 +58,14 @@ class OnFloor(Member):
 
 
 def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
-    """A solid sphere over the origin."""
+    """A solid sphere of `mass` [kg] at y = `height` [m], with `speed` [m/s] along x."""
     m = float(mass)
     r = float(v.radius)
+    # J = 2/5 m r^2.
+    moment = 0.4 * m * r * r
     return Body(
         mass=m,
-        inertia=(0.4 * m * r * r,) * 3,
+        inertia=(moment, moment, moment),
         shape=Sphere(radius=r),
         position=(0.0, float(height), 0.0),
         velocity=(float(speed), 0.0, 0.0),
@@ -89,18 +94,24 @@ class Bounce(OnFloor):
         return self.of(v, [ball(v, v.mass, v.height)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = sqrt(m/k); the length that it falls in that time at the floor, but at least
-        height/8.
+        """tau = sqrt(m/k); L the way in tau at the speed of the first impact, at least height/8.
+
+        A fall from rest through s = height - radius takes t = sqrt(2 s/g) and ends at sqrt(2 g s).
+        After bounce n the flight up takes t e^n, and so does the way down. The motion lasts for
+        the fall, the flights between bounces, half of the last one, and a contact time pi tau a
+        bounce:
+
+            T = t (1 + 2 (e + ... + e^(N-1)) + e^N) + N pi tau,   N = bounces.
         """
         tau = float(np.sqrt(float(v.mass / v.stiffness)))
-        drop = 2 * float(v.height - v.radius)
-        fall = float(np.sqrt(drop / float(v.gravity)))
+        twice_drop = 2 * float(v.height - v.radius)
+        fall_time = float(np.sqrt(twice_drop / float(v.gravity)))
         e = float(v.restitution)
         flights = 1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces
-        lasts = fall * flights + self.bounces * np.pi * tau
-        speed = float(np.sqrt(drop * float(v.gravity)))
-        length = max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED)
-        return Scales(length=length, tau=tau, duration=float(lasts), mass=float(v.mass))
+        duration = fall_time * flights + self.bounces * np.pi * tau
+        impact_speed = float(np.sqrt(twice_drop * float(v.gravity)))
+        length = max(impact_speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED)
+        return Scales(length=length, tau=tau, duration=float(duration), mass=float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form, from bounce to bounce."""

@@ -1,5 +1,5 @@
-"""A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, with
-Coulomb friction.
+"""A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, F = k
+d^(3/2) with k = `hertz`, and Coulomb friction.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 
 HERTZ_CONTACT = 2.94327518
-"""Its duration in units of greatest overlap/closing speed: (4/5) B(2/5, 1/2)."""
+"""Duration of a Hertzian contact in units of greatest overlap/closing speed: (4/5) B(2/5, 1/2)."""
 
 
 class HertzWall(Wall):
@@ -35,10 +35,17 @@ class HertzWall(Wall):
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), law])
 
     def scales(self, v: Any) -> Scales:
-        """tau = contact duration/pi; two contacts."""
+        """tau = contact duration/pi; it lasts two contact durations."""
+        contact_time = self.contact_time(v)
+        return of_impact(v, tau=contact_time / np.pi, contact_time=contact_time)
+
+    def contact_time(self, v: Any) -> float:
+        """Duration [s] of the contact at the normal speed v_n: (4/5) B(2/5, 1/2) d/v_n.
+
+        The greatest overlap d = (5 m v_n^2/(4 k))^(2/5) follows from m v_n^2/2 = 2/5 k d^(5/2).
+        """
         depth = (1.25 * float(v.mass * v.normal**2 / v.hertz)) ** 0.4
-        lasts = HERTZ_CONTACT * depth / float(v.normal)
-        return of_impact(v, tau=lasts / np.pi, lasts=lasts)
+        return float(HERTZ_CONTACT * depth / float(v.normal))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The closed-form truth of the member."""

@@ -1,5 +1,7 @@
-"""What every member of the family is: its own numbers, a scene, scales, what is compared, and its
-truth.
+"""A member of the family of impact benchmarks: its numbers, scene, scales, quantities and truth.
+
+`v` is a namespace of values (`Member.values`): the exact numbers of the member by their names, and
+what follows from them.
 """
 
 from abc import ABC, abstractmethod
@@ -23,15 +25,19 @@ from refdem.scene import Scene
 Array = NDArray[np.float64]
 CHOSEN = ("branch", "cutoff", "material")
 POSITIONS_ARE_ROUNDED = 8
-"""A position near R is rounded to u R; round-off is judged as 8 u L, so that L must not be below
-R/8.
+"""R over the least length scale L: a position near R is rounded by u R, and round-off is judged as
+8 u L, so that L must not be below R/8.
 """
+CHOICE_OF_MEMBER = (None, "own")
+"""Parameters with one of these values keep the member's own one."""
 
 
 @dataclass(frozen=True)
 class Member(ABC):
-    """`numbers` has each parameter that the member takes, with its default as text; a file of the
-    folder has one named MEMBER.
+    """One benchmark; each file of the folder without an underscore has one, named MEMBER.
+
+    `numbers` has each parameter that the member takes, with its default as text; `bodies` is the
+    number of bodies whose motion is judged.
     """
 
     title: str
@@ -40,45 +46,45 @@ class Member(ABC):
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for a parameter that the member does not have."""
-        alien = sorted(set(p.given) - set(self.numbers) - {"member", "duration", "samples"})
-        if alien:
+        common = {"member", "duration", "samples"}
+        foreign = sorted(set(p.given) - set(self.numbers) - common)
+        if foreign:
             raise UsageError(
-                f"parameter {alien[0]}: member {p['member']} has none; expected one of"
+                f"parameter {foreign[0]}: member {p['member']} has none; expected one of"
                 f" {', '.join(sorted(self.numbers))}"
             )
 
     def written(self, p: Parameters) -> dict[str, Any]:
-        """The member's own numbers as they are written: exact rationals, and names; with those of
-        its material.
+        """The member's numbers by name, as exact rationals, and the words that it chooses.
+
+        Each is the given parameter, or else the member's own; a material adds its modulus, Poisson
+        ratio and density.
         """
-        found: dict[str, Any] = {}
+        numbers: dict[str, Any] = {}
         for name, default in self.numbers.items():
-            is_given = p[name] not in (None, "own")
-            if is_given:
-                found[name] = p[name]
+            if p[name] not in CHOICE_OF_MEMBER:
+                numbers[name] = p[name]
+            elif name in CHOSEN:
+                numbers[name] = default
             else:
-                found[name] = default if name in CHOSEN else Fraction(default)
-        if "material" in found:
-            found |= zip(
-                ("modulus", "poisson", "density"),
-                map(Fraction, MATERIALS[found["material"]]),
-                strict=True,
-            )
-        return found
+                numbers[name] = Fraction(default)
+        if "material" in numbers:
+            properties = map(Fraction, MATERIALS[numbers["material"]])
+            numbers |= zip(("modulus", "poisson", "density"), properties, strict=True)
+        return numbers
 
     def values(self, p: Parameters) -> Any:
-        """What is written, and what follows from it: the `mass` of a sphere of that `radius` and
-        `density`.
+        """The numbers of `written`, and those that follow from them: the `mass` of the sphere.
 
-        What follows is no rounded number but a Real, which truth encloses at its own precision and
-        a scene rounds once.
+        A number that follows is not rounded: it is a Real, which truth encloses at its own
+        precision and a scene rounds once.
         """
         from refdem.truth.contact_law import sphere_mass
 
-        found = SimpleNamespace(**self.written(p))
-        if hasattr(found, "density"):
-            found.mass = sphere_mass(found.density, found.radius)
-        return found
+        v = SimpleNamespace(**self.written(p))
+        if hasattr(v, "density"):
+            v.mass = sphere_mass(v.density, v.radius)
+        return v
 
     @abstractmethod
     def scene(self, v: Any) -> Scene:
@@ -93,18 +99,25 @@ class Member(ABC):
         """The truth of these values, on the scales of the quantities."""
 
     def spin_scale(self, v: Any) -> float:
-        """The largest spin at the start, or that of rolling at the speed of the start, or of the
-        scales if nothing moves [rad/s].
+        """Scale [rad/s] of the angular velocities.
+
+        It is the larger of the largest spin at the start and the spin of rolling, largest speed /
+        smallest radius; if nothing moves, that of rolling at the speed scale.
         """
         bodies = self.scene(v).bodies
-        rolling = np.linalg.norm(bodies.velocity, axis=1).max() / bodies.radius.min()
-        largest = float(max(np.linalg.norm(bodies.omega, axis=1).max(), rolling))
-        return largest or self.scales(v).speed / float(v.radius)
+        largest_speed = np.linalg.norm(bodies.velocity, axis=1).max()
+        largest_spin = np.linalg.norm(bodies.omega, axis=1).max()
+        rolling = largest_speed / bodies.radius.min()
+        at_start = float(max(largest_spin, rolling))
+        return at_start or self.scales(v).speed / float(v.radius)
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
-        """Place, velocity and angular velocity of every body."""
+        """Position r, velocity v and angular velocity omega of every body, by component.
+
+        The bodies are numbered from 1; a single one has no number: `r.x`, or `r2.x`.
+        """
         s = self.scales(v)
-        kinds = (
+        vectors = (
             ("r", "m", s.length),
             ("v", "m/s", s.speed),
             ("omega", "rad/s", self.spin_scale(v)),
@@ -113,21 +126,15 @@ class Member(ABC):
             numbers = [str(i + 1) for i in range(self.bodies)]
         else:
             numbers = [""]
-        found = []
+        components = []
         for number in numbers:
-            for kind, unit, size in kinds:
-                found += [Quantity(f"{kind}{number}.{axis}", unit, size) for axis in "xyz"]
-        return tuple(found)
+            for vector, unit, scale in vectors:
+                components += [Quantity(f"{vector}{number}.{axis}", unit, scale) for axis in "xyz"]
+        return tuple(components)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """The quantities by name at the samples, each (T,)."""
-        columns = [
-            column[:, body]
-            for body in range(self.bodies)
-            for column in (run.position, run.velocity, run.omega)
-        ]
-        return dict(
-            zip(
-                (q.name for q in self.quantities(v)), np.concatenate(columns, axis=1).T, strict=True
-            )
-        )
+        """The components (T,) of `quantities`, by name and in their order."""
+        state = (run.position, run.velocity, run.omega)
+        columns = [column[:, body] for body in range(self.bodies) for column in state]
+        names = [quantity.name for quantity in self.quantities(v)]
+        return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))

@@ -18,7 +18,11 @@ from refdem.scene.elements.plane import Plane
 
 
 class MindlinWall(HertzWall):
-    """8 G* sqrt(R d) s across, against 4/3 E* sqrt(R d) d along."""
+    """Normal force 4/3 E* sqrt(R d) d, tangential force 8 G* sqrt(R d) s at most mu times it.
+
+    d is the overlap and s the tangential displacement; E* and G* are Hertz's and Mindlin's
+    effective moduli.
+    """
 
     def values(self, p: Any) -> Any:
         """The parameters with the normal and the tangential stiffness of the material."""
@@ -38,26 +42,25 @@ class MindlinWall(HertzWall):
 
     def scene(self, v: Any) -> Scene:
         """The sphere and the wall, which touch without overlap."""
-        along = float(v.hertz)
-        across = float(v.mindlin)
         law = Contact(
             law="hertz",
-            stiffness=along,
-            tangential_stiffness=across,
+            stiffness=float(v.hertz),
+            tangential_stiffness=float(v.mindlin),
             friction=float(v.friction),
             branch="R",
         )
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), law])
 
     def scales(self, v: Any) -> Scales:
-        """tau by the faster of the two springs; two contacts."""
-        depth = (1.25 * float(v.mass * v.normal**2 / v.hertz)) ** 0.4
-        lasts = HERTZ_CONTACT * depth / float(v.normal)
-        return of_impact(
-            v,
-            tau=lasts / np.pi / max(1.0, float(np.sqrt(3.5 * float(v.stiffness_ratio)))),
-            lasts=lasts,
-        )
+        """tau = contact duration/pi, by the faster of the two springs; two contact durations.
+
+        The tangential spring acts on the effective mass 2/7 m of a sphere that also rotates, so
+        that its rate is sqrt(7/2 k_t/k_n) times the normal one.
+        """
+        contact_time = self.contact_time(v)
+        rate_ratio = float(np.sqrt(3.5 * float(v.stiffness_ratio)))
+        tau = contact_time / np.pi / max(1.0, rate_ratio)
+        return of_impact(v, tau=tau, contact_time=contact_time)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The certified motion, in closed form between proven switches."""

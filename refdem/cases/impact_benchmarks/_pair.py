@@ -36,13 +36,17 @@ class HertzPair(Member):
         return Scene.of(touching(v), [Contact(law="hertz", stiffness=float(v.hertz))])
 
     def scales(self, v: Any) -> Scales:
-        """Greatest overlap, but at least R/8; tau = duration/pi; two contacts."""
+        """L is the greatest overlap, at least R/8; tau = contact duration/pi; two contacts.
+
+        The greatest overlap is d = (5 m v^2/(4 k))^(2/5), from m v^2/2 = 2/5 k d^(5/2).
+        """
         depth = (1.25 * float(v.effective * v.speed**2 / v.hertz)) ** 0.4
-        lasts = HERTZ_CONTACT * depth / float(v.speed)
+        contact_time = HERTZ_CONTACT * depth / float(v.speed)
+        length = max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED)
         return Scales(
-            length=max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED),
-            tau=lasts / np.pi,
-            duration=2 * lasts,
+            length=length,
+            tau=contact_time / np.pi,
+            duration=2 * contact_time,
             mass=float(v.effective),
         )
 
@@ -66,18 +70,18 @@ class HertzPair(Member):
 
 
 def touching(v: Any) -> list[Body]:
-    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin.
+    """Two spheres that touch: 1 at x < 0, 2 at x > 0, their centre of mass at rest at the origin.
 
-    `masses`, `radii`, `spins` of both, closing `speed`.
+    Their `masses`, `radii` and `spins` (about z) are pairs in `v`; they close at `v.speed`.
     """
     total = sum(v.masses)
-    gap = sum(v.radii)
+    distance = sum(v.radii)
     columns = zip(v.masses, v.masses[::-1], v.radii, v.spins, (1, -1), strict=True)
     bodies = []
     for mass, other_mass, radius, spin, sign in columns:
-        # Of the way between the centres, and of the closing speed, each has the other's part of
-        # the mass.
-        place = float(-sign * other_mass / total * gap)
+        # Of the distance of the centres, and of the closing speed, sphere 1 has the part
+        # m2/(m1 + m2) and sphere 2 the part m1/(m1 + m2).
+        place = float(-sign * other_mass / total * distance)
         speed = float(sign * other_mass / total * v.speed)
         # J = 2/5 m R^2.
         moment = 0.4 * float(mass * radius * radius)

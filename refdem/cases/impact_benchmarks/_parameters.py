@@ -18,7 +18,7 @@ MATERIALS = {
 """
 
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
-"""The part of the overlap that the lever arm of friction is short of the radius."""
+"""The lever arm of friction is R - c d, with the overlap d: this is c for each `branch`."""
 
 
 def optional(
@@ -30,7 +30,7 @@ def optional(
     at_least: float | None = None,
     at_most: float | None = None,
 ) -> Parameter:
-    """A number that is the member's own if it is not given."""
+    """The declaration of a number that members have; without it, the member's own value counts."""
     return Parameter(
         name=name, default="", unit=unit, doc=doc, above=above, at_least=at_least, at_most=at_most
     )

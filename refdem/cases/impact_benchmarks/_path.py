@@ -1,5 +1,7 @@
-"""Two spheres that pass each other on a prescribed path: a contact law without an integrator, up to
-the summing of its force.
+"""Two spheres that pass each other on a prescribed path: a test of a contact law alone.
+
+Both are so heavy that the contact does not change their motion, so that the only integration is the
+sum of its force: body 1 rests at the origin, body 2 flies past it along a straight line.
 """
 
 from collections.abc import Mapping
@@ -27,46 +29,52 @@ PLAIN = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
 def short_root(square: Fraction) -> Fraction:
-    """A number of at most 21 bits that is at least sqrt(square) > 0, and above it by less than
-    2^-19 of it: exact, and in binary64.
+    """An upper bound of sqrt(square) > 0, close to a relative 2^-19, that is exact in binary64.
+
+    It is a multiple of a power of two near 2^-20 of the root: a number of about 21 bits.
     """
     bits = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
     unit = Fraction(2) ** (bits - 20)
-    return (isqrt((square / unit**2).__floor__()) + 1) * unit
+    whole_square = (square / unit**2).__floor__()
+    return (isqrt(whole_square) + 1) * unit
 
 
 class Path(Member):
-    """Body 2 flies by body 1, which rests, with constant spin; what body 1 gets is seen as its mass
-    times its velocity.
+    """Body 2 flies past body 1, which rests, with constant spin. The impulse and the angular
+    impulse that body 1 receives are its mass times velocity and its moment times omega.
+
+    `frame` is the matrix (3, 3) whose columns are the axes of the path in space.
     """
 
     frame: Any = PLAIN
 
     def written(self, p: Parameters) -> dict[str, Any]:
-        """The parameters with the path: it passes at `off`, the radii less the greatest overlap,
-        and begins at -`begin`, where they are apart.
+        """The parameters with the path x = -begin + v t, y = off of body 2.
 
-        They touch at half a chord from the middle, sqrt(d (2 (R1 + R2) - d)) for the greatest
-        overlap d; it begins 5/4 as far away.
+        With the sum R of the radii and the greatest overlap d: `off` = R - d, and the spheres touch
+        at x = -+half, half^2 = R^2 - (R - d)^2 = d (2 R - d), which is `half_squared`. The path
+        begins 5/4 as far away.
         """
-        found = super().written(p)
-        overlap = found["overlap"]
-        reach = found["radius"] + found["partner_radius"]
-        if not 0 < overlap < min(found["radius"], found["partner_radius"]):
+        numbers = super().written(p)
+        overlap = numbers["overlap"]
+        contact_distance = numbers["radius"] + numbers["partner_radius"]
+        if not 0 < overlap < min(numbers["radius"], numbers["partner_radius"]):
             raise UsageError(
                 f"parameter overlap: got {float(overlap):g} m; expected it between 0 and the"
                 " smaller radius"
             )
-        chord = overlap * (2 * reach - overlap)
+        half_squared = overlap * (2 * contact_distance - overlap)
         return {
-            **found,
-            "off": reach - overlap,
-            "half_squared": chord,
-            "begin": short_root(Fraction(25, 16) * chord),
+            **numbers,
+            "off": contact_distance - overlap,
+            "half_squared": half_squared,
+            "begin": short_root(Fraction(25, 16) * half_squared),
         }
 
     def values(self, p: Parameters) -> Any:
-        """The parameters with `half` the length of the chord [m], rounded, for the scales."""
+        """The parameters with `half` [m], half of the path's length in contact, rounded for the
+        scales.
+        """
         v = super().values(p)
         v.damping = Fraction(0)
         v.cutoff = "zero_overlap"
@@ -77,49 +85,55 @@ class Path(Member):
         """The two spheres, both too heavy for contact to change their motion."""
         mass = float(HEAVY)
         axes = np.array(self.frame, float)
-        place = axes @ [-float(v.begin), float(v.off), 0.0]
-        rate = axes @ [float(v.speed), 0.0, 0.0]
-        spin = axes @ [0.0, 0.0, float(v.partner_spin)]
-        r = float(v.radius)
-        s = float(v.partner_radius)
-        first = Body(mass=mass, inertia=(0.4 * mass * r * r,) * 3, shape=Sphere(radius=r))
+        position = axes @ [-float(v.begin), float(v.off), 0.0]
+        velocity = axes @ [float(v.speed), 0.0, 0.0]
+        omega = axes @ [0.0, 0.0, float(v.partner_spin)]
+        r1 = float(v.radius)
+        r2 = float(v.partner_radius)
+        # J = 2/5 m R^2.
+        moment1 = 0.4 * mass * r1 * r1
+        moment2 = 0.4 * mass * r2 * r2
+        first = Body(mass=mass, inertia=(moment1, moment1, moment1), shape=Sphere(radius=r1))
         second = Body(
             mass=mass,
-            inertia=(0.4 * mass * s * s,) * 3,
-            shape=Sphere(radius=s),
-            position=tuple(place),
-            velocity=tuple(rate),
-            omega=tuple(spin),
+            inertia=(moment2, moment2, moment2),
+            shape=Sphere(radius=r2),
+            position=tuple(position),
+            velocity=tuple(velocity),
+            omega=tuple(omega),
         )
         return Scene.of([first, second], [linear(v)])
 
     def scales(self, v: Any) -> Scales:
-        """A quarter of the time of contact; the way there and as far beyond."""
+        """L = R1 + R2; tau is a quarter of the time of contact; T takes body 2 from -begin to
+        begin.
+        """
         tau = v.half / 2 / float(v.speed)
-        return Scales(
-            float(v.radius + v.partner_radius), tau, 2 * float(v.begin / v.speed), float(HEAVY)
-        )
+        duration = 2 * float(v.begin / v.speed)
+        return Scales(float(v.radius + v.partner_radius), tau, duration, float(HEAVY))
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
-        """Impulses in units of the largest normal force for the time of contact; place and velocity
-        of body 2.
+        """Impulse and angular impulse (`turning`) of body 1; position and velocity of body 2.
+
+        The scale of the impulse is the largest normal force k d for the time of contact, 4 tau.
         """
         s = self.scales(v)
-        push = float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
-        kinds = (
-            ("impulse", "N s", push),
-            ("turning", "N m s", push * float(v.radius)),
+        impulse = float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
+        vectors = (
+            ("impulse", "N s", impulse),
+            ("turning", "N m s", impulse * float(v.radius)),
             ("r", "m", s.length),
             ("v", "m/s", float(v.speed)),
         )
-        found = []
-        for kind, unit, size in kinds:
-            found += [Quantity(f"{kind}.{axis}", unit, size) for axis in "xyz"]
-        return tuple(found)
+        components = []
+        for vector, unit, scale in vectors:
+            components += [Quantity(f"{vector}.{axis}", unit, scale) for axis in "xyz"]
+        return tuple(components)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """The motion of body 1, and its place on the path."""
+        """The components (T,) of `quantities`: m v and J omega of body 1, r and v of body 2."""
         mass = float(HEAVY)
+        # J = 2/5 m R^2.
         moment = 0.4 * float(HEAVY) * float(v.radius) ** 2
         columns = [
             mass * run.velocity[:, 0],

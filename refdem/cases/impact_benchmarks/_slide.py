@@ -31,14 +31,19 @@ class Slide(OnFloor):
 
     def scene(self, v: Any) -> Scene:
         """The sphere on the floor, where its weight holds it in equilibrium along y."""
-        return self.of(v, [ball(v, v.mass, v.radius - v.mass * v.gravity / v.stiffness, v.speed)])
+        # k d = m g.
+        overlap = v.mass * v.gravity / v.stiffness
+        return self.of(v, [ball(v, v.mass, v.radius - overlap, v.speed)])
 
     def scales(self, v: Any) -> Scales:
-        """The scales of the motion, with tau = sqrt(m/k); it lasts twice the slide."""
+        """tau = sqrt(m/k); L the way in tau, at least R/8; it lasts twice the slide.
+
+        A solid sphere slides for t = 2 v0/(7 mu g), until friction has spun it up to v = omega R.
+        """
         tau = float(np.sqrt(float(v.mass / v.stiffness)))
-        slides = float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
+        sliding_time = float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
-        return Scales(length, tau, 2 * slides, float(v.mass))
+        return Scales(length, tau, 2 * sliding_time, float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form: sliding, then rolling."""

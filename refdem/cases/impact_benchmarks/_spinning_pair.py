@@ -43,14 +43,19 @@ class SpinningPair(Member):
         return Scene.of(touching(v), [linear(v)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = 1/omega_max; two contacts."""
+        """tau = 1/omega_max; L the way in tau, at least R/8; two contact durations.
+
+        omega_max^2 = max(k_n, 7/2 k_t)/m: of solid spheres that stick and rotate, 2/7 of the
+        effective mass m resists the tangential spring.
+        """
         mass = float(v.effective)
-        lasts = linear_contact_time(v, v.effective)
-        tau = float(np.sqrt(mass / max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))))
+        contact_time = linear_contact_time(v, v.effective)
+        stiffest = max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))
+        tau = float(np.sqrt(mass / stiffest))
         fastest_rim = max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True))
         speed = float(v.speed + fastest_rim)
         length = max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED)
-        return Scales(length=length, tau=tau, duration=2 * lasts, mass=mass)
+        return Scales(length=length, tau=tau, duration=2 * contact_time, mass=mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth of the collision of two spheres."""

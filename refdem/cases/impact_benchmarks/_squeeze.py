@@ -41,8 +41,11 @@ class Squeeze(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Centres on x, the small sphere at the origin; half a turn about z changes nothing."""
-        reach = float(v.radius + v.partner_radius)
+        """The three spheres touch, with centres on x and the small one at the origin.
+
+        The scene is symmetric: half a turn about z leaves it as it is.
+        """
+        distance = float(v.radius + v.partner_radius)
         r = float(v.partner_radius)
         # J = 2/5 m R^2.
         moment = 0.4 * float(v.large) * r * r
@@ -53,7 +56,7 @@ class Squeeze(Member):
                 mass=float(v.large),
                 inertia=(moment, moment, moment),
                 shape=Sphere(radius=r),
-                position=(-side * reach, 0.0, 0.0),
+                position=(-side * distance, 0.0, 0.0),
                 velocity=(side * float(v.normal), side * float(v.across), 0.0),
                 omega=(0.0, 0.0, float(v.partner_spin)),
             )
@@ -69,15 +72,19 @@ class Squeeze(Member):
         return Scene.of([large(1), middle, large(-1)], [linear(v)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = 1/omega_max, that of the small sphere's turning; two contacts."""
+        """tau = 1/omega_max; L the way in tau, at least R/8; two contact durations.
+
+        omega_max^2 = max(k_n, k_t (7/2 + 5 M/m))/M for the masses M of a large and m of the small
+        sphere: both tangential springs turn the small one, whose 2/5 m resists them.
+        """
         mass = float(v.large)
-        lasts = linear_contact_time(v, v.large)
-        turning = float(v.tangential_stiffness * (Fraction(7, 2) + 5 * v.large / v.mass))
-        tau = float(np.sqrt(mass / max(float(v.stiffness), turning)))
+        contact_time = linear_contact_time(v, v.large)
+        tangential = float(v.tangential_stiffness * (Fraction(7, 2) + 5 * v.large / v.mass))
+        tau = float(np.sqrt(mass / max(float(v.stiffness), tangential)))
         fastest_rim = max(abs(v.radius * v.spin), abs(v.partner_radius * v.partner_spin))
         speed = float(v.speed + fastest_rim)
         length = max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED)
-        return Scales(length=length, tau=tau, duration=2 * lasts, mass=mass)
+        return Scales(length=length, tau=tau, duration=2 * contact_time, mass=mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth of a pair, to which symmetry reduces the three spheres."""

@@ -24,7 +24,9 @@ class Stack(OnFloor):
     bodies: ClassVar[int] = 2
 
     def values(self, p: Parameters) -> Any:
-        """The dashpot is that of the restitution of the two with each other."""
+        """The parameters with the mass of the upper sphere, and the dashpot that gives the
+        restitution of an impact of the two on each other.
+        """
         from refdem.truth.contact_law import sphere_mass
 
         v = super().values(p)
@@ -44,7 +46,11 @@ class Stack(OnFloor):
         return self.of(v, bodies, Plane(point=(0.0, float(v.height), 0.0), normal=(0.0, -1.0, 0.0)))
 
     def scales(self, v: Any) -> Scales:
-        """tau = sqrt(m/(3 k)) of the lighter one; 40 tau."""
+        """L = height/8; tau = sqrt(m/(3 k)) of the lighter sphere, T = 40 tau.
+
+        In the fastest mode of two spheres between walls the middle contact is compressed twice as
+        much as the outer ones: 3 k m^-1 for equal masses.
+        """
         lighter = min(float(v.mass), float(v.upper))
         tau = float(np.sqrt(lighter / float(v.stiffness) / 3))
         return Scales(float(v.height) / POSITIONS_ARE_ROUNDED, tau, 40 * tau, float(v.effective))

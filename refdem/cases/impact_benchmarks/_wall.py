@@ -22,8 +22,10 @@ class Wall(Member):
     """
 
     def values(self, p: Any) -> Any:
-        """The parameters with `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness,
-        Hertz's `hertz`.
+        """The parameters with the `normal` and tangential (`across`) velocity [m/s] and the `spin`
+        [rad/s] at touch; with a stiffness, also the dashpot.
+
+        Spin, friction, angle and psi are 0 unless the member has them.
         """
         from refdem.truth.reals import cosine, sine
 
@@ -47,11 +49,16 @@ class Wall(Member):
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), linear(v)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = 1/omega_max; two contacts."""
-        lasts = linear_contact_time(v, v.mass)
-        stiffest = max(float(v.stiffness), 3.5 * float(v.tangential_stiffness * (v.friction > 0)))
+        """tau = 1/omega_max; two contact durations.
+
+        omega_max^2 = max(k_n, 7/2 k_t)/m: of a solid sphere that sticks and rotates, 2/7 m resists
+        the tangential spring, which acts only with friction.
+        """
+        contact_time = linear_contact_time(v, v.mass)
+        tangential = v.tangential_stiffness * (v.friction > 0)
+        stiffest = max(float(v.stiffness), 3.5 * float(tangential))
         tau = np.sqrt(float(v.mass) / stiffest)
-        return of_impact(v, tau=float(tau), lasts=lasts)
+        return of_impact(v, tau=float(tau), contact_time=contact_time)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth from one switch of the contact to the next."""
@@ -74,12 +81,14 @@ class Wall(Member):
 
 
 def struck(v: Any) -> Body:
-    """The sphere, left of the wall."""
+    """The sphere left of the wall, which it touches; `normal` is its velocity towards the wall."""
     m = float(v.mass)
     r = float(v.radius)
+    # J = 2/5 m r^2.
+    moment = 0.4 * m * r * r
     return Body(
         mass=m,
-        inertia=(0.4 * m * r * r,) * 3,
+        inertia=(moment, moment, moment),
         shape=Sphere(radius=r),
         position=(-r, 0.0, 0.0),
         velocity=(float(v.normal), float(v.across), 0.0),
@@ -96,12 +105,12 @@ def linear(v: Any) -> Contact:
     return Contact(law="linear", branch=v.branch, cutoff=v.cutoff, **numbers)
 
 
-def of_impact(v: Any, *, tau: float, lasts: float) -> Scales:
-    """Length: the way in tau, but at least R/8."""
-    speed = float(np.hypot(float(v.normal), float(v.across))) + abs(float(v.spin * v.radius))
-    return Scales(
-        length=max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED),
-        tau=tau,
-        duration=2 * lasts,
-        mass=float(v.mass),
-    )
+def of_impact(v: Any, *, tau: float, contact_time: float) -> Scales:
+    """Scales of an impact on the wall that lasts two contact durations.
+
+    L is the way in tau at the speed of the sphere plus that of its rim, but at least R/8.
+    """
+    rim_speed = abs(float(v.spin * v.radius))
+    speed = float(np.hypot(float(v.normal), float(v.across))) + rim_speed
+    length = max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
+    return Scales(length=length, tau=tau, duration=2 * contact_time, mass=float(v.mass))
