@@ -55,7 +55,7 @@ Hypotheses, and where each is checked:
 * a bounds the Jacobian of Euler's equations along the whole motion: `quickness`, from
   `FreeBody.fastest`;
 * the cells cover all times at which errors are made: `BodyGrowth.cover`; errors of the cell that
-  holds t are `Tumbling.own`;
+  holds t are those of `Tumbling.of_cell_of_now`;
 * what doubles may have lost is a small part of S: `BodyGrowth.largest` compares it with LOST.
 """
 
@@ -105,35 +105,42 @@ ACROSS = slice(1, 3)
 """Components along w and b."""
 
 RECENT = 4
-"""Periods between an error and its effect that are taken one by one."""
+"""The number of periods between an error and its effect from which on the angle q is bounded; fewer
+are taken one by one.
+"""
 TURNS = 16
-"""Turns of a steady spin that are followed cell by cell, before its drift exceeds all that turns.
+"""The turns of a steady spin that are followed cell by cell; after them its drift exceeds all that
+turns.
 """
 SHARE = Fraction(1, 16)
-"""Width of a cell as part of its time: a change of omega made at 0 turns the body 16 times as much
-as one made in the cell.
+"""The width of a late cell as a part of its time: a change of omega made at 0 has turned the body
+16 times as much as one made in the cell.
 """
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Scales of a turn [rad] and of omega [rad/s], and `quick`, a bound of the Jacobian of Euler's
-    equations [1/s].
+    """The scales in which errors are counted: of a turn [rad] and of omega [rad/s].
+
+    `jacobian` [1/s] bounds the norm of the Jacobian of Euler's equations along the motion: a of the
+    theorem on cells.
     """
 
     turn: Fraction
     spin: Fraction
-    quick: float
+    jacobian: float
 
     @property
     def shear(self) -> float:
-        """How fast a change of omega turns a body, in scales [1/s]."""
+        """The rate [1/s] at which a change of omega of one scale turns the body, in scales of a
+        turn.
+        """
         return float(self.spin / self.turn)
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Times [low, high] of errors, or times that have passed since."""
+    """An interval [low, high] of times [s] at which errors are made, or that have elapsed since."""
 
     low: Fraction
     high: Fraction
@@ -145,33 +152,43 @@ class Cell:
 
     @property
     def half(self) -> float:
-        """How far the ends are from it."""
+        """Half the width [s], rounded up: h of the theorem on cells."""
         return float(self.high - self.low) / 2 * UPWARDS
 
 
 def next_cell(low: Fraction, scales: Scales) -> Cell:
-    """A cell in which g <= exp(WIDEST), and h g is small beside 1 or beside what errors made at 0
-    have grown to at `low`.
+    """The next cell from `low` on, so narrow that the theorem on cells loses little.
+
+    In it g = exp(a h) <= exp(WIDEST), and the turn h g is small beside 1, or beside what errors of
+    omega made at 0 have turned the body by at `low`.
     """
-    narrow = Fraction(2 * WIDEST / max(scales.quick, scales.shear))
+    narrow = Fraction(2 * WIDEST / max(scales.jacobian, scales.shear))
+    # Errors of omega made at 0 have turned the body in proportion to the time: late cells may be a
+    # share of it.
     width = max(narrow, low * SHARE)
-    if scales.quick > 0:
-        width = min(width, Fraction(2 * WIDEST / scales.quick))
+    if scales.jacobian > 0:
+        # a h <= WIDEST, with the width 2 h.
+        width = min(width, Fraction(2 * WIDEST / scales.jacobian))
     return Cell(low, low + dyadic(width))
 
 
 def dyadic(width: Fraction) -> Fraction:
-    """Rounded down to about 8 bits, so that sums stay short."""
+    """The width rounded down to a number of about 8 bits, so that the ends of cells stay short."""
     exponent = width.numerator.bit_length() - width.denominator.bit_length() - 8
     unit = Fraction(2) ** exponent
     return width // unit * unit
 
 
 class BodyGrowth(ABC):
-    """S of a body with this tensor [kg m^2]; what is read of it needs its `attitude` in space."""
+    """S of a free rigid body: what tumbling and spinning bodies have in common.
+
+    The quantities that are read are the attitude and omega in body axes and in space axes.
+    """
 
     def begin(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
-        """Sets what both kinds of motion begin with."""
+        """Sets the inertia `tensor` [kg m^2], the scales and the quaternion `attitude(t)`, from
+        which omega in space axes follows.
+        """
         self.scales = scales
         self.attitude = attitude
         self.tensor = tensor
@@ -181,35 +198,39 @@ class BodyGrowth(ABC):
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; BOUNDLESS where doubles end."""
         with np.errstate(over="ignore", invalid="ignore"):
-            return bounded(self.found_at(t))
+            return bounded(self.unrounded_at(t))
 
     @abstractmethod
-    def found_at(self, t: Fraction) -> float:
-        """S(t), or what is not finite."""
+    def unrounded_at(self, t: Fraction) -> float:
+        """S(t) before it is rounded up; not finite where doubles end."""
 
     def read(self, t: Fraction, axes: Balls, omega: Sequence[arb], length: arb) -> Near:
-        """What is read (9, 6) of psi and J d/L along `axes`, in scales: the turn, omega in body
-        axes and in space.
+        """The derivative (9, 6) of the quantities, in scales, by an error (psi, J d/L) that is
+        given along `axes`.
+
+        `axes` are three unit vectors in body axes, as rows; `length` is L = |M|. Rows of the
+        result: the turn, omega in body axes, omega in space axes (TURN, BODY, SPACE).
         """
-        back = rotation.transposed(axes)
-        space = rotation.matrix(self.attitude(arb_of(t)))
+        to_body = rotation.transposed(axes)
+        to_space = rotation.matrix(self.attitude(arb_of(t)))
         spin = arb_of(self.scales.spin)
         turn = arb_of(self.scales.turn)
-        # d = J^-1 (J d), and in space the change of omega is R (d - omega x psi).
-        changed = scaled(rotation.product(self.inverse, back), length / spin)
+        # In body axes d = J^-1 (J d); in space the change of omega is R (d - omega x psi).
+        omega_change = scaled(rotation.product(self.inverse, to_body), length / spin)
         x, y, z = omega
-        crossed = [[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]]
-        swept = rotation.product(rotation.product(space, crossed), back)
-        found = [[arb(0)] * 6 for _ in range(9)]
-        put(found, TURN, TURN, scaled(diagonal([arb(1)] * 3), 1 / turn))
-        put(found, BODY, SPIN, changed)
-        put(found, SPACE, TURN, scaled(swept, -1 / spin))
-        put(found, SPACE, SPIN, rotation.product(space, changed))
-        return near(found)
+        omega_cross = [[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]]
+        swept = rotation.product(rotation.product(to_space, omega_cross), to_body)
+        derivative = [[arb(0)] * 6 for _ in range(9)]
+        put(derivative, TURN, TURN, scaled(diagonal([arb(1)] * 3), 1 / turn))
+        put(derivative, BODY, SPIN, omega_change)
+        put(derivative, SPACE, TURN, scaled(swept, -1 / spin))
+        put(derivative, SPACE, SPIN, rotation.product(to_space, omega_change))
+        return near(derivative)
 
     def sources(self, axes: Balls, length: arb) -> Near:
-        """J d/L along axes (3, 3), of changes d of omega in scales."""
-        return near(scaled(rotation.product(axes, self.tensor), arb_of(self.scales.spin) / length))
+        """J d/L along `axes` (3, 3), for a change d of omega by one scale in each body axis."""
+        momentum_changes = rotation.product(axes, self.tensor)
+        return near(scaled(momentum_changes, arb_of(self.scales.spin) / length))
 
     def largest(
         self,
@@ -220,34 +241,39 @@ class BodyGrowth(ABC):
         *,
         turns_anyhow: bool = False,
     ) -> float:
-        """The largest growth of the errors of cells whose ends are `halves` (cells,) [s] from where
-        D is the sum of `parts`.
+        """The largest growth of the errors of cells, whose matrix D at the middle of each is the
+        sum of `parts`.
 
-        Each part has shape (cells, 6, 6), and the norm of the sum is bounded by the sum of the
-        norms; `turns_anyhow` adds i q lambda for any q. Infinite where doubles end.
+        `read` (9, 6) is that of `read`; each part is (cells, 6, 6), and the norm of the sum is
+        bounded by the sum of the norms; `sources` (cells, 3, 3) is what a change of omega is made
+        of there; `halves` (cells,) [s] is h, half the width of each cell. `turns_anyhow` adds the
+        bound of i q lambda for any unit number q. Infinite where doubles end; UnsharpError where
+        rounding may have lost more than the part LOST.
         """
         one_turn = near([arb_of(self.scales.turn)])
-        turns = exact(np.zeros((1, 7)))
-        spins = exact(np.zeros((1, 7)))
+        # |D_psi| and |D_omega| of the theorem on cells, by quantity (7: the turn, six components).
+        by_turn = exact(np.zeros((1, 7)))
+        by_spin = exact(np.zeros((1, 7)))
         for part in parts:
-            grown = read @ part
-            turns = turns + row_norms(grown[..., TURN] * one_turn)
-            spins = spins + row_norms(grown[..., SPIN] @ sources)
+            response = read @ part
+            by_turn = by_turn + row_norms(response[..., TURN] * one_turn)
+            by_spin = by_spin + row_norms(response[..., SPIN] @ sources)
         if turns_anyhow:
+            # |r . (q lambda)| <= |r| |lambda|, with lambda = J d/L + psi x m across m.
             reach = row_norms(read[None, :, ACROSS])
-            turns = turns + reach * one_turn
-            spins = spins + reach * spectral_norms(sources[:, ACROSS])[:, None]
-        # The theorem about cells.
-        omega_grown = np.exp(self.scales.quick * halves)[:, None]
-        turned_by_it = halves[:, None] * self.scales.shear * omega_grown
-        told = turns.middle * (1 + turned_by_it) + spins.middle * omega_grown
-        lost = turns.off * (1 + turned_by_it) + spins.off * omega_grown
-        found = float((told + lost).max(initial=0.0)) * UPWARDS
-        if not isfinite(found):
+            by_turn = by_turn + reach * one_turn
+            by_spin = by_spin + reach * spectral_norms(sources[:, ACROSS])[:, None]
+        # |D(t, s)| <= |D_psi| (1 + h g) + |D_omega| g with g = exp(a h) (theorem on cells).
+        omega_growth = np.exp(self.scales.jacobian * halves)[:, None]
+        turn_growth = halves[:, None] * self.scales.shear * omega_growth
+        growth = by_turn.middle * (1 + turn_growth) + by_spin.middle * omega_growth
+        rounding = by_turn.off * (1 + turn_growth) + by_spin.off * omega_growth
+        bound = float((growth + rounding).max(initial=0.0)) * UPWARDS
+        if not isfinite(bound):
             return inf
-        if float(lost.max(initial=0.0)) > LOST * found:
+        if float(rounding.max(initial=0.0)) > LOST * bound:
             raise UnsharpError("how errors of a body grow is not known well at this precision")
-        return found
+        return bound
 
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until]."""
@@ -259,14 +285,23 @@ class BodyGrowth(ABC):
             self.cells.append(next_cell(low, self.scales))
 
     def ended_by(self, time: Fraction) -> int:
-        """How many cells end by a time up to which they are made."""
+        """The number of cells that end at a time or before, up to which they must be made."""
         return bisect_right([cell.high for cell in self.cells], time)
+
+    def end_of(self, count: int) -> Fraction:
+        """The time [s] at which the first `count` cells end."""
+        if count:
+            return self.cells[count - 1].high
+        return Fraction(0)
 
 
 @dataclass(frozen=True)
 class Instant:
-    """The moving axes m, w, b (rows, in body axes) at a time, W [rad/s], k [s/J] and the unit
-    number by which w has turned about M in space; `sources`: what errors are made of there.
+    """The numbers of the theorem on errors at one time.
+
+    `axes` are the moving axes m, w, b (rows, in body axes), `across` is W [rad/s], `lead` k [s/J],
+    `angle` the unit number exp(i phi) by which w has turned about M in space since the start.
+    `sources` (3, 3) is J d/L along the axes for changes d of omega by one scale.
     """
 
     time: arb
@@ -278,7 +313,11 @@ class Instant:
 
 
 class Tumbling(BodyGrowth):
-    """S of a body whose momentum is not along its omega."""
+    """S of a body whose momentum is not along its omega.
+
+    `length` is L, `along` omega.m. Over one `period` (None on the separatrix) k grows by `gained`,
+    and w turns about M by the unit number `swing`.
+    """
 
     def __init__(self, tensor: Balls, body: FreeBody, scales: Scales, attitude: Attitude) -> None:
         self.begin(tensor, scales, attitude)
@@ -300,41 +339,45 @@ class Tumbling(BodyGrowth):
         """Unit vectors m, w and b in body axes, as three rows."""
         omega = self.body.omega(t)
         momentum = rotation.applied(self.tensor, omega)
+        # m = M/L, b = M x omega/|M x omega|, and w = b x m completes a right-handed frame.
         rate = rotation.cross(momentum, omega)
-        size = rotation.dot(rate, rate).sqrt()
-        along = [x / self.length for x in momentum]
-        beside = [x / size for x in rate]
-        across = rotation.cross(beside, along)
-        return [along, across, beside]
+        magnitude = rotation.dot(rate, rate).sqrt()
+        m = [x / self.length for x in momentum]
+        b = [x / magnitude for x in rate]
+        w = rotation.cross(b, m)
+        return [m, w, b]
 
     def across(self, t: arb) -> arb:
-        """The magnitude W = |M x omega|/L of the scaled torque."""
+        """The length W = |M x omega|/L [rad/s] of the part of omega across M."""
         omega = self.body.omega(t)
         rate = rotation.cross(rotation.applied(self.tensor, omega), omega)
         return rotation.dot(rate, rate).sqrt() / self.length
 
     def angle(self, t: arb, axes: Balls) -> acb:
-        """The unit number by which w has turned about M in space since the start."""
-        seen = rotation.rotated(self.body.turn(t), axes[1])
-        cosine = rotation.dot(seen, self.first[1])
-        sine = rotation.dot(seen, self.first[2])
+        """The unit number exp(i phi), phi being the angle by which w has turned about M in space.
+
+        `axes` are those of the time t. The start's axes are w0 and b0: exp(i phi) = w.w0 + i w.b0.
+        """
+        w_now = rotation.rotated(self.body.turn(t), axes[1])
+        cosine = rotation.dot(w_now, self.first[1])
+        sine = rotation.dot(w_now, self.first[2])
         return acb(cosine, sine)
 
     def instant(self, t: arb) -> Instant:
-        """The axes and numbers of a time."""
+        """The axes, W, k, angle and sources at the time t [s]."""
         axes = self.axes(t)
         angle = self.angle(t, axes)
         sources = self.sources(axes, self.length)
         return Instant(t, axes, self.across(t), self.body.lead(t), angle, sources)
 
     def instants_of(self, count: int) -> list[Instant]:
-        """The instants at the middles of the first cells."""
+        """The instants at the middles of the first `count` cells; kept for later calls."""
         while len(self.instants) < count:
             middle = self.cells[len(self.instants)].middle
             self.instants.append(self.instant(arb_of(middle)))
         return self.instants[:count]
 
-    def found_at(self, t: Fraction) -> float:
+    def unrounded_at(self, t: Fraction) -> float:
         time = arb_of(t)
         periods = 0
         since = time
@@ -345,45 +388,46 @@ class Tumbling(BodyGrowth):
             return inf
         now = self.instant(since)
         read = self.read(t, now.axes, self.body.omega(since), self.length)
-        passed = upper(since)
-        self.cover(passed)
+        elapsed = upper(since)
+        self.cover(elapsed)
         # Errors of this period: those of whole cells, and those that are made since the last of
         # them.
-        ended = self.ended_by(passed)
-        if ended:
-            begun = self.cells[ended - 1].high
-        else:
-            begun = Fraction(0)
-        found = self.own(read, now, float(max(passed - begun, Fraction(0))))
-        found = max(found, self.grown(read, now, since, ended, 0))
+        ended = self.ended_by(elapsed)
+        rest = max(elapsed - self.end_of(ended), Fraction(0))
+        of_last_cell = self.of_cell_of_now(read, now, float(rest))
+        bound = max(of_last_cell, self.grown(read, now, since, ended, 0))
         if periods:
-            found = max(found, self.of_earlier(read, now, since, periods))
-        return found
+            bound = max(bound, self.of_earlier(read, now, since, periods))
+        return bound
 
     def has_parted(self, time: arb) -> bool:
-        """Whether neighbours of a motion without a period have parted by more than doubles can
-        say.
+        """True if W(0)/W(t), by which errors of a motion without a period grow, is more than
+        doubles can say.
         """
         return bool(self.across(arb(0)) / self.across(time) > BOUNDLESS)
 
-    def own(self, read: Near, now: Instant, since: float) -> float:
-        """The growth of errors made during the last seconds: the cell about now."""
-        whole = exact(np.eye(6)[None])
-        return self.largest(read, [whole], now.sources[None], np.array([since * UPWARDS]))
+    def of_cell_of_now(self, read: Near, now: Instant, since: float) -> float:
+        """The growth of errors made during the last `since` seconds, for which D(t, t) = 1."""
+        unit = exact(np.eye(6)[None])
+        return self.largest(read, [unit], now.sources[None], np.array([since * UPWARDS]))
 
     def of_earlier(self, read: Near, now: Instant, since: arb, periods: int) -> float:
-        """The growth of errors made in all earlier periods."""
+        """The growth of errors made in all earlier periods (theorem on all times).
+
+        The most recent ones are taken one by one; of the far ones the norm of A + n N is largest at
+        an end.
+        """
         assert self.period is not None
         end = upper(self.period)
         self.cover(end)
+        # All cells that begin before the end of the period.
         count = 1 + bisect_left([cell.high for cell in self.cells], end)
         recent = range(1, min(periods, RECENT - 1) + 1)
-        found = [self.grown(read, now, since, count, n) for n in recent]
+        growths = [self.grown(read, now, since, count, n) for n in recent]
         if periods >= RECENT:
-            found += [
-                self.grown(read, now, since, count, n, is_far=True) for n in (RECENT, periods)
-            ]
-        return max(found)
+            for n in (RECENT, periods):
+                growths.append(self.grown(read, now, since, count, n, is_far=True))
+        return max(growths)
 
     def grown(
         self,
@@ -395,53 +439,63 @@ class Tumbling(BodyGrowth):
         *,
         is_far: bool = False,
     ) -> float:
-        """The growth of errors of the first `count` cells, made so many periods ago; if it
-        `is_far`, whatever the angle q.
+        """The growth of errors of the first `count` cells, made `periods` periods ago.
+
+        `now` is the instant `since` its period began, at which the errors are read. Errors of far
+        periods (`is_far`) are bounded whatever the angle q is.
         """
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
         if self.period is None:
-            more = arb(0)
+            whole_periods = arb(0)
         else:
-            more = periods * self.period
-        elapsed = near([since - instant.time + more for instant in instants])
+            whole_periods = periods * self.period
+        # tau = t - s, and k(t) - k(s), of each cell.
+        elapsed = near([since - instant.time + whole_periods for instant in instants])
         gained = periods * self.gained
         leads = near([now.lead - instant.lead + gained for instant in instants])
-        grown = self.changed(now.across, [one.across for one in instants], elapsed, leads)
+        across = [instant.across for instant in instants]
+        matrices = self.kept_part(now.across, across, elapsed, leads)
         if not is_far:
-            # Of the unit number since the start, conj(q) is the inverse.
+            # q turns from s to t: exp(i phi(s)) conj(exp(i phi(t))), as exp(i phi) is a unit
+            # number.
             back = now.angle.conjugate() * self.swing.conjugate() ** periods
-            grown = grown + rotating([instant.angle * back for instant in instants])
+            matrices = matrices + rotating([instant.angle * back for instant in instants])
         sources = together([instant.sources for instant in instants])
         halves = np.array([cell.half for cell in self.cells[:count]])
-        return self.largest(read, [grown], sources, halves, turns_anyhow=is_far)
+        return self.largest(read, [matrices], sources, halves, turns_anyhow=is_far)
 
-    def changed(self, now: arb, across: Sequence[arb], elapsed: Near, leads: Near) -> Near:
-        """D without q (cells, 6, 6) of errors made where W is `across`, when it is `now`: A + n N
-        of the theorem.
+    def kept_part(self, now: arb, across: Sequence[arb], elapsed: Near, leads: Near) -> Near:
+        """A + n N of the theorem on all times (cells, 6, 6): D without the part that turns with q.
+
+        `now` is W(t), `across` has W(s) of each cell, `elapsed` t - s, `leads` k(t) - k(s). Rows
+        and columns: p, psi_w, psi_b, alpha, beta, gamma.
         """
-        by_turn = elapsed * near([self.along])
-        by_energy = elapsed * near(across)
+        # p(t) = p(s) + tau (omega.m alpha(s) + W(s) beta(s)).
+        p_by_alpha = elapsed * near([self.along])
+        p_by_beta = elapsed * near(across)
+        # beta(t) = beta(s) W(s)/W(t).
         beta = near([then / now for then in across])
-        gamma_by_momentum = elapsed * near([now])
-        gamma_by_energy = leads * near([self.length * now * then for then in across])
+        # gamma(t) = W(t) (alpha(s) tau + L W(s) (k(t) - k(s)) beta(s) + gamma(s)/W(s)).
+        gamma_by_alpha = elapsed * near([now])
+        gamma_by_beta = leads * near([self.length * now * then for then in across])
         gamma = near([now / then for then in across])
         one = exact(np.ones(len(across)))
-        # psi across M has gamma - i beta.
+        # psi_w + i psi_b has gamma - i beta, besides what turns.
         return filled(
             {
                 (0, 0): one,
-                (0, 3): by_turn,
-                (0, 4): by_energy,
-                (1, 3): gamma_by_momentum,
-                (1, 4): gamma_by_energy,
+                (0, 3): p_by_alpha,
+                (0, 4): p_by_beta,
+                (1, 3): gamma_by_alpha,
+                (1, 4): gamma_by_beta,
                 (1, 5): gamma,
                 (2, 4): -beta,
                 (3, 3): one,
                 (4, 4): beta,
-                (5, 3): gamma_by_momentum,
-                (5, 4): gamma_by_energy,
+                (5, 3): gamma_by_alpha,
+                (5, 4): gamma_by_beta,
                 (5, 5): gamma,
             }
         )
@@ -462,81 +516,90 @@ class Spinning(BodyGrowth):
         self.begin([[arb_of(x) for x in row] for row in tensor], scales, attitude)
         self.omega = [arb_of(x) for x in omega]
         self.rate = rotation.dot(self.omega, self.omega).sqrt()
-        moment = own_moment(tensor, omega)
+        moment = moment_about(tensor, omega)
         self.length = arb_of(moment) * self.rate
         self.axes = axes_about([x / self.rate for x in self.omega])
-        # C of v' = C v along the two axes across M: M x J^-1 - omega x, with J^-1 = g.
-        back = rotation.transposed(self.axes)
-        g = rotation.product(rotation.product(self.axes, self.inverse), back)
+        # C of v' = C v along the two axes across M: M x J^-1 - omega x, with J^-1 = g in the axes.
+        to_body = rotation.transposed(self.axes)
+        g = rotation.product(rotation.product(self.axes, self.inverse), to_body)
         self.matrix = [
             [-self.length * g[1][2], self.rate - self.length * g[2][2]],
             [self.length * g[1][1] - self.rate, self.length * g[1][2]],
         ]
         # c, and its sign, which is exact where the tensor is.
-        share = swinging(tensor, moment)
+        share = squared_frequency(tensor, moment)
         self.square = arb_of(share) * self.rate * self.rate
+        # The time [s] of TURNS turns.
         self.followed = Fraction(float(2 * arb.pi() * TURNS / self.rate))
 
-    def found_at(self, t: Fraction) -> float:
+    def unrounded_at(self, t: Fraction) -> float:
         read = self.read(t, self.axes, self.omega, self.length)
-        passed = min(t, self.followed)
-        self.cover(passed)
-        cells = self.cells[: self.ended_by(passed)]
-        if cells:
-            begun = cells[-1].high
-        else:
-            begun = Fraction(0)
-        times = [arb_of(cell.middle) for cell in cells] + [arb_of(passed)]
-        halves = np.array([cell.half for cell in cells] + [float(passed - begun) * UPWARDS])
+        elapsed = min(t, self.followed)
+        self.cover(elapsed)
+        ended = self.ended_by(elapsed)
+        cells = self.cells[:ended]
+        rest = float(elapsed - self.end_of(ended)) * UPWARDS
+        # Each cell of elapsed times by its middle, the last one by its end.
+        times = [arb_of(cell.middle) for cell in cells] + [arb_of(elapsed)]
+        halves = np.array([cell.half for cell in cells] + [rest])
         waves = [self.waves(time) for time in times]
         cosines = [cosine for cosine, _ in waves]
         sines = [sine for _, sine in waves]
-        swung = self.swung(cosines, sines)
-        turned = rotating([acb(0, -self.rate * time).exp() for time in times])
-        grown = self.kept(times) + swung[0] + swung[1] + turned
-        found = self.largest(read, [grown], self.spread(), halves)
-        if t > passed:
-            found = max(found, self.later(read, t))
-        return found
+        by_cosine, by_sine = self.across_parts(cosines, sines)
+        turning = rotating([acb(0, -self.rate * time).exp() for time in times])
+        matrices = self.along_part(times) + by_cosine + by_sine + turning
+        bound = self.largest(read, [matrices], self.sources_everywhere(), halves)
+        if t > elapsed:
+            bound = max(bound, self.later(read, t))
+        return bound
 
     def later(self, read: Near, t: Fraction) -> float:
-        """The growth from TURNS to t: by what is linear in time at both ends, and by the rest at
-        its largest.
+        """The growth over more than TURNS and up to t: by what is linear in time at both ends, and
+        by the rest at its largest.
         """
         times = [arb_of(self.followed), arb_of(t)]
-        cosine, sine = self.most(arb_of(t))
-        swung = self.swung([cosine, cosine], [sine, sine])
-        parts = [self.kept(times), *swung]
-        return self.largest(read, parts, self.spread(), np.zeros(2), turns_anyhow=True)
+        cosine, sine = self.largest_waves(arb_of(t))
+        by_wave = self.across_parts([cosine, cosine], [sine, sine])
+        parts = [self.along_part(times), *by_wave]
+        no_width = np.zeros(2)
+        return self.largest(read, parts, self.sources_everywhere(), no_width, turns_anyhow=True)
 
-    def spread(self) -> Near:
-        """J d/L of errors, the same in all cells."""
+    def sources_everywhere(self) -> Near:
+        """J d/L (1, 3, 3) of changes of omega by one scale, the same in all cells."""
         return self.sources(self.axes, self.length)[None]
 
-    def kept(self, times: Sequence[arb]) -> Near:
-        """What errors along M become (cells, 6, 6)."""
+    def along_part(self, times: Sequence[arb]) -> Near:
+        """What errors along M become (cells, 6, 6): alpha stays, and p grows by omega alpha tau."""
         one = exact(np.ones(len(times)))
         turned = near([time * self.rate for time in times])
         return filled({(0, 0): one, (0, 3): turned, (3, 3): one})
 
-    def swung(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[Near]:
-        """What changes across M become, v and psi = -i v: the parts of x and of y (cells, 6, 6)."""
-        one = [[arb(1), arb(0)], [arb(0), arb(1)]]
+    def across_parts(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[Near]:
+        """What changes across M become, v(t) = x v(s) + y C v(s) and psi = -i v, as the part of x
+        and the part of y (cells, 6, 6).
+
+        `cosines` has x and `sines` y of each cell.
+        """
+        unit = [[arb(1), arb(0)], [arb(0), arb(1)]]
         parts = []
-        for sizes, matrix in ((cosines, one), (sines, self.matrix)):
+        for factors, matrix in ((cosines, unit), (sines, self.matrix)):
             entries = {}
             for column in (0, 1):
-                first = near([size * matrix[0][column] for size in sizes])
-                second = near([size * matrix[1][column] for size in sizes])
-                entries[4, 4 + column] = first
-                entries[5, 4 + column] = second
-                entries[1, 4 + column] = second
-                entries[2, 4 + column] = -first
+                v_w = near([factor * matrix[0][column] for factor in factors])
+                v_b = near([factor * matrix[1][column] for factor in factors])
+                entries[4, 4 + column] = v_w
+                entries[5, 4 + column] = v_b
+                # psi = -i v: psi_w = v_b, psi_b = -v_w.
+                entries[1, 4 + column] = v_b
+                entries[2, 4 + column] = -v_w
             parts.append(filled(entries))
         return parts
 
     def waves(self, time: arb) -> tuple[arb, arb]:
-        """x and y at a time that has passed."""
+        """x and y after a time [s]: the solutions of f'' = -c f from (1, 0) and from (0, 1).
+
+        UnsharpError where the sign of c, which tells a stable spin, is not known.
+        """
         if self.square.is_zero():
             return arb(1), time
         root = abs(self.square).sqrt()
@@ -547,12 +610,14 @@ class Spinning(BodyGrowth):
             return angle.cosh(), angle.sinh() / root
         raise UnsharpError("whether a spin is stable is not known at this precision")
 
-    def most(self, t: arb) -> tuple[arb, arb]:
-        """Bounds of |x| and |y| up to t."""
+    def largest_waves(self, t: arb) -> tuple[arb, arb]:
+        """Bounds of |x| and |y| over all times up to t."""
         if not self.square > 0:
+            # Both grow with time.
             return self.waves(t)
         root = self.square.sqrt()
         if t < arb.pi() / (2 * root):
+            # The sine still grows.
             return arb(1), (root * t).sin() / root
         return arb(1), 1 / root
 
@@ -560,11 +625,10 @@ class Spinning(BodyGrowth):
 def tumbling_growth(
     tensor: Balls, body: FreeBody, turn: Fraction, spin: Fraction, attitude: Attitude
 ) -> Grows:
-    """S of a body whose momentum is not along its omega, `body` being told in the axes of the
-    tensor.
+    """S of a body whose momentum is not along its omega.
 
-    `turn` and `spin` are the scales of an attitude and of omega; `attitude(t)` is its quaternion,
-    of either sign.
+    `tensor` [kg m^2] is in the axes in which `body` gives omega; `turn` [rad] and `spin` [rad/s]
+    are the scales of an attitude and of omega; `attitude(t)` is its quaternion, of either sign.
     """
     scales = Scales(turn, spin, quickness(tensor, body.fastest()))
     return Tumbling(tensor, body, scales, attitude)
@@ -573,7 +637,9 @@ def tumbling_growth(
 def steady_growth(
     tensor: Tensor, omega: Sequence[Number], turn: Fraction, spin: Fraction, attitude: Attitude
 ) -> Grows:
-    """S of a body whose momentum is along its omega, or that rests, in any axes."""
+    """S of a body whose momentum is along its omega, or that rests; the arguments are those of
+    `tumbling_growth`, with the constant `omega` [rad/s] in place of a motion.
+    """
     if not any(omega):
         # psi(t) = psi(s) + (t - s) d, and nothing else changes.
         return Told(lambda t: 1 + t * arb_of(spin / turn))
@@ -585,61 +651,71 @@ def steady_growth(
 
 
 def quickness(tensor: Balls, fastest: arb) -> float:
-    """Bound [1/s] of the Jacobian a(omega) d = J^-1 (J d x omega + J omega x d) of Euler's
+    """Bound [1/s] of the Jacobian A(omega) d = J^-1 (J d x omega + J omega x d) of Euler's
     equations for |omega| <= `fastest`.
 
-    With a_k its values at the unit vectors and H_kl = a_k : a_l, |a|^2 <= omega . H omega, which
-    the Frobenius norm of H bounds.
+    A is linear in omega. With A_k its matrix at the unit vector e_k and H_kl = A_k : A_l, |A|^2 <=
+    omega . H omega, which |omega|^2 times the Frobenius norm of H bounds.
     """
-    back = inverse(tensor)
+    tensor_inverse = inverse(tensor)
     units = [[arb(int(i == j)) for j in AXES] for i in AXES]
-    slopes = []
+    jacobians = []
     for k in AXES:
         columns = []
         for j in AXES:
+            # A(e_k) e_j.
             first = rotation.cross(rotation.applied(tensor, units[j]), units[k])
             second = rotation.cross(rotation.applied(tensor, units[k]), units[j])
-            columns.append(
-                rotation.applied(back, [a + b for a, b in zip(first, second, strict=True)])
-            )
-        slopes.append([x for column in columns for x in column])
-    squares = [rotation.dot(a, b) ** 2 for a in slopes for b in slopes]
-    whole = sum(squares, arb(0)).abs_upper()
-    return float((fastest * arb(whole).sqrt().sqrt()).upper()) * UPWARDS
+            torque = [a + b for a, b in zip(first, second, strict=True)]
+            columns.append(rotation.applied(tensor_inverse, torque))
+        jacobians.append([x for column in columns for x in column])
+    squares = [rotation.dot(a, b) ** 2 for a in jacobians for b in jacobians]
+    square_of_frobenius = sum(squares, arb(0)).abs_upper()
+    bound = fastest * arb(square_of_frobenius).sqrt().sqrt()
+    return float(bound.upper()) * UPWARDS
 
 
-def own_moment(tensor: Tensor, omega: Sequence[Number]) -> Number:
-    """The principal moment about omega, which is along a principal axis."""
+def moment_about(tensor: Tensor, omega: Sequence[Number]) -> Number:
+    """The principal moment J_s [kg m^2] about omega, which is along a principal axis: J omega = J_s
+    omega.
+    """
     axis = max(AXES, key=lambda i: abs(float(omega[i])))
     if sum(1 for x in omega if x) == 1:
         return tensor[axis][axis]
-    found: Number = dot_exact(tensor[axis], omega) / omega[axis]
-    return found
+    moment: Number = dot_exact(tensor[axis], omega) / omega[axis]
+    return moment
 
 
-def swinging(tensor: Tensor, moment: Number) -> Number:
-    """c/omega^2 of Spinning, exact if the tensor is: with X = 1 - J_s J^-1, whose third eigenvalue
-    is 0, (tr^2 X - tr X^2)/2.
+def squared_frequency(tensor: Tensor, moment: Number) -> Number:
+    """c/omega^2 of Spinning, exact if the tensor is.
+
+    C is skew times X = 1 - J_s J^-1, so that c/omega^2 is the product of the two eigenvalues of X
+    across omega. The third one is 0: the product is (tr^2 X - tr X^2)/2, the sum of the principal
+    minors of X.
     """
-    back = inverse(tensor)
-    x = [[int(i == j) - moment * back[i][j] for j in AXES] for i in AXES]
+    tensor_inverse = inverse(tensor)
+    x = [[int(i == j) - moment * tensor_inverse[i][j] for j in AXES] for i in AXES]
     minors = [x[i][i] * x[j][j] - x[i][j] * x[j][i] for i, j in ((0, 1), (0, 2), (1, 2))]
-    found: Number = minors[0] + minors[1] + minors[2]
-    return found
+    square: Number = minors[0] + minors[1] + minors[2]
+    return square
 
 
 def axes_about(along: Sequence[arb]) -> list[list[arb]]:
-    """Right-handed unit vectors, the first of them given."""
-    least = min(AXES, key=lambda i: abs(float(along[i].mid())))
-    unit = [arb(int(i == least)) for i in AXES]
-    beside = rotation.cross(along, unit)
-    size = rotation.dot(beside, beside).sqrt()
-    second = [x / size for x in beside]
+    """Three right-handed unit vectors as rows, of which the first is the unit vector `along`."""
+    # The coordinate axis that is farthest from `along`: the cross product does not vanish.
+    farthest = min(AXES, key=lambda i: abs(float(along[i].mid())))
+    unit = [arb(int(i == farthest)) for i in AXES]
+    normal = rotation.cross(along, unit)
+    length = rotation.dot(normal, normal).sqrt()
+    second = [x / length for x in normal]
     return [list(along), second, rotation.cross(along, second)]
 
 
 def rotating(turns: Sequence[acb]) -> Near:
-    """i q lambda, which psi across M has of lambda = v - i psi: (cells, 6, 6)."""
+    """The part i q lambda of psi across M (cells, 6, 6), for the unit number q of each cell.
+
+    lambda = J d/L + psi x m across M is, in components along w and b, v - i psi.
+    """
     cosine = near([q.real for q in turns])
     sine = near([q.imag for q in turns])
     return filled(
@@ -660,16 +736,18 @@ def rotating(turns: Sequence[acb]) -> Near:
 def filled(entries: Mapping[tuple[int, int], Near]) -> Near:
     """Matrices (cells, 6, 6) with these entries (cells,), and 0 elsewhere."""
     count = max(len(entry.middle) for entry in entries.values())
-    found = exact(np.zeros((count, 6, 6)))
+    matrices = exact(np.zeros((count, 6, 6)))
     for (row, column), entry in entries.items():
-        found.middle[:, row, column] = entry.middle
-        found.off[:, row, column] = entry.off
-    return found
+        matrices.middle[:, row, column] = entry.middle
+        matrices.off[:, row, column] = entry.off
+    return matrices
 
 
 def row_norms(matrices: Near) -> Near:
-    """Upper bounds (cells, 7) of the norms of the turn and of the other six rows of matrices
-    (cells, 9, columns): `middle` of what stands for them, `off` of what that may be off.
+    """Upper bounds (cells, 7) of the norms of the quantities of matrices (cells, 9, columns).
+
+    The first three rows are one quantity, the turn; each of the other six is one. `middle` bounds
+    the norms of the doubles, `off` those of their errors.
     """
     turn = spectral_norms(matrices[:, TURN])
     middle = np.linalg.norm(matrices.middle[:, 3:], axis=-1)
@@ -681,7 +759,7 @@ def row_norms(matrices: Near) -> Near:
 
 
 def spectral_norms(matrices: Near) -> Near:
-    """The same of the largest singular values (cells,) of matrices (cells, rows, columns)."""
+    """Upper bounds (cells,) of the largest singular values of matrices (cells, rows, columns)."""
     return Near(spectral(matrices.middle), spectral(matrices.off))
 
 
@@ -691,7 +769,7 @@ def scaled(matrix: Balls, factor: arb) -> list[list[arb]]:
 
 
 def put(matrix: list[list[arb]], rows: slice, columns: slice, block: Balls) -> None:
-    """Writes a block into a matrix."""
+    """Writes a block into these rows and columns of a matrix."""
     for row, values in zip(matrix[rows], block, strict=True):
         row[columns] = values
 
@@ -700,6 +778,7 @@ def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:
     """The inverse of a symmetric tensor, by its cofactors; exact if the tensor is."""
 
     def cofactor(i: int, j: int) -> Any:
+        # The rows and columns that follow i and j in cyclic order give the sign with them.
         first = tensor[(i + 1) % 3]
         second = tensor[(i + 2) % 3]
         k = (j + 1) % 3
@@ -707,10 +786,13 @@ def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:
         return first[k] * second[m] - first[m] * second[k]
 
     cofactors = [[cofactor(i, j) for j in AXES] for i in AXES]
-    size = dot_exact(tensor[0], cofactors[0])
-    return [[value / size for value in row] for row in cofactors]
+    determinant = dot_exact(tensor[0], cofactors[0])
+    return [[value / determinant for value in row] for row in cofactors]
 
 
 def diagonal(moments: Sequence[Any]) -> list[list[Any]]:
-    """The tensor of a body in its principal axes."""
-    return [[moments[i] if i == j else moments[i] * 0 for j in AXES] for i in AXES]
+    """The diagonal matrix of these entries, whose zeros are of their type."""
+    matrix = [[moment * 0 for _ in AXES] for moment in moments]
+    for i in AXES:
+        matrix[i][i] = moments[i]
+    return matrix

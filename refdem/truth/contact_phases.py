@@ -41,7 +41,7 @@ SLIDES = {1: "slip", -1: "slip back"}
 
 
 class Touching(Protocol):
-    """What of a pair decides which modes there are."""
+    """The properties of a pair that decide which modes there are and which comes first."""
 
     @property
     def damping(self) -> Number: ...
@@ -57,8 +57,11 @@ class Touching(Protocol):
 
 
 class LinearContact(ABC):
-    """The phases of a contact under the linear law, in the units of the module: what does not
-    depend on the coordinates in which the motion is told.
+    """The phases of a contact under the linear law, in the units of the module: the part that does
+    not depend on the coordinates of the motion.
+
+    In the symbols of the module: `time` is T, `speed` V, `length` X; `k`, `c`, `kt` are K, C, Kt;
+    `ease` has mu_i, `bend` has b_i, `friction` is mu (0 where friction is left out).
     """
 
     pair: Touching
@@ -92,7 +95,7 @@ class LinearContact(ABC):
 
     @abstractmethod
     def falling(self, y: State) -> Any:
-        """The rate u' of the closing speed."""
+        """The rate u' of the closing speed in units of V/T."""
 
     @abstractmethod
     def modes(self) -> dict[str, Mode]:
@@ -108,17 +111,23 @@ class LinearContact(ABC):
 
     @abstractmethod
     def place(self, mode: str, y: State) -> list[Any]:
-        """Places, velocities, spins, spring and clock in any mode: as many as the state has."""
+        """Positions, velocities, spins, spring and clock of a state in the given mode: as many
+        numbers as the state has.
+        """
 
     def in_units_of(self, pair: TouchingPair, *, rubs: bool) -> None:
         """Sets the units and the numbers of a pair; without `rubs` friction is left out."""
         m = pair.effective_mass
-        masses = [m / mass for mass in pair.masses]
+        mass_ratios = [m / mass for mass in pair.masses]
         self.pair = pair
-        self.ease = [Fraction(5, 2) * share for share in masses]
+        # mu_i = m R_i^2/J_i, with J_i = 2/5 m_i R_i^2 of a solid sphere.
+        self.ease = [Fraction(5, 2) * ratio for ratio in mass_ratios]
         self.friction = pair.friction * rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
-        fastest = max(pair.stiffness, near(spring * (1 + sum(self.ease)))) / near(m)
+        # T is at most the inverse of the largest rate of the law: sqrt(k/m), that of the tangential
+        # spring, which turns the spheres too, and c/m.
+        tangential = near(spring * (1 + sum(self.ease)))
+        fastest = max(pair.stiffness, tangential) / near(m)
         self.time = dyadic_root(1 / max(fastest, near(pair.damping / m) ** 2))
         self.speed = dyadic_root(pair.closing_speed**2)
         self.length = self.time * self.speed
@@ -133,16 +142,21 @@ class LinearContact(ABC):
         return self.overlap(y) * self.k + self.closing(y) * self.c
 
     def steepening(self, y: State) -> Any:
-        """The rate of the normal force, in any mode: friction does not act along the normal."""
+        """The rate K u + C u' of the normal force, in any mode: friction does not act along the
+        normal.
+        """
         return self.closing(y) * self.k + self.falling(y) * self.c
 
     def levers(self, y: State) -> list[Any]:
-        """The levers l_i/R_i of both spheres."""
+        """The levers l_i/R_i = 1 - b_i a of both spheres."""
         overlap = self.overlap(y)
         return [1 - overlap * bend for bend in self.bend]
 
     def released(self) -> Guard:
-        """The end of what presses: apart, or, damped, pulling until the overlap ends."""
+        """The guard that ends a pressing phase: the force falls to zero.
+
+        The spheres part there, or, if a dashpot may pull, are followed until the overlap ends.
+        """
         if self.pair.damping and self.pair.ends_with_overlap:
             return Guard("pull", self.force, lambda y: Entry("pull", touching={"press": 1}))
         return Guard("release", self.force, lambda y: self.parting())
@@ -151,13 +165,15 @@ class LinearContact(ABC):
 class PlanarPhases(LinearContact):
     """The modes of a contact in the plane, and the entry into the first.
 
-    What differs between a pair and a wall is how the direction of the normal turns, and where the
-    sphere then is.
+    A pair and a wall differ only in how the direction of the normal turns (`turning`) and in the
+    position that a state stands for (`cartesian`).
     """
 
     @abstractmethod
     def turning(self, y: State, r: Any) -> Any:
-        """The rate of the third coordinate."""
+        """The rate of the third coordinate, which is the angle phi of a pair's normal; r = 1 - eps
+        a.
+        """
 
     @abstractmethod
     def cartesian(self, y: State) -> list[Any]:
@@ -177,34 +193,44 @@ class PlanarPhases(LinearContact):
         return y[1]
 
     def falling(self, y: State) -> Any:
-        """The rate of change u' of the closing speed."""
-        curve = 1 / (1 - y[0] * self.eps)
-        return -self.force(y) - y[3] * y[3] * curve * curve * curve * self.eps
+        """The rate of change u' = -F - eps w^2/r^3 of the closing speed."""
+        inverse_r = 1 / (1 - y[0] * self.eps)
+        return -self.force(y) - y[3] * y[3] * inverse_r * inverse_r * inverse_r * self.eps
 
     def slip(self, y: State) -> Any:
-        """Velocity of surface 1 against surface 2."""
+        """The velocity w/r - l_1 o_1 - l_2 o_2 of surface 1 against surface 2, in units of V."""
         first, second = self.levers(y)
         return y[3] / (1 - y[0] * self.eps) - first * y[4] - second * y[5]
 
     def holding(self, y: State) -> Any:
-        """The friction g that keeps the slip at zero."""
+        """The friction g that keeps the slip at zero.
+
+        With levers l_i = 1 - b_i a, slip' = g (1 + l_1^2 mu_1 + l_2^2 mu_2) + u (eps w/r^2 + b_1
+        o_1 + b_2 o_2), as r' = -eps u and l_i' = -b_i u; g makes it zero.
+        """
         r = 1 - y[0] * self.eps
-        (first, second) = self.levers(y)
-        carried = y[3] / (r * r) * self.eps + y[4] * self.bend[0] + y[5] * self.bend[1]
-        return -y[1] * carried / (1 + first * first * self.ease[0] + second * second * self.ease[1])
+        first, second = self.levers(y)
+        by_closing = y[3] / (r * r) * self.eps + y[4] * self.bend[0] + y[5] * self.bend[1]
+        inertia = 1 + first * first * self.ease[0] + second * second * self.ease[1]
+        return -y[1] * by_closing / inertia
 
     def lag(self, y: State, side: int) -> Any:
-        """The rate at which the force of a spring that slips would exceed its limit."""
+        """The rate sigma Kt slip - mu F' at which the force of a spring that slips would exceed its
+        limit; sigma is `side`.
+        """
         return self.slip(y) * (self.kt * side) - self.steepening(y) * self.friction
 
     def excess(self, y: Sequence[arb]) -> arb:
-        """The margin of friction over what keeps the slip at zero."""
+        """The margin mu F - |g| of friction over what keeps the slip at zero."""
         return ball(self.force, y) * arb_of(self.friction) - abs(ball(self.holding, y))
 
     def field(
         self, friction: Callable[[State], Any] | None, *, stretches: bool = False
     ) -> Callable[[State], list[Any]]:
-        """The rates under a friction."""
+        """The rates (8) of the state under a friction g(y), or without any.
+
+        With `stretches` the tangential spring follows the slip, 2 s' = slip; else it stays.
+        """
 
         def rates(y: State) -> list[Any]:
             r = 1 - y[0] * self.eps
@@ -212,75 +238,93 @@ class PlanarPhases(LinearContact):
                 g = friction(y)
             else:
                 g = 0
-            spun = [
+            # o_i' = -l_i mu_i g.
+            spin_rates = [
                 lever * g * -ease for lever, ease in zip(self.levers(y), self.ease, strict=True)
             ]
+            if stretches:
+                spring_rate = self.slip(y) / 2
+            else:
+                spring_rate = 0
+            clock_rate = 1
             return [
                 y[1],
                 self.falling(y),
                 self.turning(y, r),
                 r * g,
-                *spun,
-                self.slip(y) / 2 if stretches else 0,
-                1,
+                *spin_rates,
+                spring_rate,
+                clock_rate,
             ]
 
         return rates
 
     def modes(self) -> dict[str, Mode]:
-        """Every mode that this pair can be in."""
+        """Every mode that this pair can be in, by name."""
         free = self.field(None)
-        found = {
+        modes = {
             "press": Mode(free, (self.released(),)),
             "apart": Mode(lambda y: [0] * 7 + [1], leaves=lambda y: None),
         }
         if self.pair.damping and self.pair.ends_with_overlap:
-            again = Guard(
+            # The dashpot pulls until the overlap ends, unless the force comes back before.
+            released = Guard("release", lambda y: y[0], lambda y: self.parting())
+            pressed = Guard(
                 "press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True)
             )
-            found["pull"] = Mode(
-                free, (Guard("release", lambda y: y[0], lambda y: self.parting()), again)
-            )
+            modes["pull"] = Mode(free, (released, pressed))
         if self.friction:
-            found |= {SLIDES[side]: self.sliding(side) for side in (1, -1)}
-            found |= {"stick": self.sticking()} if self.kt else {"hold": self.held()}
-        return found
+            for side in (1, -1):
+                modes[SLIDES[side]] = self.sliding(side)
+            if self.kt:
+                modes["stick"] = self.sticking()
+            else:
+                modes["hold"] = self.held()
+        return modes
 
     def sliding(self, side: int) -> Mode:
-        """Friction at its limit, against a slip of that sign; with a spring it is clipped."""
-        push = self.friction * -side
+        """The mode of friction at its limit, -sigma mu F, against a slip of sign `side` = sigma.
+
+        A tangential spring is at its limit then. It sticks again where its force would fall below
+        the limit; without a spring where the slip ends.
+        """
+        coefficient = self.friction * -side
         if self.kt:
-            back = Guard("stick", lambda y: self.lag(y, side), lambda y: self.caught(side))
+            ends = Guard("stick", lambda y: self.lag(y, side), lambda y: self.caught(side))
         else:
-            back = Guard("stick", lambda y: self.slip(y) * side, lambda y: self.stopped(y, side))
-        return Mode(self.field(lambda y: self.force(y) * push), (back, self.released()))
+            ends = Guard("stick", lambda y: self.slip(y) * side, lambda y: self.stopped(y, side))
+        return Mode(self.field(lambda y: self.force(y) * coefficient), (ends, self.released()))
 
     def caught(self, side: int) -> Entry:
-        """The clipped spring shortens less than its limit falls: from now on it holds."""
+        """The entry into sticking of a spring that was at its limit: 2 Kt s = sigma mu F.
+
+        From the zero of `lag` on the spring's force stays below its limit. There both are equal,
+        and so are their rates: the guard of the slip vanishes to the second order.
+        """
         stretch = self.friction * side / (2 * self.kt)
         return Entry(
             "stick",
             lambda y: [*y[:6], self.force(y) * stretch, y[7]],
-            {"slip" if side > 0 else "slip back": 2},
+            {SLIDES[side]: 2},
         )
 
     def stopped(self, y: State, side: int) -> Entry:
-        """The entry at zero slip without a spring: it holds, or the slip changes its sign."""
+        """The entry at zero slip without a spring: friction holds, or the slip changes its sign."""
         if sign(self.excess(y), "the excess of friction where the slip ends") > 0:
             return Entry("hold")
         return Entry(SLIDES[-side], touching={"stick": 1})
 
     def sticking(self) -> Mode:
-        """The mode in which the tangential spring sticks."""
+        """The mode in which the tangential spring sticks, until its force reaches the limit."""
         guards = (self.slide(1, self.pull, {}), self.slide(-1, lambda y: -self.pull(y), {}))
         return Mode(self.field(lambda y: -self.pull(y), stretches=True), guards)
 
     def pull(self, y: State) -> Any:
-        """Force of the tangential spring."""
+        """The force 2 Kt s of the tangential spring."""
         return y[6] * (2 * self.kt)
 
     def held(self) -> Mode:
-        """No slip, by whatever friction that needs."""
+        """The mode without slip and without a spring, by whatever friction that needs."""
         guards = (
             self.slide(1, lambda y: -self.holding(y), {"stick": 2}),
             self.slide(-1, self.holding, {"stick": 2}),
@@ -288,7 +332,9 @@ class PlanarPhases(LinearContact):
         return Mode(self.field(self.holding), guards)
 
     def slide(self, side: int, pull: Callable[[State], Any], touching: dict[str, int]) -> Guard:
-        """The limit, reached by a friction against a slip of that sign."""
+        """The guard mu F - pull(y) at whose zero friction reaches its limit, against a slip of sign
+        `side`.
+        """
         entry = Entry(SLIDES[side], touching=touching)
         return Guard(
             SLIDES[side], lambda y: self.force(y) * self.friction - pull(y), lambda y: entry
@@ -300,50 +346,59 @@ class PlanarPhases(LinearContact):
 
     def side_at_touch(self, y: State) -> int:
         """The sign of the slip at touch: 1, 0 or -1."""
-        exact = -self.pair.surface_spin[2]
         if self.pair.angle:
             return sign(ball(self.slip, y), "the slip at touch")
-        return (exact > 0) - (exact < 0)
+        # A head-on pair slips by its spins alone, which are exact numbers.
+        slip = -self.pair.surface_spin[2]
+        return (slip > 0) - (slip < 0)
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
-        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's
-        does.
+        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's does.
+
+        `side` is the sign of the slip, found from the state where it is not given.
         """
-        ends = self.released().name
+        # The guard of the force vanishes at an entry where the force rises from zero.
+        if rising:
+            touching = {self.released().name: 1}
+        else:
+            touching = {}
         if not self.friction:
-            return Entry("press", touching={ends: 1} if rising else {})
+            return Entry("press", touching=touching)
         if side is None:
             side = sign(ball(self.slip, y), "the slip where the contact presses again")
-        else:
-            side = side
         if self.kt:
             return self.stretched(y, side, rising)
         if side:
-            return Entry(SLIDES[side], touching={ends: 1} if rising else {})
+            return Entry(SLIDES[side], touching=touching)
         if not rising and sign(self.excess(y), "the excess of friction at touch") > 0:
             return Entry("hold")
+        # Friction does not suffice to hold: the slip begins against what would have held it.
         side = -sign(ball(self.holding, y), "the friction needed at touch")
-        return Entry(SLIDES[side], touching={"stick": 1, ends: 1} if rising else {"stick": 1})
+        return Entry(SLIDES[side], touching={"stick": 1} | touching)
 
     def stretched(self, y: State, side: int, rising: bool) -> Entry:
-        """The entry with an unstretched spring: it slides only if the limit rises from zero more
-        slowly than the spring's force.
+        """The entry with an unstretched spring.
+
+        It slides only where the limit mu F rises from zero (`rising`) more slowly than the spring's
+        force; else it sticks.
         """
-        if (
-            rising
-            and side
-            and sign(ball(lambda y: self.lag(y, side), y), "k_t |slip| - friction dF/dt at touch")
-            > 0
-        ):
-            return Entry(SLIDES[side], touching={self.released().name: 1})
-        return Entry("stick", touching=dict.fromkeys(SLIDES.values(), 1) if rising else {})
+        if not rising:
+            return Entry("stick")
+        if side:
+            lag = ball(lambda y: self.lag(y, side), y)
+            if sign(lag, "k_t |slip| - friction dF/dt at touch") > 0:
+                return Entry(SLIDES[side], touching={self.released().name: 1})
+        # Limit and spring's force are both zero: the guards of both directions vanish.
+        return Entry("stick", touching=dict.fromkeys(SLIDES.values(), 1))
 
     def parting(self) -> Entry:
-        """Free flight: the straight line on which the spheres are, and its velocity."""
+        """The entry into free flight, whose state is the place at clock 0 of the straight line on
+        which the spheres fly, and its velocity.
+        """
         return Entry("apart", lambda y: [*line(self.cartesian(y), y[7]), *y[4:]])
 
     def place(self, mode: str, y: State) -> list[Any]:
-        """x, y, vx, vy, o1, o2, s, clock in any mode: as many coordinates as the state has."""
+        """x, y, vx, vy, o1, o2, s, clock of a state in the given mode."""
         if mode == "apart":
             return [y[0] + y[2] * y[7], y[1] + y[3] * y[7], *y[2:]]
         return [*self.cartesian(y), *y[4:]]
@@ -357,46 +412,54 @@ class ContactPhases(PlanarPhases):
         self.in_units_of(pair, rubs=rubs)
 
     def start(self) -> list[Callable[[], arb]]:
-        """The state of the contact at touch."""
+        """The state at touch: a = 0, u = v cos(angle)/V, phi = 0, w = -v sin(angle)/V, the spins, s
+        = 0, clock 0.
+        """
         pair = self.spheres
 
-        def part(wave: Callable[[arb], arb], sense: int) -> Callable[[], arb]:
+        def component(wave: Callable[[arb], arb], sign_of_wave: int) -> Callable[[], arb]:
             return lambda: (
-                sense * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
+                sign_of_wave * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
             )
 
-        spins = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
-        nothing = partial(arb_of, 0)
-        turning = [partial(arb_of, spin) for spin in spins]
-        return [nothing, part(arb.cos, 1), nothing, part(arb.sin, -1), *turning, nothing, nothing]
+        zero = partial(arb_of, 0)
+        closing = component(arb.cos, 1)
+        tangential = component(arb.sin, -1)
+        # o_i = R_i omega_i/V, of the spins about z.
+        surface_speeds = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
+        spins = [partial(arb_of, speed) for speed in surface_speeds]
+        return [zero, closing, zero, tangential, *spins, zero, zero]
 
     def turning(self, y: State, r: Any) -> Any:
         """The rate phi' = eps w/r^2 of the normal."""
         return y[3] / (r * r) * self.eps
 
     def cartesian(self, y: State) -> list[Any]:
-        """x, y in units of X and vx, vy in units of V, in contact."""
+        """x, y in units of X and vx, vy in units of V, in contact: r = -rho (cos phi, sin phi)."""
         r = 1 - y[0] * self.eps
         sine = y[2].sin()
         cosine = y[2].cos()
+        # rho' = -u along the normal, rho phi' = w/r across it.
+        closing = y[1]
         across = y[3] / r
-        far = r * (1 / self.eps)
+        distance = r * (1 / self.eps)
         return [
-            -far * cosine,
-            -far * sine,
-            y[1] * cosine + across * sine,
-            y[1] * sine - across * cosine,
+            -distance * cosine,
+            -distance * sine,
+            closing * cosine + across * sine,
+            closing * sine - across * cosine,
         ]
 
 
 def ball(function: Callable[[State], Any], y: Sequence[arb]) -> arb:
-    """The ball of a function of the state."""
-    found: arb = Program(traced(lambda y: [function(y)], len(y))[0]).run(y)[0]
-    return found
+    """The ball of a function of the state on balls `y` of it."""
+    outputs, _ = traced(lambda y: [function(y)], len(y))
+    value: arb = Program(outputs).run(y)[0]
+    return value
 
 
 def line(place: Sequence[Any], clock: Any) -> list[Any]:
-    """Where a straight flight was at clock 0, and its velocity."""
+    """The position at clock 0 of a straight flight, and its velocity, from both at a `clock`."""
     x, y, vx, vy = place
     return [x - vx * clock, y - vy * clock, vx, vy]
 
@@ -405,6 +468,7 @@ def dyadic_root(square: Fraction) -> Fraction:
     """A number of four bits, at most the root of `square` > 0 and at least 7/8 of it."""
     bits = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
     unit = Fraction(2) ** (bits - 4)
-    found = isqrt((square / unit**2).__floor__())
-    surplus = max(0, found.bit_length() - 4)
-    return (found >> surplus << surplus) * unit
+    root = isqrt((square / unit**2).__floor__())
+    # Only the four leading bits are kept.
+    surplus = max(0, root.bit_length() - 4)
+    return (root >> surplus << surplus) * unit

@@ -37,18 +37,20 @@ AXES = (0, 1, 2)
 
 
 class FreeBody(ABC):
-    """One kind of motion at the current precision, from inertia J [kg m^2] and omega [rad/s] at t =
-    0 in body axes.
+    """One kind of motion of a free rigid body, at the current precision.
+
+    It starts with principal moments J [kg m^2] and omega [rad/s] in body axes at t = 0. `start` is
+    that omega, `momentum0` is M = J omega there, `l2` is L^2, exact if the start is, and `length`
+    is L.
     """
 
     method: ClassVar[str]
 
     def begin(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        """Sets what every kind of motion begins with."""
-        pairs: list[tuple[Any, Any]] = list(zip(inertia, omega, strict=True))
-        self.inertia = tuple(j for j, _ in pairs)
-        self.start = tuple(w for _, w in pairs)
-        self.momentum0 = tuple(j * w for j, w in pairs)
+        """Sets the inertia, omega and the momentum M = J omega at the start."""
+        self.inertia: tuple[Any, ...] = tuple(inertia)
+        self.start: tuple[Any, ...] = tuple(omega)
+        self.momentum0 = tuple(j * w for j, w in zip(self.inertia, self.start, strict=True))
         self.l2 = dot_exact(self.momentum0, self.momentum0)
         self.length = arb_of(self.l2).sqrt()
 
@@ -76,18 +78,18 @@ class FreeBody(ABC):
 
     @abstractmethod
     def lead(self, t: arb) -> arb:
-        """Time [s/J] by which a motion with the same |M| and more energy is ahead at t, per energy,
-        up to a constant.
+        """The lead k [s/J] at t: the time by which a motion with the same |M| and more energy is
+        ahead, per energy, up to a constant.
 
-        With M the momentum, w the unit vector of omega across M, W its length there and b that of M
-        x omega, the motion that has more energy is displaced by w/W + k M', and k' = (w J^-1 w - b
-        J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k. UndecidedError where the body spins
-        about its momentum, which has no such motion beside it.
+        Let w be the unit vector along the part of omega across M, W the length of that part, and b
+        the unit vector along M x omega. The motion that has more energy is displaced by w/W + k M',
+        and k' = (w J^-1 w - b J^-1 b)/W^2 (refdem/truth/body_growth.py). UndecidedError where the
+        body spins about its momentum: no such motion is near.
         """
 
 
 class Steady(FreeBody):
-    """omega is parallel to M (or zero): it stays."""
+    """A steady spin: omega is parallel to M, or zero, and is constant."""
 
     method = "steady spin: omega stays and the body turns about it"
 
@@ -99,9 +101,9 @@ class Steady(FreeBody):
 
     def turn(self, t: arb) -> list[arb]:
         omega = self.omega(t)
-        size = arb_of(dot_exact(self.start, self.start)).sqrt()
-        if size > 0:
-            return turn([w / size for w in omega], size * t)
+        rate = arb_of(dot_exact(self.start, self.start)).sqrt()
+        if rate > 0:
+            return turn([w / rate for w in omega], rate * t)
         return [arb(1), arb(0), arb(0), arb(0)]
 
     def fastest(self) -> arb:
@@ -115,8 +117,11 @@ class Steady(FreeBody):
 
 
 class Axisymmetric(FreeBody):
-    """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 -
-    M_3/J1.
+    """Two equal moments J1: in body axes omega turns about the third axis at the constant rate
+    omega_3 - M_3/J1 backwards.
+
+    The attitude is a turn about the fixed M at the rate L/J1, after one about the body's third axis
+    at omega_3 - M_3/J1. `axis` is that axis, `across` is J1, `rate` the second rate.
     """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
@@ -128,15 +133,14 @@ class Axisymmetric(FreeBody):
         self.rate = arb_of(self.start[self.axis] - self.momentum0[self.axis] / self.across)
 
     def omega(self, t: arb) -> list[arb]:
-        back = matrix(turn(_unit(self.axis), -self.rate * t))
-        return applied(back, [arb_of(w) for w in self.start])
+        backwards = matrix(turn(_unit(self.axis), -self.rate * t))
+        return applied(backwards, [arb_of(w) for w in self.start])
 
     def turn(self, t: arb) -> list[arb]:
-        along = [arb_of(m) / self.length for m in self.momentum0]
-        return times(
-            turn(along, self.length / arb_of(self.across) * t),
-            turn(_unit(self.axis), self.rate * t),
-        )
+        momentum_axis = [arb_of(m) / self.length for m in self.momentum0]
+        about_momentum = turn(momentum_axis, self.length / arb_of(self.across) * t)
+        about_own_axis = turn(_unit(self.axis), self.rate * t)
+        return times(about_momentum, about_own_axis)
 
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
@@ -152,8 +156,9 @@ class Axisymmetric(FreeBody):
 
 
 class Nodal(FreeBody):
-    """Motions told by M and by the angle phi of the line of nodes of `axis`, which M never
-    meets.
+    """Motions that are given by M in body axes and by the angle phi of the line of nodes.
+
+    The line of nodes is that of the body axis `axis`, which M never meets: it turns about M by phi.
     """
 
     axis: int
@@ -170,27 +175,39 @@ class Nodal(FreeBody):
         return [m / arb_of(j) for m, j in zip(self.momentum(t), self.inertia, strict=True)]
 
     def turn(self, t: arb) -> list[arb]:
+        # Body axes at t -> axes about M at t -> the same ones at 0, turned by phi -> body axes at
+        # 0: R = F(0)^T Z(phi) F(t), F being `_frame`.
         phi = self.nodes(t)
-        about = [
+        turn_about_momentum = [
             [phi.real, -phi.imag, arb(0)],
             [phi.imag, phi.real, arb(0)],
             [arb(0), arb(0), arb(1)],
         ]
-        return quaternion(product(transposed(self._frame(arb(0))), product(about, self._frame(t))))
+        from_frame = transposed(self._frame(arb(0)))
+        return quaternion(product(from_frame, product(turn_about_momentum, self._frame(t))))
 
     def _frame(self, t: arb) -> list[list[arb]]:
-        """Rows: the axis across M, M x axis and M, unit vectors in body axes; no term cancels."""
-        m = self.momentum(t)
+        """Three unit vectors in body axes at t, as rows: the part of e_k across M, M x e_k, and M.
+
+        e_k is the body axis `axis`. With m = M/L, e_k - (e_k.m) m has the length A/L, A^2 being the
+        sum of M_i^2 over i != k; its components over that length are A/L for k and -m_k M_i/A for
+        the others. So no term cancels.
+        """
+        momentum = self.momentum(t)
         k = self.axis
-        across = sum((m[i] * m[i] for i in AXES if i != k), arb(0)).sqrt()
-        along = [x / self.length for x in m]
-        first = [across / self.length if i == k else -along[k] * m[i] / across for i in AXES]
+        across = sum((momentum[i] * momentum[i] for i in AXES if i != k), arb(0)).sqrt()
+        along = [x / self.length for x in momentum]
+        first = [-along[k] * momentum[i] / across for i in AXES]
+        first[k] = across / self.length
         return [first, cross(along, first), along]
 
 
 class Separatrix(Nodal):
-    """2 E J2 = L^2: M_2 = +-L tanh u, the others fall as sech u; about M the intermediate axis
-    turns at L/J2.
+    """The separatrix 2 E J2 = L^2: M_2 = L tanh u, M_i = s_i L sech u for the other two axes, u =
+    rate t + shift.
+
+    About M the line of nodes of the intermediate axis turns at L/J2. `shares` has s_i, with s_1^2 +
+    s_3^2 = 1.
     """
 
     method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
@@ -198,17 +215,22 @@ class Separatrix(Nodal):
     def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
         self.begin(inertia, omega)
         low, self.axis, high = sorted(AXES, key=lambda i: self.inertia[i])
-        rest2 = self.l2 - self.momentum0[self.axis] ** 2
-        rest = arb_of(rest2).sqrt()
-        self.shares = {i: arb_of(self.momentum0[i]) / rest for i in (low, high)}
-        rate = _growth(self, low, high) * self.momentum0[low] * self.momentum0[high] / rest2
+        # M_1^2 + M_3^2 = L^2 sech^2 u at the start.
+        across2 = self.l2 - self.momentum0[self.axis] ** 2
+        across = arb_of(across2).sqrt()
+        self.shares = {i: arb_of(self.momentum0[i]) / across for i in (low, high)}
+        # L u' sech^2 u = M_2' = g M_1 M_3 = g s_1 s_3 L^2 sech^2 u: u' = L g s_1 s_3.
+        rate = _growth(self, low, high) * self.momentum0[low] * self.momentum0[high] / across2
         self.rate = self.length * arb_of(rate)
-        self.shift = (arb_of(self.momentum0[self.axis]) / rest).asinh()
+        # sinh u = M_2/(L sech u).
+        self.shift = (arb_of(self.momentum0[self.axis]) / across).asinh()
 
     def momentum(self, t: arb) -> list[arb]:
         u = self.rate * t + self.shift
-        fading = self.length / u.cosh()
-        return [self.length * u.tanh() if i == self.axis else self.shares[i] * fading for i in AXES]
+        across = self.length / u.cosh()
+        momentum = {i: share * across for i, share in self.shares.items()}
+        momentum[self.axis] = self.length * u.tanh()
+        return [momentum[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
         return (acb(0, 1) * self.length / arb_of(self.inertia[self.axis]) * t).exp()
@@ -217,7 +239,9 @@ class Separatrix(Nodal):
         return {"elliptic_m": arb(1)}
 
     def fastest(self) -> arb:
-        """|omega|^2 = g_2^2 L^2 + (terms that fall as sech^2), g = 1/J: it is largest at u = 0."""
+        """The largest |omega|: |omega|^2 = sum of g_i^2 M_i^2, g = 1/J, bounded by its terms at
+        their largest.
+        """
         squares = [
             (self.length * share / arb_of(self.inertia[i])) ** 2 for i, share in self.shares.items()
         ]
@@ -225,8 +249,10 @@ class Separatrix(Nodal):
         return (squares[0] + squares[1] + middle).sqrt()
 
     def lead(self, t: arb) -> arb:
-        """Here b J^-1 b = g_2 and W = L v sech u with v^2 = (s_1 s_3 (g_1 - g_3))^2, so that k' =
-        (g_1 + g_3 - 2 g_2)/(L v)^2 cosh^2 u.
+        """The lead k with k' = (g_1 + g_3 - 2 g_2)/(L v)^2 cosh^2 u, v = s_1 s_3 (g_1 - g_3).
+
+        Here b J^-1 b = g_2, w J^-1 w = g_1 + g_3 - g_2 (the trace, as m J^-1 m = 2 E/L^2 = g_2),
+        and W = L |v| sech u.
         """
         low, high = self.shares
         g_low = 1 / arb_of(self.inertia[low])
@@ -240,45 +266,76 @@ class Separatrix(Nodal):
 
 
 class Elliptic(Nodal):
-    """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M
-    goes about.
+    """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u with u = rate t + shift.
+
+    c (`axis`) is the axis of largest or smallest J, whichever M goes about; a (`other`) is the
+    other one of both, 2 (`mid`) the axis of the intermediate J. `a2`, `b2`, `c2` are A^2, B^2, C^2,
+    `sizes` their roots, `m` the elliptic parameter. `sense` is 1 if J_a < J_c, else -1; `drift` is
+    nu of the module's formula.
     """
 
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
     def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
         self.begin(inertia, omega)
+        self._choose_axes()
+        g_other, g_mid, g_axis = (1 / self.inertia[i] for i in (self.other, self.mid, self.axis))
+        # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is kept: A^2 is M_a^2
+        # where M_2 = 0, B^2 is M_2^2 where M_a = 0.
+        conserved = dot_exact(self.momentum0, self.start) - self.l2 * g_axis
+        self.a2 = conserved / (g_other - g_axis)
+        self.b2 = conserved / (g_mid - g_axis)
+        self.c2 = self.l2 - self.a2
+        # dn^2 = 1 - m sn^2: C^2 m = B^2 - A^2, as A^2 cn^2 + B^2 sn^2 + C^2 dn^2 = L^2.
+        self.m = (self.b2 - self.a2) / self.c2
+        self.jacobi = Jacobi(arb_of(self.m), arb_of((self.l2 - self.b2) / self.c2))
+        self.sizes = [arb_of(x).sqrt() for x in (self.a2, self.b2, self.c2)]
+        if g_other > g_axis:
+            self.sense = 1
+        else:
+            self.sense = -1
+        self._begin_at_start()
+        self._begin_nodes()
+
+    def _choose_axes(self) -> None:
+        """Decides which axis M goes about: that of largest J if L^2 > 2 E J_2, else of smallest.
+
+        UndecidedError where balls cannot tell.
+        """
         low, mid, high = sorted(AXES, key=lambda i: self.inertia[i])
         excess = self.l2 / self.inertia[mid] - dot_exact(self.momentum0, self.start)
         if not (excess > 0 or excess <= 0):
             raise UndecidedError(f"about which axis it turns: {excess}")
-        self.other, self.axis = (low, high) if excess > 0 else (high, low)
         self.mid = mid
-        ja, jb, jc = (1 / self.inertia[i] for i in (self.other, mid, self.axis))
-        kept = dot_exact(self.momentum0, self.start) - self.l2 * jc
-        self.a2 = kept / (ja - jc)
-        self.b2 = kept / (jb - jc)
-        self.c2 = self.l2 - self.a2
-        self.m = (self.b2 - self.a2) / self.c2
-        self.jacobi = Jacobi(arb_of(self.m), arb_of((self.l2 - self.b2) / self.c2))
-        self.sizes = [arb_of(x).sqrt() for x in (self.a2, self.b2, self.c2)]
-        if ja > jc:
-            self.sense = 1
+        if excess > 0:
+            self.other = low
+            self.axis = high
         else:
-            self.sense = -1
-        self._begin()
+            self.other = high
+            self.axis = low
 
-    def _begin(self) -> None:
+    def _begin_at_start(self) -> None:
+        """Sets signs, rate and shift, so that u gives the momentum of the start."""
         a, b, c = self.sizes
+        # M_2' = g M_a M_c.
         growth = _growth(self, self.other, self.axis)
         if self.momentum0[self.axis] > 0:
             self.sign_c = 1
         else:
             self.sign_c = -1
-        self.sign_b = self.sign_c * (1 if growth > 0 else -1)
+        if growth > 0:
+            self.sign_b = self.sign_c
+        else:
+            self.sign_b = -self.sign_c
+        # B sn' = B u' cn dn = |g| A C cn dn.
         self.rate = a * c / b * arb_of(abs(growth))
         sn = self.sign_b * arb_of(self.momentum0[self.mid]) / b
-        self.shift = self.jacobi.argument(sn, arb_of(self.momentum0[self.other]) / a)
+        cn = arb_of(self.momentum0[self.other]) / a
+        self.shift = self.jacobi.argument(sn, cn)
+
+    def _begin_nodes(self) -> None:
+        """Sets what exp(i phi) needs: the constant a of Theta(u + i a), nu and the phase at 0."""
+        _, _, c = self.sizes
         self.imaginary = c * carlson_f(arb_of(self.a2), arb_of(self.b2), arb_of(self.l2))
         zeta = self.jacobi.zeta_on_imaginary_axis(self.imaginary)
         self.drift = self.length / arb_of(self.inertia[self.other]) - self.sense * zeta * self.rate
@@ -287,15 +344,17 @@ class Elliptic(Nodal):
     def momentum(self, t: arb) -> list[arb]:
         sn, cn, dn = self.jacobi.sn_cn_dn(self.rate * t + self.shift)
         a, b, c = self.sizes
-        m = {self.other: a * cn, self.mid: self.sign_b * b * sn, self.axis: self.sign_c * c * dn}
-        return [m[i] for i in AXES]
+        momentum = {
+            self.other: a * cn,
+            self.mid: self.sign_b * b * sn,
+            self.axis: self.sign_c * c * dn,
+        }
+        return [momentum[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
-        return (
-            (acb(0, 1) * self.drift * t).exp()
-            * self._phase(self.rate * t + self.shift)
-            / self.phase0
-        )
+        # exp(i nu t) Theta(u + i a)/|Theta(u + i a)|, divided by its value at 0.
+        uniform = (acb(0, 1) * self.drift * t).exp()
+        return uniform * self._phase(self.rate * t + self.shift) / self.phase0
 
     def _phase(self, u: arb) -> acb:
         """Theta(u + i a)/|Theta(u + i a)|, or its conjugate where M goes about the axis of smallest
@@ -311,16 +370,17 @@ class Elliptic(Nodal):
         return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
 
     def fastest(self) -> arb:
-        """|omega|^2 is linear in sn^2: it is largest where sn^2 is 0 or 1."""
+        """The largest |omega|: |omega|^2 is linear in sn^2, and so largest where sn^2 is 0 or 1."""
         other, mid, axis = (arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis))
-        without = arb_of(self.a2) / other**2 + arb_of(self.c2) / axis**2
-        within = arb_of(self.b2) / mid**2 + arb_of(self.l2 - self.b2) / axis**2
-        return arb.max(without, within).sqrt()
+        square_at_sn_0 = arb_of(self.a2) / other**2 + arb_of(self.c2) / axis**2
+        square_at_sn_1 = arb_of(self.b2) / mid**2 + arb_of(self.l2 - self.b2) / axis**2
+        return arb.max(square_at_sn_0, square_at_sn_1).sqrt()
 
     def lead(self, t: arb) -> arb:
-        """M(E, t) at fixed |M| is differentiated by E: dM/dE = p + K M', and k = K + p . M'/|M'|^2.
+        """The lead k [s/J], from the derivative of M(E, t) by E at fixed |M|.
 
-        How the functions change by the parameter m is told at Jacobi.kappa.
+        dM/dE = p + K M', and k = K + p . M'/|M'|^2. The derivatives of the elliptic functions by
+        their parameter m are those given at Jacobi.kappa.
         """
         u = self.rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
@@ -344,15 +404,17 @@ class Elliptic(Nodal):
         along = log_rate_slope * t + m_slope * self.jacobi.kappa(u) / self.rate
 
         # p: what changes their sizes.
-        swell = m_slope / (2 * m1)
-        other = cn * (a2_slope / (2 * a) - a * swell * sn * sn)
-        mid = self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn)
-        axis = self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn)
-        changed = {self.other: other, self.mid: mid, self.axis: axis}
+        by_m = m_slope / (2 * m1)
+        p_other = cn * (a2_slope / (2 * a) - a * by_m * sn * sn)
+        p_mid = self.sign_b * sn * (b2_slope / (2 * b) + b * by_m * cn * cn)
+        p_axis = self.sign_c * dn * (c2_slope / (2 * c) - c * by_m * sn * sn)
+        p = {self.other: p_other, self.mid: p_mid, self.axis: p_axis}
+
+        # M' = M x omega.
         momentum = self.momentum(t)
         omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
         rate = cross(momentum, omega)
-        ahead: arb = dot_exact([changed[i] for i in AXES], rate) / dot_exact(rate, rate)
+        ahead: arb = dot_exact([p[i] for i in AXES], rate) / dot_exact(rate, rate)
         return along + ahead
 
 
@@ -362,12 +424,15 @@ def length_of(omega: Sequence[Any]) -> arb:
 
 
 def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:
-    """The rate k' [1/J] of `lead` with two equal moments J1 and `along` = J3: there b J^-1 b =
-    1/J1, W is constant, and w J^-1 w = 1/J1 + 1/J3 - 2 E/L^2, as the trace of J^-1 says; `square`
-    is |omega|^2.
+    """The constant rate k' [1/J] of `lead` with two equal moments J1.
+
+    `along` is the third moment J3, `twice_energy` 2 E, `length` L, `square` |omega|^2. In k' = (w
+    J^-1 w - b J^-1 b)/W^2 of `lead` b J^-1 b = 1/J1, and w J^-1 w = 1/J1 + 1/J3 - 2 E/L^2, as the
+    trace of J^-1 is 2/J1 + 1/J3 and m J^-1 m = 2 E/L^2.
     """
-    across = square - (twice_energy / length) ** 2
-    return (1 / along - twice_energy / length**2) / across
+    # W^2 = |omega|^2 - (omega.m)^2.
+    across_squared = square - (twice_energy / length) ** 2
+    return (1 / along - twice_energy / length**2) / across_squared
 
 
 Kind = type[Steady] | type[Axisymmetric] | type[Separatrix] | type[Elliptic]
@@ -375,12 +440,14 @@ Kind = type[Steady] | type[Axisymmetric] | type[Separatrix] | type[Elliptic]
 
 def kind(inertia: Exact3, omega: Exact3) -> Kind:
     """The kind of motion, which the exact start decides."""
-    m = [j * w for j, w in zip(inertia, omega, strict=True)]
-    if all(m[i] * omega[j] == m[j] * omega[i] for i in AXES for j in AXES):
+    momentum = [j * w for j, w in zip(inertia, omega, strict=True)]
+    is_parallel = all(momentum[i] * omega[j] == momentum[j] * omega[i] for i in AXES for j in AXES)
+    if is_parallel:
         return Steady
     if len(set(inertia)) < 3:
         return Axisymmetric
-    if dot_exact(m, omega) * sorted(inertia)[1] == dot_exact(m, m):
+    # 2 E J2 = L^2.
+    if dot_exact(momentum, omega) * sorted(inertia)[1] == dot_exact(momentum, momentum):
         return Separatrix
     return Elliptic
 
@@ -401,4 +468,5 @@ def _growth(body: FreeBody, a: int, c: int) -> Any:
 
 
 def _unit(axis: int) -> list[arb]:
-    return [arb(1 if i == axis else 0) for i in AXES]
+    """The unit vector of a coordinate axis."""
+    return [arb(int(i == axis)) for i in AXES]

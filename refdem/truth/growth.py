@@ -49,26 +49,49 @@ Fundamental = Callable[[arb], arb_mat]
 """M: encloses, for a ball of times, the same solutions of the variational equation at all of them.
 """
 
-Errors = tuple[Array, float, Array, Array, Array, Array]
-"""What `errors_at` of Growth returns."""
+
+@dataclass(frozen=True)
+class Effect:
+    """The effect of all errors up to a time, on q quantities that are read there, in doubles.
+
+    `answers` (cells, q, n) has M X of every cell, what its errors become, with what they undergo as
+    they are made; `carried` (cells, q, n) is the same without that; `slack` (cells,) widens the
+    answers by its product with |carried|. `reading` (q, n) is what is read of an error made now,
+    `whole` (q, n) what is read of one made at the start. `rounding` bounds, in norm, what all of
+    them may be off.
+    """
+
+    reading: Array
+    rounding: float
+    answers: Array
+    carried: Array
+    slack: Array
+    whole: Array
+
 
 WIDEST = 1 / 8
-"""delta: S is at most 1/(1 - 1/8), 14 per cent, larger than what it bounds."""
+"""The largest delta of a cell: S is at most 1/(1 - 1/8), 14 per cent, larger than what it
+bounds.
+"""
 LOST = 1 / 8
-"""Part of S that what is lost by rounding may have; a higher precision loses less."""
+"""The part of S that rounding may have lost at most; a higher precision loses less."""
 HALVINGS = 80
-"""Of a cell; one that is still too wide says that M is not known well enough."""
+"""The most halvings of a cell; one that is still too wide says that M is not known well enough."""
 ROUNDING = 2.0**-46
-"""Part of the product of their norms by which a product of two matrices of at most 32 rows in
-doubles is off, at most.
+"""A bound of the error of a product of two matrices of at most 32 rows in doubles, as a part of the
+product of their norms.
 """
 UPWARDS = 1 + 2.0**-30
-"""What norms in doubles are multiplied by at the end."""
+"""The factor by which norms in doubles are multiplied at the end, so that they are upper bounds."""
 BOUNDLESS = 1e300
-"""An S that is larger is not told apart from this: no double has had a digit left for long."""
+"""The largest S that is told: all larger ones are given as this, for no double has a digit left
+there.
+"""
 
 KNOWN = arb(2) ** -50
-"""Part by which a number of a closed form may be uncertain before it is rounded to a double."""
+"""The part of itself by which a number of a closed form may be uncertain before it is rounded to a
+double.
+"""
 CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
 """Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the
 start is off it.
@@ -76,7 +99,7 @@ start is off it.
 
 
 class UnsharpError(UndecidedError):
-    """How errors grow is not known well enough at this precision."""
+    """The growth of errors is not known well enough at this precision; more bits may help."""
 
     def __init__(self, message: str, *, final: bool = False) -> None:
         super().__init__(message, code="precision", final=final)
@@ -91,15 +114,17 @@ class Grows(Protocol):
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of a motion: M over the times [s] since its begin, and what takes the coordinates of M
-    to the state after its end.
+    """One part of a motion, over which a matrix M of solutions of the variational equation is
+    known.
 
-    `length` is None for a stretch that never ends. `handover` is M at its end, times the jump of an
-    event there. `felt` is what an error undergoes at once, as a slip does that friction stops; None
-    where errors stay what they are. `joins`: nothing happens at the end, where only the way of
-    telling the motion changes. `quickness` bounds the norm of the field's Jacobian on a ball of
-    times, or the logarithmic norms of it and of its negative where errors are felt as they are
-    made; M is then evaluated at points only.
+    `begin` [s] is when it begins, `length` [s] how long it lasts (None: it never ends).
+    `fundamental` is M over the times since the begin. `handover` is M at the end, times the jump
+    matrix of an event there: it takes the coordinates of M to the state after the end. `felt` is a
+    matrix that an error undergoes as soon as it is made, as a slip does that friction stops; None
+    where errors stay what they are. `joins` says that nothing happens at the end, where only the
+    coordinates change. `quickness` bounds the norm of the field's Jacobian on a ball of times, or
+    the logarithmic norms of it and of its negative where errors are felt as they are made; M is
+    then evaluated at points only.
     """
 
     begin: arb
@@ -111,14 +136,14 @@ class Stretch:
     quickness: Callable[[arb], float] | None = None
 
     def is_over_at(self, t: arb) -> bool:
-        """Whether the time t lies after the stretch.
-
-        UndecidedError where t lies within the uncertainty of its end.
+        """True if the time t lies after the stretch; UndecidedError where t lies within the
+        uncertainty of its end.
         """
         if self.length is None:
             return False
         end = self.begin + self.length
         if self.joins:
+            # Both neighbours hold near such an end: either may answer.
             return bool(t.mid() > end.mid())
         if t > end:
             return True
@@ -137,8 +162,8 @@ def smooth(
     joins: bool = False,
     quickness: Callable[[arb], float] | None = None,
 ) -> Stretch:
-    """A stretch of a motion whose M is known at all its times; at its end the state jumps by
-    `jump`, if it does.
+    """A stretch of a motion whose M is known at all its times, its end included; `jump` is the jump
+    matrix of the event at its end, if there is one.
     """
 
     def handover() -> arb_mat:
@@ -152,17 +177,20 @@ def smooth(
 
 
 class Norm:
-    """Norms of matrices: vectors are as large as the largest of their parts, each part is measured
-    by Euclid.
+    """Norms of matrices, for vectors whose norm is the largest Euclidean norm of their parts.
 
-    `parts` has the number of coordinates in each part of the state, `rows` the same of what is read
-    of it. With parts of one number the norm of a matrix is its largest sum of absolute values in a
-    row.
+    `parts` has the number of coordinates in each part of the state; `rows` has the same for the
+    quantities that are read of it (by default those of the state). If every part is one coordinate,
+    the norm of a matrix is its largest sum of absolute values in a row.
     """
 
     def __init__(self, parts: Sequence[int], rows: Sequence[int] | None = None) -> None:
+        if rows is None:
+            row_sizes = parts
+        else:
+            row_sizes = rows
         self.columns = spans(parts)
-        self.rows = spans(parts if rows is None else rows)
+        self.rows = spans(row_sizes)
         self.single = len(self.columns) == sum(parts) and (rows is None or len(rows) == sum(rows))
 
     def read(self, matrices: Array) -> Array:
@@ -174,47 +202,58 @@ class Norm:
         return self.norms(matrices, self.columns)
 
     def norms(self, matrices: Array, rows: Sequence[slice]) -> Array:
-        """Upper bounds of the operator norms."""
+        """Upper bounds of the operator norms of matrices (..., rows, columns).
+
+        With blocks B_ij from part j to part i, |B x|_i <= sum_j |B_ij| |x_j|: the norm is at most
+        the largest sum over j of the spectral norms |B_ij|.
+        """
         if self.single:
             largest: Array = np.abs(matrices).sum(axis=-1).max(axis=-1)
             return largest
-        sums = [
+        row_sums = [
             sum(spectral(matrices[..., row, column]) for column in self.columns) for row in rows
         ]
-        found: Array = np.max(np.array(sums), axis=0)
-        return found
+        bounds: Array = np.max(np.array(row_sums), axis=0)
+        return bounds
 
 
 def spans(parts: Sequence[int]) -> list[slice]:
-    """Where each part lies among the coordinates."""
+    """The slice of coordinates of each part, for parts of these sizes one after another."""
     ends = np.cumsum(parts)
     return [slice(int(end) - size, int(end)) for end, size in zip(ends, parts, strict=True)]
 
 
 def spectral(block: Array) -> Array:
-    """Upper bounds of the largest singular values of blocks (..., rows, columns).
+    """Upper bounds of the largest singular values of blocks B (..., rows, columns).
 
-    The lesser of the geometric mean of the largest sums of a row and of a column, and of |(B^T
-    B)^8|^(1/16) in Frobenius' norm, which is at most the 32nd root of the number of columns too
+    The lesser of two bounds: sqrt(largest row sum times largest column sum) of |B|, and |(B^T
+    B)^8|^(1/16) in the Frobenius norm, which is at most the 32nd root of the number of columns too
     large.
     """
+    # Entries of at most 1 keep the 16th powers from overflowing.
     largest = np.abs(block).max(axis=(-2, -1), keepdims=True)
     unit = block / np.where(largest > 0, largest, 1.0)
-    sizes = np.abs(unit)
-    mean = np.sqrt(sizes.sum(axis=-1).max(axis=-1) * sizes.sum(axis=-2).max(axis=-1))
+    magnitudes = np.abs(unit)
+    row_sum = magnitudes.sum(axis=-1).max(axis=-1)
+    column_sum = magnitudes.sum(axis=-2).max(axis=-1)
+    geometric_mean = np.sqrt(row_sum * column_sum)
+    # (B^T B)^8 by three squarings.
     power = np.swapaxes(unit, -1, -2) @ unit
     for _ in range(3):
         power = power @ power
-    sharper = np.sqrt((power * power).sum(axis=(-2, -1))) ** (1 / 16)
-    found: Array = largest[..., 0, 0] * np.minimum(sharper, mean) * UPWARDS
-    return found
+    frobenius = np.sqrt((power * power).sum(axis=(-2, -1))) ** (1 / 16)
+    bounds: Array = largest[..., 0, 0] * np.minimum(frobenius, geometric_mean) * UPWARDS
+    return bounds
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Times [low, high] since the begin of a stretch, at all of which |M(s) X - 1| <= delta.
+    """An interval of times [low, high] since the begin of a stretch, with one matrix X near M(s)^-1
+    for all s in it.
 
-    `slack` is delta/(1 - delta).
+    |M(s) X - 1| <= delta for all of them. `inverse` is X in doubles, `slack` is delta/(1 - delta),
+    by which |(1 + Delta)^-1| may exceed 1. `fine` is X where it needs more digits than doubles
+    have.
     """
 
     low: Fraction
@@ -225,20 +264,22 @@ class Cell:
 
     @property
     def exact(self) -> arb_mat:
-        """X: the doubles of `inverse`, or, where doubles do not suffice, what they are rounded
-        from.
-        """
+        """X without rounding: the doubles of `inverse`, or `fine` where doubles do not suffice."""
         if self.fine is None:
             return exactly(self.inverse)
         return self.fine
 
 
 class Element:
-    """A stretch with its cells, made as far as they are asked for, always the same ones."""
+    """A stretch with the cells that cover it, which are made as far as they are asked for.
 
-    def __init__(self, stretch: Stretch, size: Norm, step: Fraction) -> None:
+    The same stretch always gets the same cells, whatever was asked for before. `step` is the width
+    [s] that the next cell is tried with, `norm` measures errors.
+    """
+
+    def __init__(self, stretch: Stretch, norm: Norm, step: Fraction) -> None:
         self.stretch = stretch
-        self.size = size
+        self.norm = norm
         self.step = step
         self.cells: list[Cell] = []
         self.origin = self.cell(Fraction(0), Fraction(0))
@@ -248,7 +289,7 @@ class Element:
             self.end = upper(stretch.length)
 
     def cover(self, until: Fraction) -> None:
-        """Makes the cells that cover [0, until]."""
+        """Makes the cells that cover [0, until], or the whole stretch if it ends before."""
         while not self.cells or self.cells[-1].high < until:
             if self.cells:
                 low = self.cells[-1].high
@@ -259,39 +300,40 @@ class Element:
             self.cells.append(self.next_cell(low))
 
     def next_cell(self, low: Fraction) -> Cell:
-        """The widest cell from `low` on that is narrow enough, of about the last one's width."""
+        """The widest cell from `low` on that is narrow enough, of about the last one's width.
+
+        A cell that is too wide is halved; one whose slack is a third of what is allowed lets the
+        next one be twice as wide. UnsharpError after HALVINGS.
+        """
         for _ in range(HALVINGS):
             high = low + self.step
             if self.end is not None:
                 high = min(high, self.end)
             try:
-                found = self.cell(low, high)
+                cell = self.cell(low, high)
             except UnsharpError:
                 self.step /= 2
                 continue
-            if found.slack < WIDEST / 3:
+            if cell.slack < WIDEST / 3:
                 self.step *= 2
-            return found
+            return cell
         raise UnsharpError("how errors grow is not known well enough at this precision")
 
     def cell(self, low: Fraction, high: Fraction) -> Cell:
-        """A cell; UndecidedError if it is too wide."""
+        """The cell [low, high] with X = M(middle)^-1, rounded to doubles; UndecidedError if it is
+        too wide.
+        """
         centre = self.stretch.fundamental(arb_of((low + high) / 2))
-        middle, _ = doubles(centre)
-        try:
-            inverse: Array = np.asarray(np.linalg.inv(middle), dtype=np.float64)
-        except np.linalg.LinAlgError:
-            inverse = np.zeros_like(middle)
-        if not np.isfinite(inverse).all():
-            inverse = np.zeros_like(middle)
+        inverse = inverse_in_doubles(centre)
         exact = exactly(inverse)
-        off = self.off_one(centre, exact)
+        # |M(middle) X - 1|: what the rounding of X alone makes of delta.
+        residual = self.off_one(centre, exact)
         fine = None
-        if not off < WIDEST / 4:
+        if not residual < WIDEST / 4:
             # An M whose columns are nearly alike: its inverse asks for more digits than doubles
             # have.
             exact = fine = fine_inverse(centre)
-            off = self.off_one(centre, exact)
+            residual = self.off_one(centre, exact)
             inverse, _ = doubles(exact)
         times = arb_of(low).union(arb_of(high))
         if self.stretch.quickness is None:
@@ -299,47 +341,70 @@ class Element:
         else:
             # M(middle) M(s)^-1 is at most exp(q |s - middle|) in norm, and, q being the norm
             # itself, 1 to less than that - 1 (Gronwall).
-            moved = expm1(min(1.0, self.stretch.quickness(times) * float(high - low) / 2))
-            delta = (moved + off + moved * off) * UPWARDS
+            exponent = self.stretch.quickness(times) * float(high - low) / 2
+            moved = expm1(min(1.0, exponent))
+            # |(1 + A)(1 + B) - 1| <= |A| + |B| + |A| |B|.
+            delta = (moved + residual + moved * residual) * UPWARDS
         if not delta <= WIDEST:
             raise UnsharpError("a cell that is too wide")
         return Cell(low, high, inverse, delta / (1 - delta), fine)
 
     def until(self, now: Fraction) -> list[Cell]:
-        """The cells that end by a time since the begin, and what of the last one lies before it."""
+        """The cells that cover [0, now]: those that end by `now`, and one of what is left before
+        it.
+        """
         self.cover(now)
-        cells = self.cells[: bisect_right([cell.high for cell in self.cells], now)]
-        if cells:
-            begun = cells[-1].high
+        ends = [cell.high for cell in self.cells]
+        whole_cells = self.cells[: bisect_right(ends, now)]
+        if whole_cells:
+            begun = whole_cells[-1].high
         else:
             begun = Fraction(0)
-        return [*cells, self.cell(begun, max(begun, now))]
+        return [*whole_cells, self.cell(begun, max(begun, now))]
 
-    def from_begin(self) -> arb_mat:
-        """The inverse M(0)^-1 of the first fundamental matrix, in balls."""
+    def inverse_at_begin(self) -> arb_mat:
+        """The inverse M(0)^-1 of the fundamental matrix at the begin of the stretch, in balls."""
         return inverted(self.stretch.fundamental(arb(0)))
 
     def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
-        """The norm |M X - 1|: how far X is from the inverse of M."""
+        """An upper bound of |M X - 1| in the norm: how far X is from the inverse of M."""
         product = matrix * inverse
         count = inverse.nrows()
-        apart = np.array(
+        deviation = np.array(
             [
                 [float((product[i, j] - int(i == j)).abs_upper()) for j in range(count)]
                 for i in range(count)
             ]
         )
-        return float(self.size(apart)) * UPWARDS
+        return float(self.norm(deviation)) * UPWARDS
+
+
+def inverse_in_doubles(matrix: arb_mat) -> Array:
+    """The inverse of the midpoints, as numpy computes it; zeros where it is singular or overflows.
+
+    No proof rests on it: `off_one` measures how far it is from the inverse, and zeros are as far
+    off as can be.
+    """
+    middle, _ = doubles(matrix)
+    try:
+        inverse: Array = np.asarray(np.linalg.inv(middle), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.zeros_like(middle)
+    if not np.isfinite(inverse).all():
+        return np.zeros_like(middle)
+    return inverse
 
 
 @dataclass
 class Front:
-    """All errors made before the begin of an element, there.
+    """The effect of all errors that were made before the begin of an element, seen at that begin.
 
-    `carried` (cells, n, n) has M(begin) X of every cell, `answers` the same with what errors
-    undergo at once; `slack` (cells,) what widens them. `after` (elements, n, n) has the derivative
-    from the end of every element, `weight` (elements,) the error that was made in it times S at its
-    begin. `whole` is the derivative from the start, `largest` is S, of the state itself.
+    `carried` (cells, n, n) has M(begin) X of every cell so far; `answers` is the same for errors as
+    they are felt at once (`Stretch.felt`); `slack` (cells,) widens both. `after` (elements, n, n)
+    has the derivative from the end of every element so far to here, `weight` (elements,) the bound
+    eps_m of what the doubles of that element lost, times S at its begin: the two factors of the
+    theorem on products. `whole` is the derivative from the start of the motion, `largest` is S of
+    the state here, `count` is the number of elements that lie before.
     """
 
     carried: Array
@@ -354,44 +419,48 @@ class Front:
 
 @dataclass(frozen=True)
 class Wide:
-    """The same in balls: M X (q, n cells) of all cells side by side (None: there are none) with
-    their slack, what the state at the start has become, and in doubles what is read of an error
-    made now.
+    """The effect of all errors, in balls.
+
+    `carried` has M X (q, n cells) of all cells side by side (None: there are no cells), `slack`
+    (cells,) widens them. `whole` is the derivative by the state at the start. `reading` (q, n), in
+    doubles, is what is read of an error that is made now.
     """
 
-    own: Array
+    reading: Array
     carried: arb_mat | None
     slack: Array
     whole: arb_mat
 
     @property
     def answers(self) -> arb_mat:
-        """M X of all cells, at least one."""
+        """M X of all cells, of which there must be at least one."""
         assert self.carried is not None
         return self.carried
 
 
 def followed(
-    own: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]
+    reading: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]
 ) -> Wide:
-    """What was carried to the begin of an element, and the errors of its cells, followed by M
-    there.
+    """What was carried to the begin of an element, and the errors of its cells, followed by the
+    `matrix` M at a time in it.
+
+    An error made before the element is multiplied by M M(0)^-1, one made in a cell becomes M X.
     """
-    first = matrix * element.from_begin()
-    parts = [matrix * beside([cell.exact for cell in cells])]
+    since_begin = matrix * element.inverse_at_begin()
+    blocks = [matrix * beside([cell.exact for cell in cells])]
     if front.carried is not None:
-        parts.insert(0, first * front.carried)
+        blocks.insert(0, since_begin * front.carried)
     slack = np.concatenate([front.slack, [cell.slack for cell in cells]])
-    return Wide(own, beside(parts), slack, first * front.whole)
+    return Wide(reading, beside(blocks), slack, since_begin * front.whole)
 
 
 class Growth:
-    """S along a motion that is told stretch by stretch: by products of doubles, and of balls where
-    those lose too much.
+    """S along a motion that is given stretch by stretch.
 
-    `readings(t)` gives the derivative of what is read at t by the state, both in scales; without it
-    the state itself is read.
-    `made` has the numbers of the coordinates in which errors are made: by default all of them.
+    S is found by products of doubles, and by products of balls where rounding loses too much.
+    `readings(t)` gives the derivative of the quantities at t by the state, both in scales; without
+    it the state itself is read. `made` has the numbers of the coordinates in which errors are made:
+    by default all of them. `step` [s] is the width that the first cell is tried with.
     """
 
     def __init__(
@@ -403,7 +472,7 @@ class Growth:
         step: Fraction = Fraction(1, 8),
     ) -> None:
         self.coming: Iterator[Stretch] = iter(stretches)
-        self.size = size
+        self.norm = size
         self.readings = readings
         self.made = made
         self.step = step
@@ -415,42 +484,58 @@ class Growth:
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; UndecidedError where it is not known at this precision."""
         time = arb_of(t)
-        return self.read(time, None if self.readings is None else self.readings(time))
+        if self.readings is None:
+            readings = None
+        else:
+            readings = self.readings(time)
+        return self.read(time, readings)
 
     def read(self, time: arb, readings: arb_mat | None) -> float:
-        """The growth of all errors up to a time, as it is read there."""
-        now, lost, answers, carried, slack, _ = self.errors_at(time, readings)
-        sizes = self.size.read(answers) + self.size.read(carried) * slack
+        """The growth of all errors up to a time, in the quantities that `readings` gives there.
+
+        The growth by a cell is at most |M X| (1 + slack) (theorem on cells), and rounding adds its
+        bound.
+        """
+        effect = self.errors_at(time, readings)
+        by_cell = self.norm.read(effect.answers) + self.norm.read(effect.carried) * effect.slack
         # An error made at the time itself has not grown, but is read.
-        own = self.size.read(now)
-        told = max(float(sizes.max(initial=0.0)), float(own))
-        if lost > LOST * told:
+        at_once = self.norm.read(effect.reading)
+        bound = max(float(by_cell.max(initial=0.0)), float(at_once))
+        if effect.rounding > LOST * bound:
             return self.read_wide(time, readings)
-        return bounded(told + lost)
+        return bounded(bound + effect.rounding)
 
     def read_wide(self, time: arb, readings: arb_mat | None) -> float:
-        """The same by products of balls, which more bits make as sharp as need be."""
-        wide = self.wide_at(time, readings)
-        own = float(self.size.read(wide.own))
-        return bounded(max(own, self.largest(wide.answers, wide.slack)))
+        """The same growth by products of balls, which more bits make as sharp as need be."""
+        effect = self.wide_at(time, readings)
+        at_once = float(self.norm.read(effect.reading))
+        return bounded(max(at_once, self.largest(effect.answers, effect.slack)))
 
     def largest(self, answers: arb_mat, slack: Array) -> float:
-        """The largest growth by M X (q, n cells) of all cells side by side."""
-        middles, radii = split(answers, len(slack))
-        sizes = self.size.read(middles)
-        off = self.size.read(radii)
-        told = float(((sizes + off) * (1 + slack)).max(initial=0.0)) * UPWARDS
-        if not float(off.max(initial=0.0)) <= LOST * told:
-            raise UnsharpError("how errors grow is not known well enough at this precision")
-        return told
+        """The largest growth by M X (q, n cells) of all cells side by side.
 
-    def wide_at(self, time: arb, readings: arb_mat | None) -> "Wide":
-        """All errors up to a time, as they are read there, in balls."""
+        UnsharpError where the radii of the balls make more than the part LOST of it.
+        """
+        middles, radii = split(answers, len(slack))
+        middle_norms = self.norm.read(middles)
+        radius_norms = self.norm.read(radii)
+        by_cell = (middle_norms + radius_norms) * (1 + slack)
+        bound = float(by_cell.max(initial=0.0)) * UPWARDS
+        if not float(radius_norms.max(initial=0.0)) <= LOST * bound:
+            raise UnsharpError("how errors grow is not known well enough at this precision")
+        return bound
+
+    def wide_at(self, time: arb, readings: arb_mat | None) -> Wide:
+        """The effect of all errors up to a time, as they are read there, in balls.
+
+        UnsharpError where errors are made in some coordinates only, or felt at once: what balls
+        carry has no place for that.
+        """
         number = self.number(time)
         element = self.elements[number]
-        if self.made is not None or any(
-            one.stretch.felt is not None for one in self.elements[: number + 1]
-        ):
+        stretches = [one.stretch for one in self.elements[: number + 1]]
+        has_felt_errors = any(stretch.felt is not None for stretch in stretches)
+        if self.made is not None or has_felt_errors:
             raise UnsharpError(
                 "rounding has a larger part in how errors grow than this precision allows"
             )
@@ -458,74 +543,71 @@ class Growth:
         now = element.stretch.fundamental(since)
         count = now.nrows()
         if readings is None:
-            own = np.eye(count)
-        else:
-            own = doubles(readings)[0]
-        if readings is None:
+            reading = np.eye(count)
             matrix = now
         else:
+            reading = doubles(readings)[0]
             matrix = readings * now
         front = self.wide_front_at(number, count)
-        return followed(own, matrix, front, element, element.until(upper(since)))
+        return followed(reading, matrix, front, element, element.until(upper(since)))
 
-    def wide_front_at(self, number: int, count: int) -> "Wide":
-        """All errors made before an element, at its begin, in balls."""
+    def wide_front_at(self, number: int, count: int) -> Wide:
+        """The effect of all errors made before the element of that number, at its begin, in balls.
+
+        `count` is the number of coordinates. Elements are passed one after another; a number before
+        the last one asked for starts anew.
+        """
         if self.wide is None or self.wide_count > number:
-            one = arb_mat(count, count, [int(i == j) for i in range(count) for j in range(count)])
-            self.wide = Wide(np.eye(count), None, np.zeros(0), one)
+            self.wide = Wide(np.eye(count), None, np.zeros(0), unit_matrix(count))
             self.wide_count = 0
         while self.wide_count < number:
             element = self.elements[self.wide_count]
             assert element.end is not None
             element.cover(element.end)
-            self.wide = followed(
-                np.eye(count), element.stretch.handover(), self.wide, element, element.cells
-            )
+            handover = element.stretch.handover()
+            self.wide = followed(np.eye(count), handover, self.wide, element, element.cells)
             self.wide_count += 1
         return self.wide
 
-    def errors_at(self, time: arb, readings: arb_mat | None) -> Errors:
-        """The effect of all errors up to a time, as they are read there.
-
-        The readings (q, n); a bound of what all others may be off, in norm; the answers and carried
-        matrices (cells, q, n), their slack (cells,); and what the state at the start has become (q,
-        n).
-        """
+    def errors_at(self, time: arb, readings: arb_mat | None) -> Effect:
+        """The effect of all errors up to a time, as they are read there, in doubles."""
         number = self.number(time)
         element = self.elements[number]
         front = self.front_at(number)
         since = time - element.stretch.begin
-        now = upper(since)
-        cells = element.until(now)
-        matrix = element.stretch.fundamental(since)
-        read, unread = doubles(matrix if readings is None else readings * matrix)
+        cells = element.until(upper(since))
+        now = element.stretch.fundamental(since)
         if readings is None:
-            own = np.eye(matrix.nrows())
+            reading = np.eye(now.nrows())
+            read_now = now
         else:
-            own = doubles(readings)[0]
+            reading = doubles(readings)[0]
+            read_now = readings * now
+        # The derivative of the readings by the coordinates of M, and what its doubles are off.
+        matrix, inexact = doubles(read_now)
         inverses = np.array([cell.inverse for cell in cells])
-        fresh = read @ inverses
-        first = read @ element.origin.inverse
-        # What the product read @ X of doubles may be off, for X of a cell and for that of the
-        # begin.
-        rows = max(1, read.shape[0])
-        off = unread * rows + ROUNDING * float(self.size.read(read))
-        lost_here = off * float(self.size(inverses).max())
-        lost_before = (
-            off * float(self.size(element.origin.inverse))
-            + float(self.size.read(first)) * element.origin.slack
+        # Errors made in this element become M X, those made before it M M(0)^-1 (what was carried).
+        fresh = matrix @ inverses
+        since_begin = matrix @ element.origin.inverse
+        rows = max(1, matrix.shape[0])
+        # What the product M X of doubles may be off, for an X of norm 1.
+        unit_loss = inexact * rows + ROUNDING * float(self.norm.read(matrix))
+        loss_of_fresh = unit_loss * float(self.norm(inverses).max())
+        # The theorem on products: |P - Q| of this element times S at its begin, and the same of
+        # earlier elements, followed up to now.
+        loss_of_carried = (
+            unit_loss * float(self.norm(element.origin.inverse))
+            + float(self.norm.read(since_begin)) * element.origin.slack
         ) * front.largest
-        lost_on_the_way = float((self.size.read(first @ front.after) * front.weight).sum())
-        answers = np.concatenate([first @ front.answers, self.felt(element, fresh)])
-        carried = np.concatenate([first @ front.carried, fresh])
-        slack = np.concatenate([front.slack, self.slack(element, cells)])
-        return (
-            own,
-            lost_here + lost_before + lost_on_the_way,
-            answers,
-            carried,
-            slack,
-            first @ front.whole,
+        followed_norms = self.norm.read(since_begin @ front.after)
+        loss_on_the_way = float((followed_norms * front.weight).sum())
+        return Effect(
+            reading=reading,
+            rounding=loss_of_fresh + loss_of_carried + loss_on_the_way,
+            answers=np.concatenate([since_begin @ front.answers, self.felt(element, fresh)]),
+            carried=np.concatenate([since_begin @ front.carried, fresh]),
+            slack=np.concatenate([front.slack, self.slack(element, cells)]),
+            whole=since_begin @ front.whole,
         )
 
     def number(self, time: arb) -> int:
@@ -539,7 +621,10 @@ class Growth:
             number += 1
 
     def next_element(self) -> Element:
-        """The element of the next stretch."""
+        """The element of the next stretch, which begins with the width of cell of the last one.
+
+        UnsharpError if the motion has no more stretches.
+        """
         if self.elements:
             last = self.elements[-1]
             assert last.end is not None
@@ -548,75 +633,90 @@ class Growth:
         stretch = next(self.coming, None)
         if stretch is None:
             raise UnsharpError("the motion is not known so far")
-        return Element(stretch, self.size, self.step)
+        return Element(stretch, self.norm, self.step)
 
     def front_at(self, number: int) -> Front:
-        """All errors made before an element, at its begin."""
+        """The effect of all errors made before the element of that number, at its begin."""
         if self.front is None or self.front.count > number:
-            self.front = self.nothing(len(self.elements[0].origin.inverse))
+            self.front = self.no_errors(len(self.elements[0].origin.inverse))
         while self.front.count < number:
             self.front = self.passed(self.front, self.elements[self.front.count])
         return self.front
 
-    def nothing(self, count: int) -> Front:
-        """The state of the computation before any error was made."""
-        none = np.zeros((0, count, count))
-        return Front(none, self.chosen(none), np.zeros(0), none, np.zeros(0), np.eye(count), 1.0)
+    def no_errors(self, count: int) -> Front:
+        """The front at the start of a motion of so many coordinates: no error has been made."""
+        empty = np.zeros((0, count, count))
+        return Front(
+            carried=empty,
+            answers=self.chosen(empty),
+            slack=np.zeros(0),
+            after=empty,
+            weight=np.zeros(0),
+            whole=np.eye(count),
+            largest=1.0,
+        )
 
     def passed(self, front: Front, element: Element) -> Front:
-        """The errors made before an element and in it, after its end."""
+        """The front at the end of an element, from that at its begin.
+
+        With H the handover, an error made before becomes H M(0)^-1 of itself, one made in a cell H
+        X.
+        """
         assert element.end is not None
         element.cover(element.end)
-        hands, unsure = doubles(element.stretch.handover())
+        handover, inexact = doubles(element.stretch.handover())
         inverses = np.array([cell.inverse for cell in element.cells])
-        whole = hands @ element.origin.inverse
-        fresh = hands @ inverses
-        off = unsure * len(hands) + ROUNDING * float(self.size(hands))
-        # |P - Q|: the doubles of the handover, and those of M(0)^-1.
-        wrong = off * float(self.size(element.origin.inverse)) + float(self.size(whole)) * (
-            element.origin.slack + 4 * ROUNDING
-        )
-        weight = wrong * front.largest + off * float(self.size(inverses).max())
+        whole = handover @ element.origin.inverse
+        fresh = handover @ inverses
+        # What the product H X of doubles may be off, for an X of norm 1.
+        unit_loss = inexact * len(handover) + ROUNDING * float(self.norm(handover))
+        # eps_m >= |P - Q|: the doubles of the handover, and those of M(0)^-1.
+        product_loss = unit_loss * float(self.norm(element.origin.inverse)) + float(
+            self.norm(whole)
+        ) * (element.origin.slack + 4 * ROUNDING)
+        weight = product_loss * front.largest + unit_loss * float(self.norm(inverses).max())
         after = np.concatenate([whole @ front.after, np.eye(len(whole))[None]])
         answers = np.concatenate([whole @ front.answers, self.felt(element, fresh)])
         carried = np.concatenate([whole @ front.carried, fresh])
         slack = np.concatenate([front.slack, self.slack(element, element.cells)])
         weights = np.concatenate([front.weight, [weight]])
-        sizes = self.size(answers) + self.size(carried) * slack
-        largest = float(sizes.max()) + float((self.size(after) * weights).sum())
+        by_cell = self.norm(answers) + self.norm(carried) * slack
+        # S at the end: the largest growth by a cell, and all that rounding lost on the way.
+        largest = float(by_cell.max()) + float((self.norm(after) * weights).sum())
         return Front(
-            carried,
-            answers,
-            slack,
-            after,
-            weights,
-            whole @ front.whole,
-            bounded(largest),
-            front.count + 1,
+            carried=carried,
+            answers=answers,
+            slack=slack,
+            after=after,
+            weight=weights,
+            whole=whole @ front.whole,
+            largest=bounded(largest),
+            count=front.count + 1,
         )
 
     def slack(self, element: Element, cells: Sequence[Cell]) -> Array:
-        """What widens the answers of cells: their slack times the norm of what errors undergo at
-        once.
+        """The slack (cells,) of cells, times the norm of what errors undergo at once, if anything.
+
+        M (1 + Delta)^-1 F differs from M F by at most |M| slack |F|, F being `Stretch.felt`.
         """
-        found = np.array([cell.slack for cell in cells])
+        slacks = np.array([cell.slack for cell in cells])
         if element.stretch.felt is None:
-            return found
-        return found * float(self.size(doubles(element.stretch.felt)[0])) * UPWARDS
+            return slacks
+        return slacks * float(self.norm(doubles(element.stretch.felt)[0])) * UPWARDS
 
     def felt(self, element: Element, carried: Array) -> Array:
-        """The same matrices (cells, q, n) for errors as they are made."""
+        """Matrices (cells, q, n) of carried errors, times what errors undergo as they are made."""
         if element.stretch.felt is None:
             return self.chosen(carried)
         return self.chosen(carried @ doubles(element.stretch.felt)[0])
 
     def chosen(self, carried: Array) -> Array:
-        """The same with nothing in the coordinates in which no errors are made."""
+        """The same matrices with zero columns for the coordinates in which no errors are made."""
         if self.made is None:
             return carried
-        found = np.zeros_like(carried)
-        found[..., list(self.made)] = carried[..., list(self.made)]
-        return found
+        chosen = np.zeros_like(carried)
+        chosen[..., list(self.made)] = carried[..., list(self.made)]
+        return chosen
 
 
 class PeriodicGrowth:
@@ -628,17 +728,20 @@ class PeriodicGrowth:
     sigma in an earlier period D(t) D(s)^-1 = D(tau) (1 + n N) A, A being the growth from sigma to
     the end of its period and 0 <= n < k. A norm is convex in n: it is largest for n = 0 or n = k -
     1.
+
+    `first` gives the growth within one period.
     """
 
     def __init__(self, first: Growth, period: arb) -> None:
         self.first = first
         self.period = period
-        self.year: Errors | None = None
-        self.wide_year: Wide | None = None
+        self.over_a_period: Effect | None = None
+        self.wide_over_a_period: Wide | None = None
 
     def at(self, t: Fraction) -> float:
         """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
+        # k and tau of t = tau + k P.
         turns = int(ball_of(time / self.period).mid)
         if turns == 0:
             return self.first.at(t)
@@ -650,51 +753,60 @@ class PeriodicGrowth:
             readings = None
         else:
             readings = self.first.readings(time)
-        found = self.first.read(since, readings)
-        earlier, lost = self.of_earlier(since, readings, turns)
-        if lost > LOST * max(found, earlier):
-            return bounded(max(found, self.of_earlier_wide(since, readings, turns)))
-        return bounded(max(found, earlier + lost))
+        this_period = self.first.read(since, readings)
+        earlier, rounding = self.of_earlier(since, readings, turns)
+        if rounding > LOST * max(this_period, earlier):
+            return bounded(max(this_period, self.of_earlier_wide(since, readings, turns)))
+        return bounded(max(this_period, earlier + rounding))
 
     def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
-        """The growth of errors made in earlier periods by products of doubles, and what those have
-        lost at most.
+        """The growth of errors made in earlier periods by products of doubles, and a bound of what
+        rounding may have lost of it.
         """
         growth = self.first
-        size = self.first.size
-        if self.year is None:
-            self.year = growth.errors_at(self.period, None)
-        _, lost, answers, carried, slack, whole = self.year
-        _, lost_now, _, _, _, now = growth.errors_at(since, readings)
-        largest = bounded(float((size(answers) + size(carried) * slack).max()) + lost)
-        drift = whole - np.eye(len(whole))
-        found = 0.0
-        most = 0.0
+        norm = growth.norm
+        if self.over_a_period is None:
+            self.over_a_period = growth.errors_at(self.period, None)
+        period = self.over_a_period
+        now = growth.errors_at(since, readings)
+        # S at the end of the first period.
+        by_cell = norm(period.answers) + norm(period.carried) * period.slack
+        largest = bounded(float(by_cell.max()) + period.rounding)
+        one = np.eye(len(period.whole))
+        drift = period.whole - one
+        growth_bound = 0.0
+        rounding_bound = 0.0
         for n in {0, turns - 1}:
-            later = now @ (np.eye(len(whole)) + n * drift)
-            sizes = size.read(later @ answers) + size.read(later @ carried) * slack
+            # D(tau) (1 + n N).
+            later = now.whole @ (one + n * drift)
+            sizes = norm.read(later @ period.answers)
+            sizes = sizes + norm.read(later @ period.carried) * period.slack
             # What D(tau) (1 + n N) may be off, times S; and what the growth up to the end of the
             # period may be off.
-            wrong = lost_now * (1 + n * float(size(drift))) + float(size.read(now)) * n * lost
-            wrong += ROUNDING * float(size.read(now)) * (1 + n * float(size(drift)))
-            found = max(found, float(sizes.max()))
-            most = max(most, wrong * largest + float(size.read(later)) * lost)
-        return found, most
+            drift_norm = 1 + n * float(norm(drift))
+            now_norm = float(norm.read(now.whole))
+            inexact = now.rounding * drift_norm + now_norm * n * period.rounding
+            inexact += ROUNDING * now_norm * drift_norm
+            lost = inexact * largest + float(norm.read(later)) * period.rounding
+            growth_bound = max(growth_bound, float(sizes.max()))
+            rounding_bound = max(rounding_bound, lost)
+        return growth_bound, rounding_bound
 
     def of_earlier_wide(self, since: arb, readings: arb_mat | None, turns: int) -> float:
-        """The same by products of balls."""
+        """The growth of errors made in earlier periods by products of balls."""
         growth = self.first
-        if self.wide_year is None:
-            self.wide_year = growth.wide_at(self.period, None)
-        year = self.wide_year
+        if self.wide_over_a_period is None:
+            self.wide_over_a_period = growth.wide_at(self.period, None)
+        period = self.wide_over_a_period
         now = growth.wide_at(since, readings).whole
-        count = year.whole.nrows()
-        one = arb_mat(count, count, [int(i == j) for i in range(count) for j in range(count)])
-        drift = year.whole - one
-        return max(
-            growth.largest(now * (one + n * drift) * year.answers, year.slack)
-            for n in {0, turns - 1}
-        )
+        one = unit_matrix(period.whole.nrows())
+        drift = period.whole - one
+        bounds = []
+        for n in {0, turns - 1}:
+            # D(tau) (1 + n N) A.
+            answers = now * (one + n * drift) * period.answers
+            bounds.append(growth.largest(answers, period.slack))
+        return max(bounds)
 
 
 class SteadyGrowth:
@@ -703,21 +815,22 @@ class SteadyGrowth:
 
     `propagator` gives exp(J tau). S(t) is its largest norm up to t. Once it has a norm of at most 1
     at some `repeat` > 0 nothing later exceeds what was there before it: |exp(J (repeat + tau))| <=
-    |exp(J tau)|.
+    |exp(J tau)|. `step` [s] is the width that the first cell of elapsed times is tried with.
     """
 
     def __init__(
         self, propagator: Fundamental, size: Norm, step: Fraction, repeat: arb | None = None
     ) -> None:
         self.propagator = propagator
-        self.size = size
+        self.measure = size
         self.step = step
         self.repeat = repeat
+        # The upper end of each cell of elapsed times, and the largest norm in it.
         self.highs: list[Fraction] = [Fraction(0)]
         self.norms: list[float] = [1.0]
 
     def at(self, t: Fraction) -> float:
-        """The bound S(t) >= 1 on the growth of an error."""
+        """The bound S(t) >= 1 on the growth of an error: the largest norm of the cells up to t."""
         if self.repeat is not None:
             t = min(t, upper(self.repeat))
         while self.highs[-1] < t:
@@ -737,30 +850,32 @@ class SteadyGrowth:
         low = self.highs[-1]
         for _ in range(HALVINGS):
             high = low + self.step
-            found = self.norm(arb_of(low).union(arb_of(high)))
+            bound = self.norm(arb_of(low).union(arb_of(high)))
             middle = self.norm(arb_of((low + high) / 2))
-            if found <= (1 + WIDEST) * max(1.0, middle):
+            if bound <= (1 + WIDEST) * max(1.0, middle):
                 self.highs.append(high)
-                self.norms.append(found)
-                if found <= (1 + WIDEST / 3) * max(1.0, middle):
+                self.norms.append(bound)
+                # Sharp by a third of what is allowed: the next cell may be twice as wide.
+                if bound <= (1 + WIDEST / 3) * max(1.0, middle):
                     self.step *= 2
                 return
             self.step /= 2
         raise UnsharpError("how errors grow is not known well enough at this precision")
 
     def norm(self, elapsed: arb) -> float:
-        """The largest norm on a ball of times elapsed."""
+        """The largest norm of exp(J tau) for tau in a ball of times elapsed [s]; infinite where the
+        propagator is not finite.
+        """
         table = self.propagator(elapsed).table()
         if not all(entry.is_finite() for row in table for entry in row):
             return inf
-        return float(
-            self.size.read(np.array([[float(entry.abs_upper()) for entry in row] for row in table]))
-        )
+        magnitudes = np.array([[float(entry.abs_upper()) for entry in row] for row in table])
+        return float(self.measure.read(magnitudes))
 
 
 @dataclass(frozen=True)
 class Told:
-    """S by a formula: a ball that holds the supremum, or what is not below it."""
+    """S by a formula of the time: a ball that holds the supremum, or a bound of it."""
 
     formula: Callable[[arb], arb]
 
@@ -771,7 +886,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Retimed:
-    """S of a motion that is told in a clock of its own, with this unit [s]."""
+    """S of a motion whose `first` growth counts time in units of `unit` [s]."""
 
     first: Grows
     unit: Fraction
@@ -783,7 +898,9 @@ class Retimed:
 
 @dataclass(frozen=True)
 class Times:
-    """S of a motion whose errors are larger by a factor than those of another."""
+    """S of a motion whose errors are larger by a `factor` than those of another, whose S is
+    `first`.
+    """
 
     first: Grows
     factor: arb
@@ -794,12 +911,15 @@ class Times:
 
 
 def narrow(rate: arb) -> Fraction:
-    """A power of two [s] to begin with as the width of a cell, well below 1/rate, for a rate [1/s]
-    at which errors change.
+    """The width [s] to begin with for a cell: a power of two between 1/32 and 1/16 of 1/rate.
+
+    `rate` [1/s] is that at which errors change; without any the width is 1/8 s.
     """
-    size = float(rate.abs_upper())
-    if size > 0:
-        return Fraction(2) ** (-4 - frexp(size)[1])
+    fastest = float(rate.abs_upper())
+    if fastest > 0:
+        # fastest = m 2^e with 1/2 <= m < 1.
+        exponent = frexp(fastest)[1]
+        return Fraction(2) ** (-4 - exponent)
     return Fraction(1, 8)
 
 
@@ -807,31 +927,34 @@ def most(values: Iterable[arb]) -> float:
     """The largest that any of the balls may be; infinite where one is not finite: Python's max
     passes nan over.
     """
-    found = 0.0
+    largest = 0.0
     for value in values:
         if not value.is_finite():
             return inf
-        found = max(found, float(value.upper()))
-    return found
+        largest = max(largest, float(value.upper()))
+    return largest
 
 
 def doubles(matrix: arb_mat) -> tuple[Array, float]:
-    """The midpoints as doubles, and the largest that an entry may be off, rounded up.
+    """The midpoints of a matrix of balls as doubles, and a bound of its largest error in norm.
 
-    UndecidedError if an entry is not finite.
+    The bound is the number of columns times the most that an entry may be off: its radius, and
+    2^-52 of its midpoint, which is cut off to a double. UndecidedError if an entry is not finite.
     """
     table = matrix.table()
-    found = np.array([[float(entry.mid()) for entry in row] for row in table])
-    off = max((float(entry.rad()) for row in table for entry in row), default=0.0)
-    if not (np.isfinite(found).all() and isfinite(off)):
+    middles = np.array([[float(entry.mid()) for entry in row] for row in table])
+    radius = max((float(entry.rad()) for row in table for entry in row), default=0.0)
+    if not (np.isfinite(middles).all() and isfinite(radius)):
         raise UnsharpError("how errors grow is not known at this precision")
-    return found, (off + 2.0**-52 * float(np.abs(found).max(initial=0.0))) * max(1, found.shape[1])
+    columns = max(1, middles.shape[1])
+    cut_off = 2.0**-52 * float(np.abs(middles).max(initial=0.0))
+    return middles, (radius + cut_off) * columns
 
 
 def known(value: arb, size: float = 0.0) -> float:
-    """The double of a ball that is known to KNOWN of itself, or of `size`.
+    """The double of a ball whose radius is at most KNOWN of its midpoint, or of `size`.
 
-    UnsharpError if it is not.
+    UnsharpError if it is larger.
     """
     middle = value.mid()
     if not (value.is_finite() and value.rad() <= KNOWN * arb.max(abs(middle), arb(size))):
@@ -840,25 +963,29 @@ def known(value: arb, size: float = 0.0) -> float:
 
 
 def rounded(values: Sequence[arb]) -> tuple[Array, float]:
-    """Midpoints as doubles, and the largest radius; UnsharpError if one is not finite."""
+    """The midpoints of balls as doubles, and their largest radius; UnsharpError if one is not
+    finite.
+    """
     if not all(value.is_finite() for value in values):
         raise UnsharpError("the motion is not known at this precision")
-    radii = max(float(value.rad()) for value in values)
-    return np.array([float(value.mid()) for value in values]), radii
+    largest_radius = max(float(value.rad()) for value in values)
+    return np.array([float(value.mid()) for value in values]), largest_radius
 
 
 def beside(matrices: Sequence[arb_mat]) -> arb_mat:
-    """Matrices of the same number of rows side by side."""
+    """One matrix of matrices of the same number of rows, side by side."""
     tables = [matrix.table() for matrix in matrices]
-    return arb_mat(
-        [[entry for table in tables for entry in table[i]] for i in range(len(tables[0]))]
-    )
+    rows = []
+    for i in range(len(tables[0])):
+        rows.append([entry for table in tables for entry in table[i]])
+    return arb_mat(rows)
 
 
 def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
-    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each.
+    """Midpoints and radii (count, rows, columns) of so many matrices that stand side by side: the
+    reverse of `beside`.
 
-    UnsharpError if not finite.
+    UnsharpError if one is not finite.
     """
     table = matrix.table()
     middles = np.array([[float(entry.mid()) for entry in row] for row in table])
@@ -869,8 +996,13 @@ def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
     return middles.reshape(shape).swapaxes(0, 1), radii.reshape(shape).swapaxes(0, 1)
 
 
+def unit_matrix(size: int) -> arb_mat:
+    """The exact unit matrix (size, size)."""
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+
+
 def inverted(matrix: arb_mat) -> arb_mat:
-    """The inverse in balls; UnsharpError where they hold a matrix that has none."""
+    """The inverse of a matrix in balls; UnsharpError where they hold one that has none."""
     try:
         return matrix.inv()
     except ZeroDivisionError:
@@ -878,17 +1010,17 @@ def inverted(matrix: arb_mat) -> arb_mat:
 
 
 def fine_inverse(matrix: arb_mat) -> arb_mat:
-    """An exact matrix near the inverse."""
+    """An exact matrix near the inverse, to the working precision: the midpoints of its balls."""
     return inverted(matrix).mid()
 
 
 def exactly(matrix: Array) -> arb_mat:
-    """The same matrix of doubles."""
+    """A matrix of doubles as exact balls."""
     return arb_mat(len(matrix), matrix.shape[1], [float(x) for x in matrix.flatten()])
 
 
 def bounded(value: float) -> float:
-    """An S rounded up: at least 1, and BOUNDLESS where it is no longer told."""
+    """An S rounded up: at least 1, and BOUNDLESS where it is larger than doubles can tell."""
     if not value < BOUNDLESS:
         return BOUNDLESS
     if value > 1.0:
@@ -897,6 +1029,6 @@ def bounded(value: float) -> float:
 
 
 def upper(value: arb) -> Fraction:
-    """A rational that the ball does not exceed."""
+    """The exact upper end of a ball; ValueError if it is not finite."""
     ball = ball_of(value)
     return ball.mid + ball.radius

@@ -37,8 +37,10 @@ Vector = Sequence[Any]
 
 
 class SpatialPhases(LinearContact):
-    """State: r, v, o1, o2, the spring s or its direction e (three zeros without a spring are left
-    out), clock; apart r - v clock, v.
+    """The phases of a pair whose friction turns out of a plane, in Cartesian vectors of three.
+
+    State: r, v, o1, o2, the spring's stretch s (its direction e while it slips; left out without a
+    spring), clock. Apart, r is replaced by r - v clock.
     """
 
     def __init__(self, pair: TouchingPair) -> None:
@@ -47,32 +49,31 @@ class SpatialPhases(LinearContact):
 
     @property
     def size(self) -> int:
-        """The number of components of the state."""
+        """The number of components of the state: five vectors and the clock, or four without a
+        spring.
+        """
         if self.kt:
             return 16
         return 13
 
     def start(self) -> list[Callable[[], arb]]:
-        """The state of the contact at touch."""
+        """The state at touch: r = (-1/eps, 0, 0), v = v0 (cos(angle), sin(angle), 0), o_i = R_i
+        omega_i/V, an unstretched spring, clock 0.
+        """
         pair = self.spheres
-        nothing = partial(arb_of, 0)
+        zero = partial(arb_of, 0)
 
-        def part(wave: Callable[[arb], arb]) -> Callable[[], arb]:
+        def component(wave: Callable[[arb], arb]) -> Callable[[], arb]:
             return lambda: arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
 
         spins = [
             partial(arb_of, pair.radii[k // 3] * spin / self.speed)
             for k, spin in enumerate(pair.spins)
         ]
-        place = [partial(arb_of, -1 / self.eps), nothing, nothing]
-        return [
-            *place,
-            part(arb.cos),
-            part(arb.sin),
-            nothing,
-            *spins,
-            *[nothing] * (self.size - 12),
-        ]
+        position: list[Callable[[], arb]] = [partial(arb_of, -1 / self.eps), zero, zero]
+        velocity: list[Callable[[], arb]] = [component(arb.cos), component(arb.sin), zero]
+        spring_and_clock: list[Callable[[], arb]] = [zero] * (self.size - 12)
+        return [*position, *velocity, *spins, *spring_and_clock]
 
     def distance(self, y: State) -> Any:
         """The distance |r| of the centres."""
@@ -97,137 +98,139 @@ class SpatialPhases(LinearContact):
         return -self.force(y) - (dot(y[3:6], y[3:6]) - closing * closing) / self.distance(y)
 
     def turning(self, y: State) -> Vector:
-        """The rate n' (3) at which the normal turns."""
+        """The rate n' = (u n - v)/|r| (3) at which the normal turns."""
         distance = self.distance(y)
         closing = self.closing(y)
         return [(n * closing - v) / distance for n, v in zip(self.normal(y), y[3:6], strict=True)]
 
     def slip(self, y: State) -> Vector:
-        """Velocity of surface 1 against surface 2."""
+        """The velocity (3) of surface 1 against surface 2: v - u n + (l_1 o_1 + l_2 o_2) x n."""
         normal = self.normal(y)
         closing = self.closing(y)
-        (first, second) = self.levers(y)
-        carried = cross(
-            [first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)], normal
-        )
-        return [v - n * closing + w for v, n, w in zip(y[3:6], normal, carried, strict=True)]
+        first, second = self.levers(y)
+        surface_spin = [first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)]
+        by_spin = cross(surface_spin, normal)
+        return [v - n * closing + w for v, n, w in zip(y[3:6], normal, by_spin, strict=True)]
 
     def lag(self, y: State, side: int = 1) -> Any:
-        """The rate at which the force of a spring that slips would exceed its limit."""
+        """The rate Kt slip.e - mu F' at which the force of a spring that slips would exceed its
+        limit.
+        """
         return dot(self.slip(y), y[12:15]) * (self.kt * side) - self.steepening(y) * self.friction
 
     def field(
         self, friction: Callable[[State], Any] | None, *, stretches: bool = False
     ) -> Callable[[State], list[Any]]:
-        """The rates under a friction (a vector).
+        """The rates of the state under a friction f(y) (3), or without any.
 
-        `stretches`: the spring follows the slip, else its direction does.
+        With `stretches` y[12:15] is the spring's stretch, which follows the slip; else its
+        direction, at the limit.
         """
 
         def rates(y: State) -> list[Any]:
             normal = self.normal(y)
             force = self.force(y)
             if friction:
-                rub: Vector = friction(y)
+                tangential: Vector = friction(y)
             else:
-                rub = [0, 0, 0]
-            twist = cross(normal, rub)
-            spun = [
+                tangential = [0, 0, 0]
+            # v' = -F n + f, and o_i' = l_i mu_i n x f.
+            acceleration = [f - n * force for f, n in zip(tangential, normal, strict=True)]
+            torque = cross(normal, tangential)
+            spin_rates = [
                 lever * ease * x
                 for lever, ease in zip(self.levers(y), self.ease, strict=True)
-                for x in twist
+                for x in torque
             ]
-            spring = [0] * (self.size - 13)
+            spring_rates = [0] * (self.size - 13)
             if friction and self.kt:
                 if stretches:
-                    spring = self.stretching(y)
+                    spring_rates = self.stretching(y)
                 else:
-                    spring = self.leaning(y)
-            return [
-                *y[3:6],
-                *(f - n * force for f, n in zip(rub, normal, strict=True)),
-                *spun,
-                *spring,
-                1,
-            ]
+                    spring_rates = self.direction_rate(y)
+            clock_rate = 1
+            return [*y[3:6], *acceleration, *spin_rates, *spring_rates, clock_rate]
 
         return rates
 
     def stretching(self, y: State) -> list[Any]:
-        """The rate s' (3) at which the tangential spring stretches."""
-        back = dot(y[12:15], self.turning(y))
-        return [w - n * back for w, n in zip(self.slip(y), self.normal(y), strict=True)]
+        """The rate s' = slip - (s.n') n (3) at which the tangential spring stretches."""
+        along_normal = dot(y[12:15], self.turning(y))
+        return [w - n * along_normal for w, n in zip(self.slip(y), self.normal(y), strict=True)]
 
-    def leaning(self, y: State) -> list[Any]:
-        """The rate e' (3) of the direction of the spring at its limit."""
+    def direction_rate(self, y: State) -> list[Any]:
+        """The rate e' = Kt/(mu F) (slip - (slip.e) e) - (e.n') n (3) of the direction of the spring
+        at its limit.
+        """
         slip = self.slip(y)
         e = y[12:15]
-        along = dot(slip, e)
-        back = dot(e, self.turning(y))
-        quick = self.kt / self.friction / self.force(y)
+        slip_along_e = dot(slip, e)
+        along_normal = dot(e, self.turning(y))
+        rate = self.kt / self.friction / self.force(y)
         return [
-            (w - x * along) * quick - n * back
+            (w - x * slip_along_e) * rate - n * along_normal
             for w, x, n in zip(slip, e, self.normal(y), strict=True)
         ]
 
     def modes(self) -> dict[str, Mode]:
-        """Every mode that this pair can be in."""
-        idle = [0] * (self.size - 1)
-        found = {
+        """Every mode that this pair can be in, by name."""
+        at_rest = [0] * (self.size - 1)
+        modes = {
             "press": Mode(self.field(None), (self.released(),)),
-            "apart": Mode(lambda y: [*idle, 1], leaves=lambda y: None),
+            "apart": Mode(lambda y: [*at_rest, 1], leaves=lambda y: None),
         }
         if self.pair.damping and self.pair.ends_with_overlap:
-            again = Guard(
+            # The dashpot pulls until the overlap ends, unless the force comes back before.
+            released = Guard("release", self.overlap, lambda y: self.parting())
+            pressed = Guard(
                 "press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True)
             )
-            found["pull"] = Mode(
-                self.field(None), (Guard("release", self.overlap, lambda y: self.parting()), again)
-            )
-        if not self.kt:
-            fades = Guard(
-                "fade", self.left, lambda y: self.fading("the slip falls out of any plane")
-            )
-            return found | {
-                "slip": Mode(self.field(self.sliding_friction), (self.released(), fades))
-            }
+            modes["pull"] = Mode(self.field(None), (released, pressed))
+        if self.kt:
+            return modes | self.modes_with_spring()
+        fades = Guard(
+            "fade", self.margin_of_slip, lambda y: self.fading("the slip falls out of any plane")
+        )
+        modes["slip"] = Mode(self.field(self.sliding_friction), (self.released(), fades))
+        return modes
+
+    def modes_with_spring(self) -> dict[str, Mode]:
+        """The modes of a tangential spring: slipping with it at its limit, and sticking."""
         fades = Guard(
             "fade",
             lambda y: self.force(y) - FAINT,
             lambda y: self.fading("a clipped spring turns as the force fades"),
         )
-        back = Guard("stick", self.lag, lambda y: Entry("stick", self.clipped, {"slip": 2}))
-        loose = Guard("slip", self.spared, lambda y: Entry("slip", pointed))
-        return found | {
-            "slip": Mode(self.field(lambda y: self.limit(y, y[12:15])), (back, fades)),
-            "stick": Mode(
-                self.field(lambda y: [s * -self.kt for s in y[12:15]], stretches=True), (loose,)
-            ),
-        }
+        sticks = Guard("stick", self.lag, lambda y: Entry("stick", self.clipped, {"slip": 2}))
+        slips = Guard("slip", self.spared, lambda y: Entry("slip", pointed))
+        # Friction is -mu F e at the limit, -Kt s below it.
+        slipping = self.field(lambda y: self.limit(y, y[12:15]))
+        sticking = self.field(lambda y: [s * -self.kt for s in y[12:15]], stretches=True)
+        return {"slip": Mode(slipping, (sticks, fades)), "stick": Mode(sticking, (slips,))}
 
-    def left(self, y: State) -> Any:
-        """What there is of the slip before it is faint."""
+    def margin_of_slip(self, y: State) -> Any:
+        """slip^2 - FAINT^2: what there is of the slip before it is faint."""
         slip = self.slip(y)
         return dot(slip, slip) - FAINT * FAINT
 
-    def limit(self, y: State, towards: Vector) -> list[Any]:
-        """Friction at its limit against a unit vector."""
+    def limit(self, y: State, direction: Vector) -> list[Any]:
+        """Friction -mu F e (3) at its limit, against a unit vector e."""
         most = self.force(y) * -self.friction
-        return [x * most for x in towards]
+        return [x * most for x in direction]
 
     def sliding_friction(self, y: State) -> list[Any]:
-        """The friction force (3), opposite to the slip."""
+        """The friction force -mu F slip/|slip| (3)."""
         slip = self.slip(y)
         speed = dot(slip, slip).sqrt()
         return self.limit(y, [x / speed for x in slip])
 
     def spared(self, y: State) -> Any:
-        """The margin (mu F)^2 - (Kt s)^2 to Coulomb's limit."""
+        """The margin (mu F)^2 - (Kt |s|)^2 of the spring's force to Coulomb's limit."""
         most = self.force(y) * self.friction
         return most * most - dot(y[12:15], y[12:15]) * (self.kt * self.kt)
 
     def clipped(self, y: State) -> list[Any]:
-        """The spring whose direction is known, at its limit."""
+        """The state with the stretch s = mu F/Kt e in place of the direction e of the spring."""
         most = self.force(y) * (self.friction / self.kt)
         return [*y[:12], *(x * most for x in y[12:15]), y[15]]
 
@@ -249,51 +252,67 @@ class SpatialPhases(LinearContact):
         return self.pressing(y, rising=not self.c)
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
-        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's
-        does.
+        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's does.
+
+        Raises SwitchError where the motion begins at a point that is not analytic, or near one.
+        `side` is that of a motion in a plane; here the slip has a direction.
         """
-        speed = ball(lambda y: dot(self.slip(y), self.slip(y)), y)
+        slip_squared = ball(lambda y: dot(self.slip(y), self.slip(y)), y)
         if self.kt:
-            steep = ball(lambda y: self.steepening(y) * self.friction, y)
-            if (
-                rising
-                and sign(
-                    speed * arb_of(self.kt) ** 2 - steep * steep,
-                    "k_t |slip| - friction dF/dt at touch",
-                )
-                > 0
-            ):
-                self.begins_singular("a clipped spring turns as the force begins")
-            return Entry("stick", self.unstretched, {"slip": 2} if rising else {})
-        if speed == 0:
+            return self.pressing_on_spring(y, slip_squared, rising=rising)
+        if slip_squared == 0:
             self.begins_singular("the slip begins from zero out of any plane")
-        if not speed > arb_of(FAINT * FAINT):
+        if not slip_squared > arb_of(FAINT * FAINT):
             self.fading("the slip begins out of any plane, and is small")
-        return Entry("slip", None, {self.released().name: 1} if rising else {})
+        # The guard of the force vanishes at an entry where the force rises from zero.
+        if rising:
+            touching = {self.released().name: 1}
+        else:
+            touching = {}
+        return Entry("slip", None, touching)
+
+    def pressing_on_spring(self, y: State, slip_squared: arb, *, rising: bool) -> Entry:
+        """The entry of `pressing` with a tangential spring, which sticks at first.
+
+        It would slip at once, at a singular point, where the limit mu F rises from zero more slowly
+        than the spring's force: Kt |slip| > mu F'.
+        """
+        if not rising:
+            return Entry("stick", self.unstretched)
+        limit_rate = ball(lambda y: self.steepening(y) * self.friction, y)
+        margin = slip_squared * arb_of(self.kt) ** 2 - limit_rate * limit_rate
+        if sign(margin, "k_t |slip| - friction dF/dt at touch") > 0:
+            self.begins_singular("a clipped spring turns as the force begins")
+        return Entry("stick", self.unstretched, {"slip": 2})
 
     @staticmethod
     def unstretched(y: State) -> list[Any]:
-        """The spring where the contact begins."""
+        """The state with an unstretched spring, s = 0, where the contact begins."""
         return [*y[:12], 0, 0, 0, y[15]]
 
     def parting(self) -> Entry:
-        """The entry into free flight at the end of contact."""
-        return Entry(
-            "apart",
-            lambda y: [*(x - v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]],
-        )
+        """The entry into free flight, whose state has r - v clock in place of r."""
+
+        def at_clock_zero(y: State) -> list[Any]:
+            clock = y[-1]
+            position = [x - v * clock for x, v in zip(y[:3], y[3:6], strict=True)]
+            return [*position, *y[3:]]
+
+        return Entry("apart", at_clock_zero)
 
     def place(self, mode: str, y: State) -> list[Any]:
-        """r, v, o1, o2, the spring, clock in any mode."""
+        """r, v, o1, o2, the spring and the clock of a state in the given mode."""
         if mode == "apart":
-            return [*(x + v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]]
+            clock = y[-1]
+            position = [x + v * clock for x, v in zip(y[:3], y[3:6], strict=True)]
+            return [*position, *y[3:]]
         return list(y)
 
 
 def pointed(y: State) -> list[Any]:
-    """The direction of a spring in its place."""
-    size = dot(y[12:15], y[12:15]).sqrt()
-    return [*y[:12], *(x / size for x in y[12:15]), y[15]]
+    """The state with the direction e = s/|s| in place of the stretch s of the spring."""
+    length = dot(y[12:15], y[12:15]).sqrt()
+    return [*y[:12], *(x / length for x in y[12:15]), y[15]]
 
 
 def dot(a: Vector, b: Vector) -> Any:

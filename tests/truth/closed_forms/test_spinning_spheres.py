@@ -132,7 +132,7 @@ FAULTS = {
     "a dashpot that is forgotten": ("force", lambda s, y: s.overlap(y) * s.k),
     "a spring that does not turn with the normal": ("turning", lambda s, y: [y[0] * 0] * 3),
     "a clipped spring that keeps its slip along": (
-        "leaning",
+        "direction_rate",
         lambda s, y: [w * (s.kt / s.friction / s.force(y)) for w in s.slip(y)],
     ),
 }
