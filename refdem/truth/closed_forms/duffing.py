@@ -1,11 +1,21 @@
 """Duffing's oscillator x'' + alpha x + beta x^3 = 0 from rest at A, by Jacobi's functions for every
 sign that keeps it bounded.
 
-With c = alpha + beta A^2 (-c A is the acceleration at the start) and h = alpha + beta A^2/2 (DLMF
-22.13.4-6; v^2 = (A^2 - x^2) (alpha + beta (A^2 + x^2)/2)):  beta > 0, h > 0: A cn(sqrt(c) t), m =
-beta A^2/(2 c);  h = 0: A sech(sqrt(-alpha) t);  h < 0 < c: A dn(sqrt(beta/2) A t), m = 2 c/(beta
-A^2);  c < 0, the nearer turning point of a well: A nd(sqrt(beta/2) B t), B^2 = -2 alpha/beta - A^2,
-m = -2 c/(beta B^2);  beta < 0 < c: A cd(sqrt(h) t), m = -beta A^2/(2 h);  c = 0: it stays.
+Energy gives v^2 = (A^2 - x^2) (alpha + beta (A^2 + x^2)/2). With c = alpha + beta A^2 (-c A is the
+acceleration at the start), h = alpha + beta A^2/2 and m1 = 1 - m, it follows (DLMF 22.13.4-6):
+
+    beta > 0, h > 0        x = A cn(sqrt(c) t | m),           m = beta A^2/(2 c)
+    beta > 0, h = 0        x = A sech(sqrt(-alpha) t)         the separatrix
+    beta > 0, h < 0 < c    x = A dn(sqrt(beta/2) A t | m),    m = 2 c/(beta A^2)
+    beta > 0, c < 0        x = A nd(sqrt(beta/2) B t | m),    m = -2 c/(beta B^2)
+    beta < 0 < c           x = A cd(sqrt(h) t | m),           m = -beta A^2/(2 h)
+    c = 0                  x = A                              an equilibrium
+
+In a well (h < 0) A is the farther turning point for c > 0 and the nearer one for c < 0, with B^2 =
+-2 alpha/beta - A^2 the square of the other one.
+
+Motions from neighbouring starts: every elliptic line above is x = A S(r t | m) with r and m
+functions of A; `m_slope` = dm/dA and `log_rate_slope` = d ln r/dA.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -30,20 +40,16 @@ from refdem.truth.smooth_flow import growth_along, growth_of_an_equation
 from refdem.truth.validated_flow import ValidatedFlow
 
 Shape = Callable[[arb], tuple[arb, arb]]
-"""x/A and its derivative at the phase u."""
+"""S(u) = x/A and S'(u) at the phase u = r t."""
 Change = tuple[arb, arb]
-"""How a shape changes by m, and its derivative by u, both but for kappa times their own derivatives
-(Jacobi.kappa).
-"""
+"""C(u) and C'(u), where dS/dm at fixed u is C + kappa S' (`Jacobi.kappa`)."""
 Elliptic = Callable[[Jacobi, arb], tuple[tuple[arb, arb], Change]]
-"""A shape with its derivative, and its change."""
+"""(S, S') and (C, C') of one of Jacobi's functions at u."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """Motions from rest beside one: x = A shape(rate t | m), with derivatives of m and of ln rate
-    by A.
-    """
+    """The family of motions x = A S(r t | m) from rest at neighbouring A: dm/dA and d ln r/dA."""
 
     jacobi: Jacobi
     shape: Elliptic
@@ -53,9 +59,7 @@ class Family:
 
 @dataclass(frozen=True)
 class DuffingMotion:
-    """x = A shape(rate t); a period [s], if there is one; those beside it, where they are
-    elliptic.
-    """
+    """x = A shape(rate t), with rate in rad/s; its period [s] and its family, None without one."""
 
     shape: Shape
     rate: arb
@@ -86,72 +90,117 @@ class Duffing(FromRest, ClosedForm):
 
     @per_precision
     def motion(self) -> DuffingMotion:
-        """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to
-        infinity.
+        """The motion, by the line of the table above that holds, decided in exact rationals.
+
+        Raises NotCertifiedError where the motion goes to infinity in a finite time.
         """
-        square = self.beta * self.amplitude**2
-        c = self.alpha + square
-        h = self.alpha + square / 2
-        # Half the derivative of beta A^2 by A.
-        pull = self.beta * self.amplitude
-        if c == 0:
-            return DuffingMotion(lambda u: (arb(1), arb(0)), arb(0), None)
-        if self.beta == 0 and self.alpha > 0:
-            rate = arb_of(self.alpha).sqrt()
-            return DuffingMotion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
-        if self.beta > 0 and h > 0:
-            m_slope = self.alpha * pull / c**2
-            return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4, m_slope, pull / c)
-        if self.beta > 0 and h == 0:
-            return DuffingMotion(
-                lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None
-            )
-        if self.beta > 0 and c > 0:
-            m_slope = -4 * self.alpha / (square * self.amplitude)
-            return _elliptic(
-                _dn,
-                arb_of(square / 2).sqrt(),
-                2 * c / square,
-                -2 * h / square,
-                2,
-                m_slope,
-                1 / self.amplitude,
-            )
-        if self.beta > 0:
-            farther = -2 * self.alpha - square
-            m_slope = 4 * self.alpha * pull / farther**2
-            return _elliptic(
-                _nd,
-                arb_of(farther / 2).sqrt(),
-                -2 * c / farther,
-                square / farther,
-                2,
-                m_slope,
-                -pull / farther,
-            )
-        if self.beta < 0 and c > 0:
-            m_slope = -self.alpha * pull / h**2
-            return _elliptic(
-                _cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4, m_slope, pull / (2 * h)
-            )
         if self.beta == 0:
-            # x'' = -alpha x with alpha < 0 grows for ever and is never infinite.
-            return DuffingMotion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
+            return self._linear_motion()
+        if self.beta > 0:
+            return self._bounded_motion()
+        c = self.alpha + self.beta * self.amplitude**2
+        if c == 0:
+            return self._equilibrium()
+        if c > 0:
+            return self._softening_motion()
         raise NotCertifiedError(
             "singular: the motion goes to infinity: the start is above the escape energy",
             code="singular",
             time=0.0,
         )
 
+    def _equilibrium(self) -> DuffingMotion:
+        """x = A for ever."""
+        return DuffingMotion(lambda u: (arb(1), arb(0)), arb(0), None)
+
+    def _linear_motion(self) -> DuffingMotion:
+        """The motion for beta = 0: x = A cos(sqrt(alpha) t), or A cosh(sqrt(-alpha) t)."""
+        if self.alpha == 0:
+            return self._equilibrium()
+        if self.alpha > 0:
+            rate = arb_of(self.alpha).sqrt()
+            return DuffingMotion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
+        # It grows for ever and is never infinite.
+        return DuffingMotion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
+
+    def _bounded_motion(self) -> DuffingMotion:
+        """The motion for beta > 0, where every start stays bounded."""
+        a = self.amplitude
+        beta_a2 = self.beta * a**2
+        c = self.alpha + beta_a2
+        h = self.alpha + beta_a2 / 2
+        if c == 0:
+            return self._equilibrium()
+        if h > 0:
+            # A cn(sqrt(c) t | m): c' = 2 beta A, so that m' = alpha beta A/c^2.
+            return _elliptic(
+                _cn,
+                arb_of(c).sqrt(),
+                m=beta_a2 / (2 * c),
+                m1=h / c,
+                quarters=4,
+                m_slope=self.alpha * (self.beta * a) / c**2,
+                log_rate_slope=self.beta * a / c,
+            )
+        if h == 0:
+            # A sech(sqrt(-alpha) t), the separatrix through the unstable equilibrium x = 0.
+            return DuffingMotion(
+                lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None
+            )
+        if c > 0:
+            # A dn(sqrt(beta/2) A t | m): m = 2 + 2 alpha/(beta A^2), m' = -4 alpha/(beta A^3).
+            return _elliptic(
+                _dn,
+                arb_of(beta_a2 / 2).sqrt(),
+                m=2 * c / beta_a2,
+                m1=-2 * h / beta_a2,
+                quarters=2,
+                m_slope=-4 * self.alpha / (beta_a2 * a),
+                log_rate_slope=1 / a,
+            )
+        # A nd(sqrt(beta/2) B t | m): m1 = A^2/B^2, (beta B^2)' = -2 beta A.
+        beta_b2 = -2 * self.alpha - beta_a2
+        return _elliptic(
+            _nd,
+            arb_of(beta_b2 / 2).sqrt(),
+            m=-2 * c / beta_b2,
+            m1=beta_a2 / beta_b2,
+            quarters=2,
+            m_slope=4 * self.alpha * (self.beta * a) / beta_b2**2,
+            log_rate_slope=-(self.beta * a) / beta_b2,
+        )
+
+    def _softening_motion(self) -> DuffingMotion:
+        """The motion for beta < 0 < c, below the escape energy: A cd(sqrt(h) t | m).
+
+        Its rate changes with h' = beta A.
+        """
+        a = self.amplitude
+        beta_a2 = self.beta * a**2
+        c = self.alpha + beta_a2
+        h = self.alpha + beta_a2 / 2
+        return _elliptic(
+            _cd,
+            arb_of(h).sqrt(),
+            m=-beta_a2 / (2 * h),
+            m1=c / h,
+            quarters=4,
+            m_slope=-self.alpha * (self.beta * a) / h**2,
+            log_rate_slope=self.beta * a / (2 * h),
+        )
+
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """x = A S(r t) and v = A r S'(r t)."""
         motion = self.motion()
-        x, slope = motion.shape(motion.rate * t)
-        reach = arb_of(self.amplitude)
-        return {"x": reach * x, "v": reach * motion.rate * slope}
+        shape, shape_slope = motion.shape(motion.rate * t)
+        amplitude = arb_of(self.amplitude)
+        return {"x": amplitude * shape, "v": amplitude * motion.rate * shape_slope}
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """The rates as of any start from rest; of an equilibrium those of its linear equation, d''
-        = -(alpha + 3 beta A^2) d = 2 alpha d.
+        """d(x, v)(t)/d v(0), as of any start from rest (from_rest.py).
+
+        At an equilibrium, where alpha = -beta A^2, a small displacement d obeys the linear equation
+        d'' = -(alpha + 3 beta A^2) d = 2 alpha d, d(0) = 0, d'(0) = 1.
         """
         if self.alpha + self.beta * self.amplitude**2 != 0:
             return self.rates_of_the_motion(t)
@@ -179,7 +228,7 @@ class Duffing(FromRest, ClosedForm):
         )
 
     def line(self) -> Line | None:
-        """The motion and those beside it in closed form; None where they are not elliptic."""
+        """The motion and its family in closed form, for S; None where they are not elliptic."""
         motion = self.motion()
         family = motion.family
         if family is None:
@@ -199,36 +248,47 @@ class Duffing(FromRest, ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """S from the motions beside it, where they are elliptic; else from the equation."""
+        """S from the family of motions, where it is elliptic; else from the equation of motion."""
         line = self.line()
         if line is not None:
             return growth_along(line, self.scale, self.equation())
         return growth_of_an_equation(self.equation(), self.motion().period)
 
     def neighbour(self, motion: DuffingMotion, family: Family, t: arb) -> Neighbour:
-        """How x = A S(rate t | m) and v = A rate S' change by A; H' = c A."""
+        """The derivative of (x, v) by A as P + K (x', v') (energy_growth.py), and H' = c A.
+
+        x = A S(u | m) and v = A r S'(u | m) with u = r t. By m at fixed u, S changes as C + kappa
+        S', and S' as C' + kappa' S' + kappa S''; u changes by A as u (ln r)'. What is proportional
+        to (x', v') = A r (S', r S'') is K = (ln r)' t + m' kappa/r. The rest is P:
+
+            P_x = S + A m' C,    P_v = r (S' (1 + A (ln r)') + A m' (C' + kappa' S')).
+        """
         u = motion.rate * t
-        (shape, slope), (change, change_rate) = family.shape(family.jacobi, u)
-        reach = arb_of(self.amplitude)
+        (shape, shape_slope), (change, change_slope) = family.shape(family.jacobi, u)
+        amplitude = arb_of(self.amplitude)
         dn = family.jacobi.sn_cn_dn(u)[2]
         m = family.jacobi.m
         m1 = family.jacobi.m1
-        # S' changes by m as (change)' + kappa' S' + kappa S''.
-        kappa_rate = (1 / m - dn * dn / (m * m1)) / 2
-        by_m = change_rate + kappa_rate * slope
-        place = shape + reach * family.m_slope * change
-        speed = motion.rate * (
-            slope * (1 + reach * family.log_rate_slope) + reach * family.m_slope * by_m
-        )
+        # kappa = (u/m - E(u)/(m m1))/2 with E' = dn^2.
+        kappa_slope = (1 / m - dn * dn / (m * m1)) / 2
+        slope_by_m = change_slope + kappa_slope * shape_slope
+        place = shape + amplitude * family.m_slope * change
+        of_amplitude = shape_slope * (1 + amplitude * family.log_rate_slope)
+        of_parameter = amplitude * family.m_slope * slope_by_m
+        speed = motion.rate * (of_amplitude + of_parameter)
         along = family.log_rate_slope * t + family.m_slope * family.jacobi.kappa(u) / motion.rate
-        return Neighbour(place, speed, along, -self.acceleration(reach))
+        energy_slope = -self.acceleration(amplitude)
+        return Neighbour(place, speed, along, energy_slope)
 
     def steepest(self) -> arb:
-        """Bound of |f'| along the motion: alpha + 3 beta x^2 at 0 and at the turning points of a
-        well.
+        """A bound of |f'(x)| = |alpha + 3 beta x^2| along the motion.
+
+        f' is monotone in x^2, so that it is largest at an end of the range of x^2: 0, A^2, or B^2 =
+        -2 alpha/beta - A^2 at the other turning point of a well.
         """
-        square = self.beta * self.amplitude**2
-        slopes = [self.alpha, self.alpha + 3 * square, self.alpha + 3 * (-2 * self.alpha - square)]
+        beta_a2 = self.beta * self.amplitude**2
+        beta_b2 = -2 * self.alpha - beta_a2
+        slopes = [self.alpha, self.alpha + 3 * beta_a2, self.alpha + 3 * beta_b2]
         return arb_of(max(abs(slope) for slope in slopes))
 
     def constants(self) -> dict[str, arb]:
@@ -241,14 +301,17 @@ class Duffing(FromRest, ClosedForm):
 def _elliptic(
     shape: Elliptic,
     rate: arb,
+    *,
     m: Fraction,
     m1: Fraction,
     quarters: int,
     m_slope: Fraction,
     log_rate_slope: Fraction,
 ) -> DuffingMotion:
-    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K; m and ln rate change by A as
-    told.
+    """The motion x = A shape(rate t | m), whose period is quarters K(m)/rate.
+
+    m1 is 1 - m, given apart so that it is not lost by cancellation; `m_slope` and `log_rate_slope`
+    are dm/dA and d ln rate/dA.
     """
     jacobi = Jacobi(arb_of(m), arb_of(m1))
     family = Family(jacobi, shape, arb_of(m_slope), arb_of(log_rate_slope))
@@ -256,35 +319,41 @@ def _elliptic(
 
 
 def _cn(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
+    """S = cn, S' = -sn dn; C = -sn^2 cn/(2 m1), C' = -sn dn (2 cn^2 - sn^2)/(2 m1)."""
     sn, cn, dn = j.sn_cn_dn(u)
-    swell = 1 / (2 * j.m1)
-    change = -swell * sn * sn * cn
-    rate = -swell * sn * dn * (2 * cn * cn - sn * sn)
-    return (cn, -sn * dn), (change, rate)
+    factor = 1 / (2 * j.m1)
+    change = -factor * sn * sn * cn
+    change_slope = -factor * sn * dn * (2 * cn * cn - sn * sn)
+    return (cn, -sn * dn), (change, change_slope)
 
 
 def _dn(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
+    """S = dn, S' = -m sn cn; C = -sn^2 dn/(2 m1), C' = -sn cn (2 dn^2 - m sn^2)/(2 m1)."""
     sn, cn, dn = j.sn_cn_dn(u)
-    swell = 1 / (2 * j.m1)
-    change = -swell * sn * sn * dn
-    rate = -swell * sn * cn * (2 * dn * dn - j.m * sn * sn)
-    return (dn, -j.m * sn * cn), (change, rate)
+    factor = 1 / (2 * j.m1)
+    change = -factor * sn * sn * dn
+    change_slope = -factor * sn * cn * (2 * dn * dn - j.m * sn * sn)
+    return (dn, -j.m * sn * cn), (change, change_slope)
 
 
 def _nd(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
+    """S = 1/dn, S' = m sn cn/dn^2; C = sn^2/(2 m1 dn), C' = sn cn (2 + m sn^2/dn^2)/(2 m1)."""
     sn, cn, dn = j.sn_cn_dn(u)
-    swell = 1 / (2 * j.m1)
-    change = swell * sn * sn / dn
-    rate = swell * sn * cn * (2 * dn * dn + j.m * sn * sn) / (dn * dn)
-    return (1 / dn, j.m * sn * cn / (dn * dn)), (change, rate)
+    factor = 1 / (2 * j.m1)
+    change = factor * sn * sn / dn
+    change_slope = factor * sn * cn * (2 * dn * dn + j.m * sn * sn) / (dn * dn)
+    return (1 / dn, j.m * sn * cn / (dn * dn)), (change, change_slope)
 
 
 def _cd(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
-    """cd changes by m along itself alone."""
+    """S = cn/dn, S' = -m1 sn/dn^2; C = 0, because the factors of cn and dn by m are the same."""
     sn, cn, dn = j.sn_cn_dn(u)
     return (cn / dn, -j.m1 * sn / (dn * dn)), (arb(0), arb(0))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters alpha, beta, amplitude; `scale` of x and v."""
+    """The truth at parameters alpha [1/s^2], beta [1/(m^2 s^2)], amplitude [m].
+
+    `scale` has the sizes of x and v against which their errors count.
+    """
     return Duffing(p, scale)

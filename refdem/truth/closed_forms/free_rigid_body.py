@@ -1,5 +1,8 @@
-"""Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions
-(refdem/truth/free_body.py).
+"""Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions.
+
+The motion in principal axes is that of refdem/truth/free_body.py: J omega' = (J omega) x omega and
+the turn q(0)* q(t). Quaternions (w, x, y, z) and the matrix R lead from the body to space; omega is
+in space axes, omega_body in principal axes.
 """
 
 from abc import ABC, abstractmethod
@@ -58,8 +61,11 @@ class Turning(Guarded, ABC):
         return rotation.times(self.start(), self.body().turn(t))
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """Rows: turn in space, omega_body, omega; columns: turn in space (exact: all that follows
-        turns) and omega_body.
+        """The derivative of the motion at t by its start, in scales: 9 rows, 6 columns.
+
+        Rows are a small turn in space (3), omega_body (3) and omega (3) at t; columns are a small
+        turn in space (3) and omega_body (3) at the start. The columns of the turn are exact, those
+        of omega_body are central differences.
         """
         columns = [self.scaled_changes(axis, arb_of(t)) for axis in range(3)]
         rows = [[column[i] for column in columns] for i in range(9)]
@@ -69,44 +75,49 @@ class Turning(Guarded, ABC):
         # A start turned by a small d phi turns all of the motion: d omega = d phi x omega, where a
         # turn counts in the scale of the attitude and omega in its own.
         ratio = arb_of(self.scale["attitude.w"] / self.scale["omega.x"])
-        none = arb(0)
-        turning = [[none, z, -y], [-z, none, x], [y, -x, none]]
-        by_turn = (
-            [[arb(i == k) for k in range(3)] for i in range(3)]
-            + [[none] * 3] * 3
-            + [[ratio * v for v in row] for row in turning]
-        )
+        zero = arb(0)
+        # The matrix of d phi -> d phi x omega.
+        cross_omega = [[zero, z, -y], [-z, zero, x], [y, -x, zero]]
+        turn_by_turn = [[arb(i == k) for k in range(3)] for i in range(3)]
+        omega_body_by_turn = [[zero] * 3] * 3
+        omega_by_turn = [[ratio * v for v in row] for row in cross_omega]
+        by_turn = turn_by_turn + omega_body_by_turn + omega_by_turn
         return arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
-        """Changes at t, each in its scale, of turn, omega_body and omega by a component of
-        omega_body.
+        """Differences at t of turn, omega_body and omega (9), each in its scale.
+
+        They are those of the two motions whose omega_body at the start is displaced along `axis`,
+        to both sides. To first order the turn between their attitudes q+ and q- is twice the vector
+        part of q+ q-*.
         """
         form: Any = self
         plus, minus = pair(form, axis)
         q_plus = plus.turned(t)
         q_minus = minus.turned(t)
-        w_plus = plus.spin(t)
-        w_minus = minus.spin(t)
+        body_plus = plus.spin(t)
+        body_minus = minus.spin(t)
+        space_plus = rotation.rotated(q_plus, body_plus)
+        space_minus = rotation.rotated(q_minus, body_minus)
         turn = rotation.times(q_plus, rotation.conjugate(q_minus))
-        in_space = zip(
-            rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus), strict=True
-        )
-        spins = [a - b for a, b in [*zip(w_plus, w_minus, strict=True), *in_space]]
         scaled = [2 * x / arb_of(self.scale["attitude.w"]) for x in turn[1:]]
-        return scaled + [
-            x / arb_of(self.scale[name])
-            for x, name in zip(spins, (*BODY_OMEGA, *OMEGA), strict=True)
-        ]
+        omegas_plus = [*body_plus, *space_plus]
+        omegas_minus = [*body_minus, *space_minus]
+        names = (*BODY_OMEGA, *OMEGA)
+        for name, plus_value, minus_value in zip(names, omegas_plus, omegas_minus, strict=True):
+            scaled.append((plus_value - minus_value) / arb_of(self.scale[name]))
+        return scaled
 
 
 class FreeRigidBody(ClosedForm, Turning):
-    """omega_body, omega, attitude (w >= 0) and R of a free body; the start is exact, the attitude
-    need not be of unit size.
+    """The truth of a free body: omega_body, omega [rad/s], attitude (w >= 0) and the matrix R.
+
+    Inertia [kg m^2, principal], omega [rad/s, body axes] and attitude at the start are exact; the
+    attitude need not be of unit length. With `counts_flips` the scalars have flip_time [s], half a
+    period, which lies between two sign changes of omega along the intermediate axis.
 
     S: the start is turned in space, which turns all that follows by as much, and omega_body is
-    displaced; both by vectors of at most their scale. `counts_flips`: the scalars have flip_time,
-    half a period, which lies between two sign changes of omega along the intermediate axis.
+    displaced; both by vectors of at most their scale.
     """
 
     witness = WITNESS
@@ -138,8 +149,8 @@ class FreeRigidBody(ClosedForm, Turning):
     @per_precision
     def start(self) -> list[arb]:
         """The unit attitude at t = 0."""
-        size = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
-        return [arb_of(x) / size for x in self.attitude]
+        length = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
+        return [arb_of(x) / length for x in self.attitude]
 
     def spin(self, t: arb) -> list[arb]:
         """Angular velocity omega_body (3) [rad/s] at time t."""
@@ -148,28 +159,34 @@ class FreeRigidBody(ClosedForm, Turning):
         return self.body().omega(t)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """omega_body, omega = R omega_body, the attitude with w >= 0, and R, at time t."""
         q = rotation.upright(self.turned(t))
-        omega = self.spin(t)
+        omega_body = self.spin(t)
         r = rotation.matrix(q)
+        omega = rotation.applied(r, omega_body)
         names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
-        return dict(
-            zip(names, [*omega, *rotation.applied(r, omega), *q, *r[0], *r[1], *r[2]], strict=True)
-        )
+        values = [*omega_body, *omega, *q, *r[0], *r[1], *r[2]]
+        return dict(zip(names, values, strict=True))
 
     def displaced(self, axis: int, amount: Fraction) -> "FreeRigidBody":
+        """The body whose omega_body at the start is larger by `amount` [rad/s] along `axis`."""
         x, y, z = (w + (amount if i == axis else 0) for i, w in enumerate(self.omega))
         return FreeRigidBody(
             self.inertia, (x, y, z), self.attitude, self.scale, counts_flips=self.counts_flips
         )
 
     def constants(self) -> dict[str, arb]:
-        found = self.body().constants()
-        if self.counts_flips and len(set(self.inertia)) == 3 and "period" in found:
-            found["flip_time"] = found["period"] / 2
-        return found
+        """The period [s] of omega_body and the elliptic parameter, where there are any; flip_time
+        [s] where flips are counted.
+        """
+        scalars = self.body().constants()
+        if self.counts_flips and len(set(self.inertia)) == 3 and "period" in scalars:
+            scalars["flip_time"] = scalars["period"] / 2
+        return scalars
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors of attitude and omega grow: of a steady turn, or of a tumbling body."""
         turn = self.scale["attitude.w"]
         spin = self.scale["omega.x"]
         if self.kind is Steady:
@@ -179,7 +196,10 @@ class FreeRigidBody(ClosedForm, Turning):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at these parameters (inertia, omega_body, attitude)."""
+    """The truth at parameters inertia [kg m^2], omega_body [rad/s], attitude.
+
+    `scale` has the size of each quantity against which its error counts.
+    """
     inertia, omega, attitude = exact_columns(p)
     return FreeRigidBody(inertia, omega, attitude, scale)
 

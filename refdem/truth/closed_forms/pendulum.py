@@ -1,9 +1,18 @@
 """Certified pendulum: theta'' = -w0^2 sin theta, w0^2 = g/l, by Jacobi's elliptic functions; tanh
 and sech on the separatrix.
 
-k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2). Swinging, k < 1: sin(theta/2) = k sn(u, k^2), u = w0 t
-+ u0; rotating, k > 1: theta/2 = +-am(u, 1/k^2), u = k w0 t + u0 (DLMF 22.19). The start may lie
-near the top: theta0 + half_turns pi.
+With k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2), the energy over that of rest at the top (DLMF
+22.19):
+
+    k < 1, swing         sin(theta/2) = k sn(u | k^2),  u = w0 t + u0
+    k > 1, revolution    theta/2 = +-am(u | 1/k^2),     u = k w0 t + u0
+    k = 1, separatrix    theta/2 = +-atan sinh(w0 t)    from the bottom
+
+The start is at the angle theta0 + half_turns pi, so that it may lie near the top exactly. In the
+names below m = k^2 and m1 = 1 - k^2; `sine` and `cosine` are those of half the angle at the start.
+
+S comes from neighbouring motions: the derivative of a motion by its energy H (energy_growth.py),
+where H = thetadot^2/2 - w0^2 cos theta, so that k^2 = 1/2 + H/(2 w0^2).
 """
 
 from abc import ABC, abstractmethod
@@ -59,10 +68,16 @@ class Equilibrium(PendulumMotion):
 
 
 class Swing(PendulumMotion):
-    """k < 1: tan(theta/2) = k sn u / dn u, thetadot = 2 k w0 cn u."""
+    """k < 1: tan(theta/2) = k sn u/dn u, thetadot = 2 k w0 cn u, with u = w0 t + shift.
+
+    `rate` is thetadot [rad/s] at the start.
+    """
 
     def __init__(self, sine: arb, rate: arb, w0: arb, m: arb, m1: arb) -> None:
-        self.jacobi, self.k, self.w0 = Jacobi(m, m1), m.sqrt(), w0
+        self.jacobi = Jacobi(m, m1)
+        self.k = m.sqrt()
+        self.w0 = w0
+        # At t = 0: sn u0 = sin(theta0/2)/k and cn u0 = thetadot0/(2 k w0).
         self.shift = self.jacobi.argument(sine / self.k, rate / (2 * self.k * w0))
 
     def state(self, t: arb) -> tuple[arb, arb]:
@@ -70,57 +85,81 @@ class Swing(PendulumMotion):
         return arb.atan2(self.k * sn, dn), 2 * self.k * self.w0 * cn
 
     def neighbour(self, t: arb) -> Neighbour:
-        """The neighbouring motion by m = k^2 = 1/2 + H/(2 w0^2)."""
+        """The derivative of (theta, thetadot) by H as P + K (theta', thetadot'), with dH/dH = 1.
+
+        By m at fixed u, sn changes as sn cn^2/(2 m1) + kappa sn' and cn as -sn^2 cn/(2 m1) + kappa
+        cn' (Jacobi.kappa); what kappa multiplies is the motion itself, a shift in time by K. With
+        m' = dm/dH and k' = dk/dH the rest P of sin(theta/2) = k sn u, cos(theta/2) = dn u and
+        thetadot = 2 k w0 cn u is
+
+            P_theta = 2 sn (k' + k m' cn^2/(2 m1))/dn,
+            P_thetadot = 2 w0 cn (k' - k m' sn^2/(2 m1)).
+        """
         u = self.w0 * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
         m_slope = 1 / (2 * self.w0 * self.w0)
         k_slope = m_slope / (2 * self.k)
-        swell = self.k * m_slope / (2 * self.jacobi.m1)
-        # cos(theta/2) = dn.
-        place = 2 * sn * (k_slope + swell * cn * cn) / dn
-        speed = 2 * self.w0 * cn * (k_slope - swell * sn * sn)
+        factor = self.k * m_slope / (2 * self.jacobi.m1)
+        place = 2 * sn * (k_slope + factor * cn * cn) / dn
+        speed = 2 * self.w0 * cn * (k_slope - factor * sn * sn)
         along = m_slope * self.jacobi.kappa(u) / self.w0
         return Neighbour(place, speed, along, arb(1))
 
     def period(self) -> arb:
+        """The time of a swing to and fro, 4 K(k^2)/w0 [s]."""
         return 4 * self.jacobi.k / self.w0
 
 
 class Revolution(PendulumMotion):
-    """k > 1: theta/2 = +-am u, thetadot = +-2 k w0 dn u, of the sign that it has at the start."""
+    """k > 1: theta/2 = sense am u, thetadot = 2 sense k w0 dn u, with u = k w0 t + shift.
+
+    `sense` is the sign of thetadot, which it keeps. The parameter of Jacobi's functions is 1/k^2.
+    """
 
     def __init__(self, sine: arb, cosine: arb, w0: arb, m: arb, m1: arb, *, sense: int) -> None:
-        self.jacobi, self.k, self.w0, self.sense = Jacobi(1 / m, -m1 / m), m.sqrt(), w0, sense
+        # 1 - 1/k^2 = -(1 - k^2)/k^2.
+        self.jacobi = Jacobi(1 / m, -m1 / m)
+        self.k = m.sqrt()
+        self.w0 = w0
+        self.sense = sense
+        # At t = 0: sn u0 = sense sin(theta0/2) and cn u0 = cos(theta0/2).
         self.shift = self.jacobi.argument(sense * sine, cosine)
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.k * self.w0 * t + self.shift
-        return (
-            self.sense * self.jacobi.amplitude(u),
-            2 * self.sense * self.k * self.w0 * self.jacobi.sn_cn_dn(u)[2],
-        )
+        half_angle = self.sense * self.jacobi.amplitude(u)
+        dn = self.jacobi.sn_cn_dn(u)[2]
+        return half_angle, 2 * self.sense * self.k * self.w0 * dn
 
     def neighbour(self, t: arb) -> Neighbour:
-        """The neighbouring motion by k^2 = 1/2 + H/(2 w0^2), the parameter being 1/k^2."""
+        """The derivative of (theta, thetadot) by H as P + K (theta', thetadot'), with dH/dH = 1.
+
+        By m = 1/k^2 at fixed u, am changes as sn cn/(2 m1) + kappa am' and dn as -sn^2 dn/(2 m1) +
+        kappa dn' (Jacobi.kappa). With (k^2)' = 1/(2 w0^2), k' = (k^2)'/(2 k), m' = -m^2 (k^2)':
+
+            P_theta = sense m' sn cn/m1,    P_thetadot = 2 sense w0 dn (k' - k m' sn^2/(2 m1)),
+            K = (k'/k) t + m' kappa/(k w0)    from u = k w0 t + u0.
+        """
         rate = self.k * self.w0
         u = rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
-        square_slope = 1 / (2 * self.w0 * self.w0)
-        k_slope = square_slope / (2 * self.k)
-        m_slope = -square_slope * self.jacobi.m * self.jacobi.m
-        swell = m_slope / (2 * self.jacobi.m1)
-        place = 2 * self.sense * swell * sn * cn
-        speed = 2 * self.sense * self.w0 * dn * (k_slope - self.k * swell * sn * sn)
+        k_square_slope = 1 / (2 * self.w0 * self.w0)
+        k_slope = k_square_slope / (2 * self.k)
+        m_slope = -k_square_slope * self.jacobi.m * self.jacobi.m
+        factor = m_slope / (2 * self.jacobi.m1)
+        place = 2 * self.sense * factor * sn * cn
+        speed = 2 * self.sense * self.w0 * dn * (k_slope - self.k * factor * sn * sn)
         along = (k_slope / self.k) * t + m_slope * self.jacobi.kappa(u) / rate
         return Neighbour(place, speed, along, arb(1))
 
     def period(self) -> arb:
+        """The time of a revolution, 2 K(1/k^2)/(k w0) [s]."""
         return 2 * self.jacobi.k / (self.k * self.w0)
 
 
 class Separatrix(PendulumMotion):
-    """k = 1 through the bottom at t = 0: theta/2 = atan sinh(w0 t), thetadot = 2 w0 sech(w0 t),
-    with the sign of the start.
+    """k = 1, through the bottom at t = 0: theta/2 = sense atan sinh(w0 t), thetadot = 2 sense w0
+    sech(w0 t).
     """
 
     def __init__(self, w0: arb, *, sense: int) -> None:
@@ -161,8 +200,12 @@ class Pendulum(ClosedForm, SmoothFlow):
 
     @per_precision
     def start(self) -> tuple[int, arb, arb]:
-        """Whole turns in the start, and sine and cosine (not negative) of half the angle that is
-        left.
+        """The start as (turns, sin(phi/2), cos(phi/2)): its angle is 2 pi turns + phi.
+
+        phi lies in [-pi, pi], so that the cosine is not negative. An odd half turn is pi/2 of the
+        half angle a: it is taken with the sign that leads back into the range, sin(a -+ pi/2) = -+
+        cos a and cos(a -+ pi/2) = +- sin a. Raises UndecidedError where balls do not tell on which
+        side of the top that is.
         """
         turns = nearest_integer(arb_of(self.theta0) / (2 * arb.pi()))
         sine, cosine = (arb_of(self.theta0) / 2 - arb.pi() * turns).sin_cos()
@@ -176,10 +219,14 @@ class Pendulum(ClosedForm, SmoothFlow):
 
     @per_precision
     def motion(self) -> PendulumMotion:
-        """The kind of motion, decided exactly where the start is rational and by balls
-        elsewhere.
+        """The motion, of the kind that k says.
+
+        Rest and the separatrix are equalities, which balls cannot decide: they are told from the
+        exact start, at theta0 = 0, where its sine is rational. Raises UndecidedError where a ball
+        of 1 - k^2 holds 0.
         """
         w0 = arb_of(self.gravity / self.length).sqrt()
+        # thetadot0^2/(4 w0^2)
         kinetic = self.thetadot0**2 * self.length / (4 * self.gravity)
         if self.thetadot0 > 0:
             sense = 1
@@ -190,6 +237,7 @@ class Pendulum(ClosedForm, SmoothFlow):
         if self.theta0 == 0 and self.half_turns % 2 == 0 and kinetic == 1:
             return Separatrix(w0, sense=sense)
         _, sine, cosine = self.start()
+        # m = k^2 and m1 = 1 - k^2, each without the cancellation that 1 - m would have.
         m = sine * sine + arb_of(kinetic)
         m1 = cosine * cosine - arb_of(kinetic)
         if m1 > 0:
@@ -199,12 +247,16 @@ class Pendulum(ClosedForm, SmoothFlow):
         raise UndecidedError(f"swing or revolution: 1 - k^2 is {m1}")
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        half, rate = self.motion().state(t)
+        """theta, thetadot, x = l sin theta, y = -l cos theta, and the tension of the rod, m (l
+        thetadot^2 + g cos theta).
+        """
+        half_angle, rate = self.motion().state(t)
+        # The half angle of an equilibrium or the separatrix has the odd half turn in it already.
         if isinstance(self.motion(), Equilibrium | Separatrix):
             turns = self.half_turns // 2
         else:
             turns = self.start()[0]
-        theta = 2 * (half + arb.pi() * turns)
+        theta = 2 * (half_angle + arb.pi() * turns)
         sine, cosine = theta.sin_cos()
         length = arb_of(self.length)
         force = arb_of(self.mass) * (length * rate * rate + arb_of(self.gravity) * cosine)
@@ -217,6 +269,7 @@ class Pendulum(ClosedForm, SmoothFlow):
         }
 
     def displaced(self, axis: int, amount: Fraction) -> "Pendulum":
+        """The pendulum whose theta0 (axis 0) or thetadot0 (axis 1) is larger by `amount`."""
         moved = copy(self)
         moved.kept = {}
         if axis == 0:
@@ -259,32 +312,34 @@ class Pendulum(ClosedForm, SmoothFlow):
         }
 
     def line(self) -> Line | None:
-        """The motion and those beside it in closed form; None on the separatrix and at rest."""
+        """The motion and its neighbours in closed form; None on the separatrix and at rest."""
         motion = self.motion()
         if not isinstance(motion, Swing | Revolution):
             return None
-        stiffness = arb_of(self.gravity / self.length)
+        w0_square = arb_of(self.gravity / self.length)
 
         def state(t: arb) -> tuple[arb, arb]:
-            half, rate = motion.state(t)
-            return 2 * half, rate
+            half_angle, rate = motion.state(t)
+            return 2 * half_angle, rate
 
         # |f'| = w0^2 |cos theta| is at most w0^2.
         return Line(
             state,
-            lambda theta: -stiffness * theta.sin(),
+            lambda theta: -w0_square * theta.sin(),
             motion.neighbour,
             motion.period(),
-            steepest=stiffness,
+            steepest=w0_square,
         )
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors of this motion grow, for S of its own quantities."""
         return self.growth_of(self.equation())
 
     def growth_of(self, equation: ValidatedFlow) -> Grows:
-        """S of the quantities of an equation of this motion: by the motions beside it, else by the
-        equation.
+        """How errors of this motion grow, for S of the quantities that `equation` has.
+
+        By neighbouring motions in closed form where there are any, else by the equation of motion.
         """
         line = self.line()
         if line is not None:
@@ -299,6 +354,10 @@ class Pendulum(ClosedForm, SmoothFlow):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at these parameters (mass, length, gravity, theta0, thetadot0)."""
+    """The truth at parameters mass [kg], length [m], gravity [m/s^2], theta0 [rad], thetadot0
+    [rad/s].
+
+    `scale` has the size of each quantity against which its error counts.
+    """
     exact: Any = p
     return Pendulum(exact, scale)

@@ -1,12 +1,22 @@
-"""A polygon carried through phase space: its corners one by one, and its area.
+"""A polygon carried through phase space (x, v): its corners one by one, and its area.
 
-Liouville: d/dt dA = (div F) dA: kept by oscillator and pendulum, times exp(-2 delta t) in a fluid.
-Under dry friction take v < 0, where the flow turns (X, Y) = (x - f/k, v/w) clockwise about 0, dA =
-w R dR da. A point crosses v = 0 when a reaches -pi, at x = f/k - R, and again each half period
-later; what crosses there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and
-(k|x| - f)/m dx dt after. So after n crossings dA is w max(0, R - 2 n f/k) dR da, zero for what has
-stopped, and by Green's theorem A = w/2 of the integral of max(0, R - 2 n f/k)^2 da round the
-polygon, n = floor((w t - a)/pi).
+Liouville: an element dA of phase area changes as d/dt dA = (div F) dA. So the area is kept by the
+oscillator and the pendulum, and falls as exp(-2 delta t) in a fluid.
+
+Dry friction (force f against the velocity, w^2 = k/m): while v < 0 the flow turns (X, Y) = (x -
+f/k, v/w) clockwise about 0. In polar coordinates (R, a) there, dA = w R dR da. A point crosses v =
+0 when its angle reaches -pi, at x = f/k - R, and again each half period pi/w later. What crosses
+there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and (k|x| - f)/m dx dt
+after. So after n crossings an element that had dA = w R dR da at the start has
+
+    w max(0, R - 2 n f/k) dR da,    n = floor((w t - a)/pi),
+
+zero for what has stopped. By Green's theorem the area is an integral round the polygon at the
+start,
+
+    A = (w/2) integral of max(0, R - 2 n f/k)^2 da.
+
+A `Corner` is (x, v) in m (or rad) and m/s; `loss` is 2 f/k, what R loses at each crossing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,8 +46,9 @@ FORMS: dict[str, tuple[Any, str, str]] = {
     "coulomb": (coulomb_oscillator.truth, "x", "v"),
     "pendulum": (pendulum.truth, "theta", "thetadot"),
 }
-"""Whose motion a corner has, and the names of its place and rate there."""
+"""The closed form that moves a corner in each flow, and its names of position and rate."""
 LARGEST = 1e100
+"""The size of quantities that are not told here: so large that their error never counts."""
 
 
 class PhaseFlow(Guarded, Truth):
@@ -56,55 +67,59 @@ class PhaseFlow(Guarded, Truth):
         digits: int = 40,
     ) -> None:
         form, self.place, self.rate = FORMS[p["flow"]]
-        self.flow, self.corners, self.digits = p["flow"], list(corners), digits
+        self.flow = p["flow"]
+        self.corners = list(corners)
+        self.digits = digits
         self.delta = number(p, "delta")
+        # w^2 = k/m, and the shift f/k of the centre of turning.
         self.square = number(p, "stiffness") / number(p, "mass")
         self.shift = number(p, "friction_force") / number(p, "stiffness")
-        self.method = (
-            f"corners: {form.__module__.rpartition('.')[2].replace('_', ' ')}; area: Liouville's"
-            " theorem in closed form"
-        )
-        kept = {
-            name: p[name] for name in ("mass", "stiffness", "delta", "friction_force", "length")
-        }
-        kept["gravity"] = p["gravity"] if self.flow == "pendulum" else Fraction(0)
+        form_name = form.__module__.rpartition(".")[2].replace("_", " ")
+        self.method = f"corners: {form_name}; area: Liouville's theorem in closed form"
+        names = ("mass", "stiffness", "delta", "friction_force", "length")
+        common = {name: p[name] for name in names}
+        # The oscillators of this case lie on a table; only the pendulum has a weight.
+        if self.flow == "pendulum":
+            common["gravity"] = p["gravity"]
+        else:
+            common["gravity"] = Fraction(0)
         self.motions: list[Truth] = []
         for k, (x, v) in enumerate(corners):
-            own = {self.place: scale[f"x_{k}"], self.rate: scale[f"v_{k}"]}
-            if (
-                self.flow == "pendulum"
-            ):  # what else it knows of; as large as it can be, so that it never counts
-                own |= {"x": float(p["length"]), "y": float(p["length"]), "rod_force": LARGEST}
+            sizes = {self.place: scale[f"x_{k}"], self.rate: scale[f"v_{k}"]}
+            if self.flow == "pendulum":
+                sizes |= {"x": float(p["length"]), "y": float(p["length"]), "rod_force": LARGEST}
             start = {f"{self.place}0": x, f"{self.rate}0": v}
-            self.motions.append(form({**kept, **start}, own))
+            self.motions.append(form({**common, **start}, sizes))
 
     def refined(self, digits: int) -> "PhaseFlow":
         """The same truth with radii of at most 10^-digits."""
         other = copy(self)
-        other.digits, other.motions = digits, [motion.refined(digits) for motion in self.motions]
+        other.digits = digits
+        other.motions = [motion.refined(digits) for motion in self.motions]
         return other
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        """Every corner, and the area."""
-        found: dict[str, Ball] = {}
+        """x_k and v_k of every corner, and `area`, at time t.
+
+        Raises NotCertifiedError where no precision decides how often a part of the polygon has
+        crossed v = 0.
+        """
+        corners: dict[str, Ball] = {}
         for k, motion in enumerate(self.motions):
             balls = motion.at(t)
-            found |= {f"x_{k}": balls[self.place], f"v_{k}": balls[self.rate]}
-        area = refined(
-            lambda: {"area": self.area(arb_of(t))},
-            abs(self.first_area()) / Fraction(10) ** self.digits,
-            most=4096,
-        )
+            corners |= {f"x_{k}": balls[self.place], f"v_{k}": balls[self.rate]}
+        target = abs(self.first_area()) / Fraction(10) ** self.digits
+        area = refined(lambda: {"area": self.area(arb_of(t))}, target, most=4096)
         if area is None:
-            told = (
+            message = (
                 f"at t = {float(t):.17g} s: corner: a corner or a side lies where a part of the"
                 " head turns or stops"
             )
-            raise NotCertifiedError(told, code="corner", time=float(t))
-        return found | area
+            raise NotCertifiedError(message, code="corner", time=float(t))
+        return corners | area
 
     def sensitivity(self, t: Fraction) -> float:
-        """The sensitivity S(t) of the corner that feels its start most."""
+        """S(t): the largest of those of the corners."""
         return max(motion.sensitivity(t) for motion in self.motions)
 
     def scalars(self) -> dict[str, Ball]:
@@ -112,7 +127,10 @@ class PhaseFlow(Guarded, Truth):
         return {"area_0": Ball(self.first_area(), Fraction(0))}
 
     def first_area(self) -> Fraction:
-        """The area of the polygon at the start, positive against the clock."""
+        """The area of the polygon at the start: half the sum of x_i v_(i+1) - x_(i+1) v_i.
+
+        It is positive where the corners go round counterclockwise.
+        """
         return sum((a[0] * b[1] - b[0] * a[1] for a, b in self.sides()), Fraction(0)) / 2
 
     def sides(self) -> list[tuple[Corner, Corner]]:
@@ -120,122 +138,148 @@ class PhaseFlow(Guarded, Truth):
         return list(zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True))
 
     def area(self, t: arb) -> arb:
-        """Every quantity at time t, at the current precision.
+        """The area at time t, at the current precision.
 
-        UndecidedError where balls cannot tell how often a part has turned.
+        UndecidedError where balls cannot tell how often a part has crossed v = 0.
         """
         first = arb_of(self.first_area())
         if self.flow == "viscous":
             return first * (-2 * arb_of(self.delta) * t).exp()
         if self.flow != "coulomb":
             return first
-        turned = self._turned()
+        # With w t = half_turns pi + rest and -pi < a < 0, n = floor((w t - a)/pi) is half_turns + 1
+        # for angles a below rest - pi, and half_turns above: the ray at that angle divides them.
         phase = arb_of(self.square).sqrt() * t
         half_turns = (phase / arb.pi()).floor().unique_fmpz()
         if half_turns is None:
             raise UndecidedError("how many half periods have passed")
         ray = (phase - half_turns * arb.pi() - arb.pi()).sin_cos()
-        total = sum(
-            (_swept(side, ray, int(half_turns), 2 * self.shift, self.square) for side in turned),
-            arb(0),
-        )
-        return total * arb_of(self.square).sqrt()
+        loss = 2 * self.shift
+        integrals = [
+            _side_integral(side, ray, int(half_turns), loss, self.square)
+            for side in self._sides_about_the_centre()
+        ]
+        return sum(integrals, arb(0)) * arb_of(self.square).sqrt()
 
-    def _turned(self) -> list[tuple[Corner, Corner]]:
-        """Sides in (X, v) for v < 0; a head above v = 0 is turned by half a turn, under which the
-        flow is the same.
+    def _sides_about_the_centre(self) -> list[tuple[Corner, Corner]]:
+        """The sides in (X, v), X = x - f/k, for v < 0.
+
+        A polygon above v = 0 is first turned by half a turn, under which the flow is the same.
+        Raises NotCertifiedError if it starts on both sides of v = 0.
         """
         if all(v < 0 for _, v in self.corners):
-            return [((a[0] - self.shift, a[1]), (b[0] - self.shift, b[1])) for a, b in self.sides()]
-        if all(v > 0 for _, v in self.corners):
-            return [
-                ((-a[0] - self.shift, -a[1]), (-b[0] - self.shift, -b[1])) for a, b in self.sides()
-            ]
-        raise NotCertifiedError(
-            "corner: the head starts on both sides of v = 0", code="corner", time=0.0
-        )
+            sign = 1
+        elif all(v > 0 for _, v in self.corners):
+            sign = -1
+        else:
+            raise NotCertifiedError(
+                "corner: the head starts on both sides of v = 0", code="corner", time=0.0
+            )
+        sides = []
+        for (x, v), (x_end, v_end) in self.sides():
+            begin = (sign * x - self.shift, sign * v)
+            end = (sign * x_end - self.shift, sign * v_end)
+            sides.append((begin, end))
+        return sides
 
 
-def _swept(
+def _side_integral(
     side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Fraction, square: Fraction
 ) -> arb:
-    """Half the integral of max(0, R - n loss)^2 da along a side, n = turns + 1 beyond the ray
-    (sine, cosine), else `turns`.
+    """Half the integral of max(0, R - n loss)^2 da along a side (X, v) of the polygon.
+
+    n is `turns` on the counterclockwise side of the ray (sine, cosine of its angle) and turns + 1
+    on the other; `square` is w^2. The side is cut where it meets the ray or a circle R = n loss:
+    between two cuts n is constant and R - n loss keeps its sign, so that the middle of a part
+    decides for all of it. UndecidedError where balls do not decide.
     """
     (x, v), (x_end, v_end) = side
     if x * v_end == x_end * v:
-        return arb(0)  # along a ray from the centre
+        # The side lies on a ray from the centre: da = 0.
+        return arb(0)
+    # The side is p + s d with 0 <= s <= 1 in the coordinates (X, Y) = (X, v/w).
     w = arb_of(square).sqrt()
     p = (arb_of(x), arb_of(v) / w)
     d = (arb_of(x_end - x), arb_of(v_end - v) / w)
     sine, cosine = ray
-    # cross product with the ray: positive on the side that is yet to turn
-    ends_beyond = [cosine * q[1] - sine * q[0] for q in (p, (p[0] + d[0], p[1] + d[1]))]
-    is_cut = _positive(ends_beyond[0]) != _positive(ends_beyond[1])
-    if is_cut:
-        cuts = [ends_beyond[0] / (ends_beyond[0] - ends_beyond[1])]
+    # The cross product of the ray with an end is positive on its counterclockwise side.
+    at_begin = cosine * p[1] - sine * p[0]
+    at_end = cosine * (p[1] + d[1]) - sine * (p[0] + d[0])
+    if _positive(at_begin) != _positive(at_end):
+        cuts = [at_begin / (at_begin - at_end)]
     else:
         cuts = []
     for n in (turns, turns + 1):
         if n:
-            reach = arb_of(n * loss)
-            cuts += _roots(_dot(d, d), 2 * _dot(p, d), _dot(p, p) - reach * reach)
+            # |p + s d|^2 = (n loss)^2
+            radius = arb_of(n * loss)
+            cuts += _roots(_dot(d, d), 2 * _dot(p, d), _dot(p, p) - radius * radius)
     ends = [arb(0), *_sorted([cut for cut in cuts if _inside(cut)]), arb(1)]
     total = arb(0)
     for begin, end in pairwise(ends):
-        a, middle, b = (
-            tuple(q + s * e for q, e in zip(p, d, strict=True))
-            for s in (begin, (begin + end) / 2, end)
-        )
+        a = _point(p, d, begin)
+        middle = _point(p, d, (begin + end) / 2)
+        b = _point(p, d, end)
         if _positive(cosine * middle[1] - sine * middle[0]):
             n = turns
         else:
             n = turns + 1
-        reach = arb_of(n * loss)
-        if not n or _positive(_dot(middle, middle) - reach * reach):
-            total += _piece(a, b, reach)
+        radius = arb_of(n * loss)
+        is_moving = not n or _positive(_dot(middle, middle) - radius * radius)
+        if is_moving:
+            total += _line_integral(a, b, radius)
     return total
 
 
-def _piece(a: Any, b: Any, reach: arb) -> arb:
-    """Half the integral of (R - reach)^2 da along the straight line from a to b: R^2 da is twice an
-    area, R da is c d asinh(s/|c|).
+def _point(p: tuple[arb, arb], d: tuple[arb, arb], s: arb) -> tuple[arb, arb]:
+    """The point p + s d."""
+    return p[0] + s * d[0], p[1] + s * d[1]
+
+
+def _line_integral(a: tuple[arb, arb], b: tuple[arb, arb], radius: arb) -> arb:
+    """Half the integral of (R - c)^2 da along the straight line from a to b, c = radius.
+
+    With D the signed distance of the line from the centre and s the distance along it from its
+    nearest point, R^2 = D^2 + s^2 and da = D ds/R^2, so that
+
+        integral of R^2 da = a x b,    integral of R da = D [asinh(s/|D|)],    integral of da = [a].
     """
-    twice = a[0] * b[1] - a[1] * b[0]
+    cross = a[0] * b[1] - a[1] * b[0]
     along = (b[0] - a[0], b[1] - a[1])
     length = _dot(along, along).sqrt()
-    off = twice / length
-    s_begin, s_end = (_dot(q, along) / length for q in (a, b))
-    swing = off * ((s_end / abs(off)).asinh() - (s_begin / abs(off)).asinh())
-    turn = arb.atan2(b[1], b[0]) - arb.atan2(a[1], a[0])
-    found: arb = (twice - 2 * reach * swing + reach * reach * turn) / 2
-    return found
+    distance = cross / length
+    s_begin = _dot(a, along) / length
+    s_end = _dot(b, along) / length
+    of_r = distance * ((s_end / abs(distance)).asinh() - (s_begin / abs(distance)).asinh())
+    of_angle = arb.atan2(b[1], b[0]) - arb.atan2(a[1], a[0])
+    return (cross - 2 * radius * of_r + radius * radius * of_angle) / 2
 
 
-def _dot(a: Any, b: Any) -> arb:
+def _dot(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
     """The dot product of two vectors; a power of a ball that holds 0 would be nan."""
-    found: arb = a[0] * b[0] + a[1] * b[1]
-    return found
+    return a[0] * b[0] + a[1] * b[1]
 
 
 def _roots(square: arb, linear: arb, constant: arb) -> list[arb]:
-    """Real roots of square s^2 + linear s + constant, square > 0."""
-    inside = linear * linear - 4 * square * constant
-    if _positive(inside):
-        return [(sign * inside.sqrt() - linear) / (2 * square) for sign in (-1, 1)]
+    """The real roots of square s^2 + linear s + constant, square > 0; none or two."""
+    discriminant = linear * linear - 4 * square * constant
+    if _positive(discriminant):
+        return [(sign * discriminant.sqrt() - linear) / (2 * square) for sign in (-1, 1)]
     return []
 
 
 def _inside(cut: arb) -> bool:
+    """True if the cut lies between the ends 0 and 1 of a side."""
     return _positive(cut) and _positive(1 - cut)
 
 
 def _sorted(cuts: list[arb]) -> list[arb]:
+    """The cuts in rising order of their midpoints."""
     return sorted(cuts, key=lambda cut: float(cut.mid()))
 
 
 def _positive(value: arb) -> bool:
-    """Whether it is positive and not negative; UndecidedError where a ball holds both."""
+    """True if it is positive, False if negative; UndecidedError where a ball holds 0."""
     if not (value > 0 or value < 0):
         raise UndecidedError("on which side of a boundary a part of the head is")
     return bool(value > 0)
@@ -244,6 +288,7 @@ def _positive(value: arb) -> bool:
 def truth(p: Parameters, corners: Sequence[Corner], scale: Mapping[str, float]) -> Truth:
     """The truth at parameters flow, mass, stiffness, delta, friction_force, length, gravity.
 
-    `scale` of x_k and v_k.
+    `corners` are the exact (x, v) of the polygon at the start; `scale` has the sizes of x_k and v_k
+    against which their errors count.
     """
     return PhaseFlow(p, corners, scale)

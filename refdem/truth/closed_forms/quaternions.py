@@ -1,8 +1,16 @@
-"""Quaternion algebra by complex matrices 2 x 2 in ball arithmetic: q stands for w 1 - i (x s1 + y
-s2 + z s3).
+"""Quaternion algebra by complex 2 x 2 matrices, in ball arithmetic.
 
-Sums, products and conjugates are those of matrices; q is read back from the first column (w - i z,
-y - i x).
+The quaternion q = (w, x, y, z) stands for the matrix
+
+    M(q) = w 1 - i (x s1 + y s2 + z s3) = [[w - i z, -y - i x], [y - i x, w + i z]]
+
+with Pauli's matrices s1, s2, s3. Sums and products of quaternions are those of their matrices, the
+conjugate q* = (w, -x, -y, -z) is the conjugate transpose, |q|^2 is the determinant, and (w, x, y,
+z) are read back from the first column (w - i z, y - i x).
+
+Names: a function that takes or returns `acb_mat` works on such matrices. The case's quaternions p,
+q, r are called `p_matrix`, `q_matrix`, `r_matrix`; u = q/|q| is the unit quaternion, which rotates
+body vectors into space.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,45 +25,69 @@ from refdem.truth.exact import vector
 from refdem.truth.timeless import Timeless
 
 
-def of_numbers(q: Sequence[Fraction]) -> acb_mat:
-    """The matrix of (w, x, y, z); of (x, y, z) with w = 0."""
-    w, x, y, z = (arb_of(number) for number in ((Fraction(0), *q) if len(q) == 3 else q))
+def matrix_of(w: arb, x: arb, y: arb, z: arb) -> acb_mat:
+    """The complex 2 x 2 matrix of the quaternion (w, x, y, z)."""
     return acb_mat([[acb(w, -z), acb(-y, -x)], [acb(y, -x), acb(w, z)]])
 
 
+def of_numbers(numbers: Sequence[Fraction]) -> acb_mat:
+    """The matrix of four exact numbers (w, x, y, z), or of three, (x, y, z), with w = 0."""
+    if len(numbers) == 3:
+        numbers = (Fraction(0), *numbers)
+    w, x, y, z = (arb_of(number) for number in numbers)
+    return matrix_of(w, x, y, z)
+
+
+def of_balls(v: Sequence[arb]) -> acb_mat:
+    """The matrix of the vector (x, y, z) of balls, as a quaternion with w = 0."""
+    x, y, z = v
+    return matrix_of(arb(0), x, y, z)
+
+
 def numbers_of(m: acb_mat) -> list[arb]:
-    """The quaternion (w, x, y, z) of a complex 2 x 2 matrix."""
+    """The quaternion (w, x, y, z) of a matrix, from its first column (w - i z, y - i x)."""
     return [m[0, 0].real, -m[1, 0].imag, m[1, 0].real, -m[0, 0].imag]
 
 
 def conjugated(m: acb_mat) -> acb_mat:
-    """The conjugate: of such a matrix, the conjugate transpose."""
+    """The matrix of the conjugate quaternion: the conjugate transpose."""
     return acb_mat([[m[j, i].conjugate() for j in range(2)] for i in range(2)])
 
 
 def absolute(m: acb_mat) -> arb:
-    """|q|: the root of the determinant."""
+    """|q|: the square root of the determinant."""
     return (m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]).real.sqrt()
 
 
-def turned(u: acb_mat, v: acb_mat) -> list[arb]:
-    """The vector v rotated by the quaternion u: u v u*."""
+def rotated(u: acb_mat, v: acb_mat) -> list[arb]:
+    """The vector v rotated by the unit quaternion u: the vector part of u v u*."""
     return numbers_of(u * v * conjugated(u))[1:]
 
 
 def euler(u: acb_mat) -> list[arb]:
-    """phi, theta, psi: psi + phi and psi - phi are twice the phases of (w + i z) and of (x + i y),
-    theta twice that of their sizes.
+    """Euler's angles phi, theta, psi (z-x-z) [rad] of the unit quaternion u.
+
+    By (1.76) to (1.79), with c = cos(theta/2) and s = sin(theta/2),
+
+        w + i z = c exp(i (phi + psi)/2),    x + i y = s exp(i (phi - psi)/2).
+
+    So theta/2 is the phase of |w + i z| + i |x + i y|, and phi and psi are the sum and the
+    difference of the two phases. Raises UndecidedError where phi or psi may be +-pi.
     """
     w, x, y, z = numbers_of(u)
-    total = acb(w, z)
-    apart = acb(x, y)
-    theta = 2 * acb(abs(total), abs(apart)).arg()
-    return [wrapped(total.arg() + apart.arg()), theta, wrapped(total.arg() - apart.arg())]
+    cosine_part = acb(w, z)
+    sine_part = acb(x, y)
+    half_sum = cosine_part.arg()
+    half_difference = sine_part.arg()
+    theta = 2 * acb(abs(cosine_part), abs(sine_part)).arg()
+    return [wrapped(half_sum + half_difference), theta, wrapped(half_sum - half_difference)]
 
 
 def wrapped(angle: arb) -> arb:
-    """The angle in (-pi, pi]; UndecidedError if a ball lies on both sides of the end."""
+    """The angle [rad] in (-pi, pi], for an angle in (-3 pi, 3 pi).
+
+    Raises UndecidedError if the ball holds pi or -pi.
+    """
     if angle > arb.pi():
         return angle - 2 * arb.pi()
     if angle < -arb.pi():
@@ -66,45 +98,57 @@ def wrapped(angle: arb) -> arb:
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """The value of every row of the case."""
-    b = of_numbers(vector(p, "q"))
-    size = absolute(b)
-    u = b / acb(size)
-    matrices = products(p, b, size) | rates(p, u)
-    return {name: numbers_of(m) for name, m in matrices.items()} | turns(p, b, size, u)
+    """The numbers of every row of the case, by the row's name."""
+    q_matrix = of_numbers(vector(p, "q"))
+    length = absolute(q_matrix)
+    u = q_matrix / acb(length)
+    matrices = products(p, q_matrix, length) | rates(p, u)
+    of_matrices = {name: numbers_of(matrix) for name, matrix in matrices.items()}
+    return of_matrices | rotation_rows(p, q_matrix, length, u)
 
 
-def products(p: Parameters, b: acb_mat, size: arb) -> dict[str, acb_mat]:
-    """Products, sums, conjugates, the inverse and the unit quaternion of p, q and r; `b` is q and
-    `size` is |q|.
+def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat]:
+    """Products, sums and conjugates of p, q and r, and the inverse and unit quaternion of q.
+
+    `length` is |q|. Rows that are different formulas of one value (the two ways to bracket p q r,
+    the real 4 x 4 and the complex 2 x 2 product) have the same matrix here.
     """
-    a = of_numbers(vector(p, "p"))
-    c = of_numbers(vector(p, "r"))
+    p_matrix = of_numbers(vector(p, "p"))
+    r_matrix = of_numbers(vector(p, "r"))
+    product = p_matrix * q_matrix
     return {
-        "p-q": a * b,
-        "q-p": b * a,
-        "commutator": a * b - b * a,
-        "q-r": b * c,
-        "left": a * b * c,
-        "right": a * b * c,
-        "conjugate-of-product": conjugated(b) * conjugated(a),
-        "sum": a + b,
-        "conjugate-of-sum": conjugated(a) + conjugated(b),
-        # q* / |q|^2
-        "inverse": conjugated(b) / acb(size * size),
+        "p-q": product,
+        "q-p": q_matrix * p_matrix,
+        "commutator": product - q_matrix * p_matrix,
+        "q-r": q_matrix * r_matrix,
+        "left": product * r_matrix,
+        "right": product * r_matrix,
+        # (p q)* = q* p*
+        "conjugate-of-product": conjugated(q_matrix) * conjugated(p_matrix),
+        "sum": p_matrix + q_matrix,
+        "conjugate-of-sum": conjugated(p_matrix) + conjugated(q_matrix),
+        # q^-1 = q*/|q|^2
+        "inverse": conjugated(q_matrix) / acb(length * length),
+        # q q^-1 = 1
         "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3),
-        "u": b / acb(size),
-        "real-product": a * b,
-        "complex-product": a * b,
+        "u": q_matrix / acb(length),
+        "real-product": product,
+        "complex-product": product,
     }
 
 
 def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
-    """What the unit quaternion u gives, and its rates under omega in space: u' = omega u/2."""
+    """The first and second time derivatives of the unit quaternion u, and products with them.
+
+    The parameters `omega` [rad/s] and `rise` [rad/s^2] are the angular velocity and its derivative,
+    in space axes.
+    """
     omega = of_numbers(vector(p, "omega"))
-    rise = of_numbers(vector(p, "rise"))
+    omega_rate = of_numbers(vector(p, "rise"))
     half = acb(1) / 2
+    # (1.67): u' = omega u/2.
     rate = omega * u * half
+    # The row "back" goes through the rotation matrix, which cannot tell u from -u: w >= 0 is meant.
     if numbers_of(u)[0] < 0:
         sign = acb(-1)
     else:
@@ -114,55 +158,66 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
         "back": u * sign,
         "turned-twice": u * u,
         "rate": rate,
-        # u'' = (omega' u + omega^2 u/2)/2
-        "second-rate": (rise * u + omega * omega * u * half) * half,
+        # u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2
+        "second-rate": (omega_rate * u + omega * omega * u * half) * half,
         "rate-conjugate": conjugated(rate),
         "u-conjugate": conjugated(u),
+        # u u'* = -omega/2 and u' u* = omega/2, so that their sum is 0.
         "u-rate": u * conjugated(rate),
         "rate-u": rate * conjugated(u),
         "anticommute": omega - omega,
     }
 
 
-def turns(p: Parameters, b: acb_mat, size: arb, u: acb_mat) -> dict[str, list[arb]]:
-    """Vectors turned by u, its matrix and Euler's angles; omega in space and in the body."""
+def rotation_rows(
+    p: Parameters, q_matrix: acb_mat, length: arb, u: acb_mat
+) -> dict[str, list[arb]]:
+    """Vectors rotated by u, the rotation matrix and Euler's angles of u, and omega in both axes.
+
+    `length` is |q| and u = q/|q|; `omega` [rad/s] is given in space axes.
+    """
     v = of_numbers(vector(p, "vector"))
     omega = of_numbers(vector(p, "omega"))
-    w, *imaginary = numbers_of(b)
-    basis = [of_numbers([Fraction(int(i == k)) for i in range(3)]) for k in range(3)]
-    columns = [turned(u, e) for e in basis]
-    once = turned(u, v)
+    # The complex matrix of q has the eigenvalues w +- i |(x, y, z)|.
+    w, *imaginary = numbers_of(q_matrix)
+    imaginary_square = sum((x * x for x in imaginary), arb(0))
+    # Column k of the rotation matrix is the rotated unit vector along axis k.
+    unit_vectors = [of_numbers([Fraction(int(i == k)) for i in range(3)]) for k in range(3)]
+    columns = [rotated(u, unit_vector) for unit_vector in unit_vectors]
+    rotated_once = rotated(u, v)
     return {
-        "absolute": [size],
-        "complex-eigenvalue": [w, sum((x * x for x in imaginary), arb(0)).sqrt()],
-        "rotated": once,
-        "rotated-by-minus-u": once,
+        "absolute": [length],
+        "complex-eigenvalue": [w, imaginary_square.sqrt()],
+        "rotated": rotated_once,
+        "rotated-by-minus-u": rotated_once,
         "matrix": [columns[k][i] for i in range(3) for k in range(3)],
         "euler": euler(u),
-        "rotated-twice": turned(u, of_balls(once)),
+        "rotated-twice": rotated(u, of_balls(rotated_once)),
+        # The scalar product of u and u' is 0, because |u| = 1.
         "orthogonal": [arb(0)],
         "omega-back": numbers_of(omega)[1:],
-        "omega-body": turned(conjugated(u), omega),
+        # omega_body = u* omega u
+        "omega-body": rotated(conjugated(u), omega),
     }
 
 
-def of_balls(v: Sequence[arb]) -> acb_mat:
-    """The matrix of a vector of balls."""
-    x, y, z = v
-    return acb_mat([[acb(0, -z), acb(-y, -x)], [acb(y, -x), acb(0, z)]])
-
-
-def listed(found: Mapping[str, Sequence[arb]]) -> dict[str, arb]:
-    """Rows as quantities: `name`, or `name.0`, `name.1` ... where there are several numbers."""
-    return {
-        (name if len(numbers) == 1 else f"{name}.{i}"): number
-        for name, numbers in found.items()
-        for i, number in enumerate(numbers)
-    }
+def listed(rows: Mapping[str, Sequence[arb]]) -> dict[str, arb]:
+    """Rows as quantities: `name` for a row of one number, else `name.0`, `name.1` and so on."""
+    quantities: dict[str, arb] = {}
+    for name, numbers in rows.items():
+        if len(numbers) == 1:
+            quantities[name] = numbers[0]
+        else:
+            for i, number in enumerate(numbers):
+                quantities[f"{name}.{i}"] = number
+    return quantities
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters p, q, r, vector, omega, rise."""
+    """The truth at parameters p, q, r (quaternions), vector, omega [rad/s], rise [rad/s^2].
+
+    `scale` maps every quantity to the size against which its error counts.
+    """
     return Timeless(
         scale, lambda: listed(values(p)), witness="Hamilton's products in rational arithmetic"
     )

@@ -1,10 +1,17 @@
-"""Certified rigid cluster: points r_i = c + R(t) (r_i(0) - c), R the free rigid body's turn in the
-cluster's principal axes.
+"""Certified rigid cluster: points r_i = c + R(t) (r_i(0) - c), where the centre c rests and R is
+the rotation of a free rigid body.
 
-The tensor of inertia of exact points is rational; its principal moments are roots of its
-characteristic polynomial, isolated with their multiplicities, its axes cross products of rows of J
-- lambda. Where moments are equal, J1 = J1 != J3 about the unit vector e, R = exp(t L/J1) exp(t
-  (omega.e)(1 - J3/J1) e) needs no axes across e (Landau and Lifshitz, Mechanics, section 33).
+The inertia tensor J = sum m (r^2 1 - r r^T) of exact points is rational. Its principal moments are
+the roots lambda of det(J - lambda) = 0, isolated with their multiplicities; the axis of a moment
+that occurs once is a cross product of two rows of J - lambda. In these axes the motion is that of
+free_body.py.
+
+Two equal moments J1 = J1 != J3 leave the axes across e, the unit vector of J3, open. There
+
+    R = exp(t L/J1) exp(t (omega . e)(1 - J3/J1) e)
+
+(exp of a vector is the rotation about it by its length) needs none (Landau and Lifshitz, Mechanics,
+section 33).
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,55 +52,64 @@ NONE: Vector = (Fraction(0),) * 3
 
 
 class AboutAxis(FreeBody):
-    """Two equal moments `across` (rational) and `along` the unit vector e, in any axes; three equal
-    ones are the same.
+    """A body with two equal moments: `across` the unit vector e (rational), and `along` it.
+
+    The vectors e and omega [rad/s] are in any axes fixed to the body at t = 0. Three equal moments
+    are a special case. `rate` is (omega . e)(1 - J3/J1) [rad/s], `length` is |L| and `along` L/|L|.
     """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
     def __init__(self, across: arb, along: arb, e: Sequence[arb], omega: Sequence[arb]) -> None:
-        self.axis, self.start = list(e), tuple(omega)
-        about = rotation.dot(self.start, self.axis)
+        self.axis = list(e)
+        self.start = tuple(omega)
+        omega_e = rotation.dot(self.start, self.axis)
+        # L = J1 omega + (J3 - J1)(omega . e) e
         momentum = [
-            across * w + (along - across) * about * x
+            across * w + (along - across) * omega_e * x
             for w, x in zip(self.start, self.axis, strict=True)
         ]
         self.length = rotation.dot(momentum, momentum).sqrt()
         self.along = [m / self.length for m in momentum]
         self.across = across
-        self.rate = about * (1 - along / across)
-        self.moment, self.twice_energy = along, rotation.dot(momentum, self.start)
+        self.rate = omega_e * (1 - along / across)
+        self.moment = along
+        self.twice_energy = rotation.dot(momentum, self.start)
 
     def omega(self, t: arb) -> list[arb]:
-        return rotation.applied(
-            rotation.matrix(rotation.turn(self.axis, -self.rate * t)), self.start
-        )
+        """omega in body axes turns about e by -rate t."""
+        back = rotation.matrix(rotation.turn(self.axis, -self.rate * t))
+        return rotation.applied(back, self.start)
 
     def turn(self, t: arb) -> list[arb]:
-        return rotation.times(
-            rotation.turn(self.along, self.length / self.across * t),
-            rotation.turn(self.axis, self.rate * t),
-        )
+        """The quaternion of R = exp(t L/J1) exp(t rate e)."""
+        about_momentum = rotation.turn(self.along, self.length / self.across * t)
+        about_axis = rotation.turn(self.axis, self.rate * t)
+        return rotation.times(about_momentum, about_axis)
 
     def constants(self) -> dict[str, arb]:
+        """The period of omega in body axes, 2 pi/|rate| [s]."""
         return {"period": 2 * arb.pi() / abs(self.rate)}
 
     def fastest(self) -> arb:
-        """The largest |omega| [rad/s], which stays."""
+        """|omega| [rad/s], which is constant."""
         return length_of(self.start)
 
     def lead(self, t: arb) -> arb:
+        """That of a steady rotation (free_body.steady_lead), times t."""
         square = rotation.dot(self.start, self.start)
         return steady_lead(self.moment, self.twice_energy, self.length, square) * t
 
 
 class RigidCluster(ClosedForm, Turning):
-    """r1.x .. r4.z of points whose centre rests; the start is exact, `shift` is added to omega in
-    principal axes.
+    """The truth of a cluster: r1.x .. r4.z [m] of points whose centre of mass rests.
 
-    S: that of the body (its turn moves a point by at most L), times J3/J1, by which the same change
-    of a velocity may change omega the more, plus once more for the centre of mass, whose way grows
-    no faster than a turn.
+    `masses` [kg], `places` (positions [m]) and `omega` [rad/s, space axes] at the start are exact.
+    `shift` [rad/s] is added to omega in principal axes: a displaced cluster has one that is not 0.
+
+    S is that of the body, times 1 + J3/J1: a turn moves a point by at most the size L of the
+    cluster; the same change of a velocity changes omega by up to J3/J1 as much about one axis as
+    about another; and once more for the centre of mass, which drifts no faster than a turn.
     """
 
     witness = WITNESS
@@ -113,68 +129,68 @@ class RigidCluster(ClosedForm, Turning):
         self.places = places
         self.omega = omega
         self.shift = shift
-        whole = sum(masses, Fraction(0))
-        self.centre = [dot_exact(masses, [r[i] for r in places]) / whole for i in AXES]
+        total_mass = sum(masses, Fraction(0))
+        self.centre = [dot_exact(masses, [r[i] for r in places]) / total_mass for i in AXES]
         self.arms = [[r[i] - self.centre[i] for i in AXES] for r in places]
-        square = sum(
-            (m * dot_exact(r, r) for m, r in zip(masses, self.arms, strict=True)), Fraction(0)
-        )
-        self.tensor = [
-            [
-                (square if i == j else 0)
-                - sum(m * r[i] * r[j] for m, r in zip(masses, self.arms, strict=True))
-                for j in AXES
-            ]
-            for i in AXES
-        ]
+        self.tensor = inertia_tensor(masses, self.arms)
         self.method = (
             f"closed form in Arb balls; {self.form().method}, in principal axes that are isolated"
             " roots"
         )
 
     def form(self) -> type[FreeBody]:
-        """Which closed form it is: at the lowest precision at which balls tell; raises
-        NotCertifiedError if none does.
+        """The closed form of the motion, at the lowest precision at which balls decide it.
+
+        Raises NotCertifiedError if no precision does.
         """
-        for bits in (FIRST_BITS << n for n in range(7)):
+        for bits in (FIRST_BITS << doubling for doubling in range(7)):
             with precision(bits):
                 try:
                     return type(self.body())
                 except UndecidedError:
                     continue
-        told = (
+        message = (
             "separatrix: balls cannot decide about which principal axis the cluster turns; move its"
             " spin off the boundary"
         )
-        raise NotCertifiedError(told, code="separatrix", time=0.0)
+        raise NotCertifiedError(message, code="separatrix", time=0.0)
 
     @per_precision
     def moments(self) -> list[tuple[arb, int]]:
-        """Principal moments, smallest first, with their multiplicities."""
+        """The distinct principal moments with their multiplicities, smallest first.
+
+        They are the roots of the characteristic polynomial lambda^3 - trace lambda^2 + (sum of the
+        principal minors) lambda - det J, which FLINT isolates exactly from whole coefficients.
+        """
         a, b, c = self.tensor
         trace = a[0] + b[1] + c[2]
-        minors = a[0] * b[1] - a[1] * b[0] + a[0] * c[2] - a[2] * c[0] + b[1] * c[2] - b[2] * c[1]
-        coefficients = [-dot_exact(a, cross(b, c)), minors, -trace, Fraction(1)]
+        minor_z = a[0] * b[1] - a[1] * b[0]
+        minor_y = a[0] * c[2] - a[2] * c[0]
+        minor_x = b[1] * c[2] - b[2] * c[1]
+        determinant = dot_exact(a, cross(b, c))
+        coefficients = [-determinant, minor_z + minor_y + minor_x, -trace, Fraction(1)]
         common = lcm(*(x.denominator for x in coefficients))
         roots: Any = fmpz_poly([int(x * common) for x in coefficients]).complex_roots()
-        return sorted(
-            ((root.real, count) for root, count in roots), key=lambda pair: float(pair[0].mid())
-        )
+        moments = [(root.real, multiplicity) for root, multiplicity in roots]
+        return sorted(moments, key=lambda pair: float(pair[0].mid()))
 
     def axis(self, moment: arb) -> list[arb]:
-        """The unit vector of a moment that occurs once: the largest cross product of two rows of J
-        - lambda.
+        """The unit vector of the principal axis of a moment that occurs once.
+
+        J - moment then has rank 2 and its rows span the plane across the axis, so that the axis is
+        along the cross product of two of them: the largest of the three is the best known.
         """
         rows = [[arb_of(self.tensor[i][j]) - (moment if i == j else 0) for j in AXES] for i in AXES]
-        found = [rotation.cross(rows[i], rows[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
-        best = max(found, key=lambda v: float(rotation.dot(v, v).mid()))
-        size = rotation.dot(best, best).sqrt()
-        return [x / size for x in best]
+        normals = [rotation.cross(rows[i], rows[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
+        best = max(normals, key=lambda v: float(rotation.dot(v, v).mid()))
+        length = rotation.dot(best, best).sqrt()
+        return [x / length for x in best]
 
     @per_precision
     def axes(self) -> list[list[arb]]:
-        """Rows: right-handed unit vectors of the axes in which the body is told; those of space
-        where moments are equal.
+        """The axes of the body in which its motion is computed: right-handed unit vectors, as rows.
+
+        They are the principal axes, or those of space where two moments are equal (AboutAxis).
         """
         if len(self.moments()) < 3:
             return [[arb(int(i == j)) for j in AXES] for i in AXES]
@@ -183,83 +199,98 @@ class RigidCluster(ClosedForm, Turning):
 
     @property
     def is_steady(self) -> bool:
-        """Whether the momentum is along omega, but for the shift."""
+        """True if L is parallel to omega, without the shift: the cluster turns steadily."""
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
         return not any(cross(momentum, self.omega))
 
     @per_precision
     def body(self) -> FreeBody:
-        """The motion of the free body in its principal axes."""
+        """The motion of the free body in `axes`, of the kind that the exact start decides."""
         omega = [arb_of(w) for w in self.omega]
-        moments = [moment for moment, _ in self.moments()]
+        if len(self.moments()) < 3:
+            return self._about_axis(omega)
+        moments: Any = tuple(moment for moment, _ in self.moments())
+        omega_body = rotation.applied(self.axes(), omega)
+        steady_axis = None
+        if self.is_steady:
+            # omega lies along one principal axis exactly, which balls of it cannot know.
+            steady_axis = self._steady_axis(moments)
+            omega_body = [w if i == steady_axis else arb(0) for i, w in enumerate(omega_body)]
+        shifted: Any = tuple(w + arb_of(s) for w, s in zip(omega_body, self.shift, strict=True))
+        shift_across = [s for i, s in enumerate(self.shift) if i != steady_axis]
+        if steady_axis is not None and not any(shift_across):
+            return Steady(moments, shifted)
+        if self._is_on_separatrix(moments[1]):
+            return Separatrix(moments, shifted)
+        return Elliptic(moments, shifted)
+
+    def _about_axis(self, omega: Sequence[arb]) -> AboutAxis:
+        """The motion with equal moments; three equal ones have no axis of their own, so take z."""
+        counted = self.moments()
+        once = next((moment for moment, count in counted if count == 1), counted[0][0])
+        twice = next(moment for moment, count in counted if count > 1)
+        if len(counted) == 2:
+            e = self.axis(once)
+        else:
+            e = [arb(0), arb(0), arb(1)]
+        shifted = [w + arb_of(s) for w, s in zip(omega, self.shift, strict=True)]
+        return AboutAxis(twice, once, e, shifted)
+
+    def _steady_axis(self, moments: Sequence[arb]) -> int:
+        """The principal axis along which omega lies: that of the moment 2 E/omega^2."""
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
-        energy2 = dot_exact(momentum, self.omega)
-        momentum2 = dot_exact(momentum, momentum)
-        steady = self.is_steady
-        at_rest = not any(self.shift)
-        if len(moments) < 3:
-            once = next((moment for moment, count in self.moments() if count == 1), moments[0])
-            twice = next(moment for moment, count in self.moments() if count > 1)
-            if len(moments) == 2:
-                e = self.axis(once)
-            else:
-                e = [arb(0), arb(0), arb(1)]
-            return AboutAxis(
-                twice, once, e, [w + arb_of(s) for w, s in zip(omega, self.shift, strict=True)]
-            )
-        turned = rotation.applied(self.axes(), omega)
-        if steady:
-            k = min(
-                AXES,
-                key=lambda i: abs(
-                    float(moments[i].mid()) - float(energy2 / dot_exact(self.omega, self.omega))
-                ),
-            )
-            turned = [w if i == k else arb(0) for i, w in enumerate(turned)]
-        shifted: Any = tuple(w + arb_of(s) for w, s in zip(turned, self.shift, strict=True))
-        three: Any = tuple(moments)
-        if steady and not any(s for i, s in enumerate(self.shift) if i != k):
-            return Steady(three, shifted)
-        on_it = (
-            at_rest
-            and self.characteristic(momentum2 / energy2) == 0
-            and moments[1].contains(arb_of(momentum2 / energy2).mid())
-        )
-        return (Separatrix if on_it else Elliptic)(three, shifted)
+        moment = dot_exact(momentum, self.omega) / dot_exact(self.omega, self.omega)
+        return min(AXES, key=lambda i: abs(float(moments[i].mid()) - float(moment)))
+
+    def _is_on_separatrix(self, middle_moment: arb) -> bool:
+        """True if L^2/(2 E) is exactly the middle moment: a root of det(J - lambda), and that one.
+
+        A displaced cluster never is: its shift is not exact in the axes of space.
+        """
+        if any(self.shift):
+            return False
+        momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        ratio = dot_exact(momentum, momentum) / dot_exact(momentum, self.omega)
+        return self.characteristic(ratio) == 0 and middle_moment.contains(arb_of(ratio).mid())
 
     def characteristic(self, value: Fraction) -> Fraction:
-        """det(J - value), exact: 0 for L^2/(2E) on the separatrix."""
-        a, b, c = (
-            [x - (value if i == j else 0) for j, x in enumerate(row)]
-            for i, row in enumerate(self.tensor)
-        )
-        found: Fraction = dot_exact(a, cross(b, c))
-        return found
+        """det(J - value), exact: the scalar triple product of the rows."""
+        rows = [list(row) for row in self.tensor]
+        for i in AXES:
+            rows[i][i] -= value
+        a, b, c = rows
+        determinant: Fraction = dot_exact(a, cross(b, c))
+        return determinant
 
     @per_precision
     def start(self) -> list[arb]:
+        """The quaternion from `axes` to space at t = 0."""
         return rotation.quaternion(rotation.transposed(self.axes()))
 
     def spin(self, t: arb) -> list[arb]:
+        """omega [rad/s] in `axes` at time t."""
         return self.body().omega(t)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        turn = rotation.matrix(rotation.times(self.turned(t), rotation.conjugate(self.start())))
-        found: dict[str, arb] = {}
+        """r_i = c + R(t) (r_i(0) - c), with R(t) = q(t) q(0)* in axes of space."""
+        since_start = rotation.times(self.turned(t), rotation.conjugate(self.start()))
+        r = rotation.matrix(since_start)
+        places: dict[str, arb] = {}
         for number, arm in enumerate(self.arms):
-            away = rotation.applied(turn, [arb_of(x) for x in arm])
-            found |= {
-                f"r{number + 1}.{axis}": arb_of(c) + x
-                for axis, c, x in zip("xyz", self.centre, away, strict=True)
-            }
-        return found
+            turned_arm = rotation.applied(r, [arb_of(x) for x in arm])
+            for axis, c, x in zip("xyz", self.centre, turned_arm, strict=True):
+                places[f"r{number + 1}.{axis}"] = arb_of(c) + x
+        return places
 
     def displaced(self, axis: int, amount: Fraction) -> "RigidCluster":
-        shift = tuple(s + (amount if i == axis else 0) for i, s in enumerate(self.shift))
-        return RigidCluster(self.masses, self.places, self.omega, self.scale, shift)
+        """The cluster whose omega is larger by `amount` [rad/s] along one of `axes`."""
+        shift = list(self.shift)
+        shift[axis] += amount
+        return RigidCluster(self.masses, self.places, self.omega, self.scale, tuple(shift))
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors grow: as those of the free body, times 1 + J3/J1 (see the class)."""
         moments = [moment for moment, _ in self.moments()]
         turn = self.scale["attitude.w"]
         spin = self.scale["omega.x"]
@@ -277,15 +308,28 @@ class RigidCluster(ClosedForm, Turning):
         return rotation.times(self.turned(t), rotation.conjugate(self.start()))
 
 
+def inertia_tensor(
+    masses: Sequence[Fraction], arms: Sequence[Sequence[Fraction]]
+) -> list[list[Fraction]]:
+    """J_ij = sum m (r^2 delta_ij - r_i r_j) [kg m^2] of points at the arms r [m], exact."""
+    points = list(zip(masses, arms, strict=True))
+    trace_term = sum((m * dot_exact(r, r) for m, r in points), Fraction(0))
+    tensor = [[-sum((m * r[i] * r[j] for m, r in points), Fraction(0)) for j in AXES] for i in AXES]
+    for i in AXES:
+        tensor[i][i] += trace_term
+    return tensor
+
+
 def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     """The cross product a x b of exact vectors (3)."""
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
-    """The truth at these parameters (masses, positions, omega).
+    """The truth at parameters masses [kg], positions [m, four times x, y, z], omega [rad/s].
 
-    `rate` [rad/s] is the scale of omega.
+    `scale` has the sizes of the positions against which their errors count, `rate` [rad/s] is that
+    of omega.
     """
     flat = vector(p, "positions")
     places = [flat[k : k + 3] for k in range(0, 12, 3)]

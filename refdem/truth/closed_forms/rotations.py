@@ -1,5 +1,9 @@
 """Rotations of vectors and planes: whole numbers for quarter turns, sines and cosines written out
 for the others.
+
+Euler's angles are z-x-z: the rotation is R = R_z(phi) R_x(theta) R_z(psi), from body axes to space
+axes. Quaternions are (w, x, y, z). Numbers in parentheses, as (1.39), are equations of Matuttis and
+Chen 2014.
 """
 
 from collections.abc import Mapping
@@ -40,54 +44,84 @@ about z.
 
 
 def rates(phi: arb, theta: arb, omega: tuple[arb, arb, arb]) -> list[arb]:
-    """phi', theta', psi' (1.39) to (1.41) in space axes."""
-    x, y, z = omega
-    across = x * phi.sin() - y * phi.cos()
-    return [
-        z - across * theta.cos() / theta.sin(),
-        x * phi.cos() + y * phi.sin(),
-        across / theta.sin(),
-    ]
+    """The rates phi', theta', psi' [rad/s] of Euler's angles, from omega [rad/s] in space axes.
+
+    (1.39) to (1.41), with c = omega_x sin phi - omega_y cos phi:
+
+        phi' = omega_z - c cot theta,  theta' = omega_x cos phi + omega_y sin phi,
+        psi' = c/sin theta.
+    """
+    omega_x, omega_y, omega_z = omega
+    c = omega_x * phi.sin() - omega_y * phi.cos()
+    phi_rate = omega_z - c * theta.cos() / theta.sin()
+    theta_rate = omega_x * phi.cos() + omega_y * phi.sin()
+    psi_rate = c / theta.sin()
+    return [phi_rate, theta_rate, psi_rate]
 
 
 def quaternion(phi: arb, theta: arb, psi: arb) -> list[arb]:
-    """The quaternion (w, x, y, z) of Euler angles, by (1.76) to (1.79)."""
+    """The quaternion (w, x, y, z) of Euler's angles [rad], by (1.76) to (1.79).
+
+    With c = cos(theta/2) and s = sin(theta/2),
+
+        w + i z = c exp(i (phi + psi)/2),  x + i y = s exp(i (phi - psi)/2).
+    """
     c = (theta / 2).cos()
     s = (theta / 2).sin()
-    total = (phi + psi) / 2
-    apart = (phi - psi) / 2
-    return [c * total.cos(), s * apart.cos(), s * apart.sin(), c * total.sin()]
+    half_sum = (phi + psi) / 2
+    half_difference = (phi - psi) / 2
+    w = c * half_sum.cos()
+    x = s * half_difference.cos()
+    y = s * half_difference.sin()
+    z = c * half_sum.sin()
+    return [w, x, y, z]
 
 
 def euler_matrix(phi: arb, theta: arb, psi: arb) -> list[arb]:
-    """The transpose of (1.21), row by row."""
-    sf, cf = phi.sin_cos()
-    st, ct = theta.sin_cos()
-    sp, cp = psi.sin_cos()
-    first = [cf * cp - sf * ct * sp, -cf * sp - sf * ct * cp, sf * st]
-    second = [sf * cp + cf * ct * sp, -sf * sp + cf * ct * cp, -cf * st]
-    third = [st * sp, st * cp, ct]
-    return [*first, *second, *third]
+    """The matrix R = R_z(phi) R_x(theta) R_z(psi) (body to space), row by row.
+
+    It is the transpose of (1.21), which leads from space to the body.
+    """
+    sin_phi, cos_phi = phi.sin_cos()
+    sin_theta, cos_theta = theta.sin_cos()
+    sin_psi, cos_psi = psi.sin_cos()
+    row_x = [
+        cos_phi * cos_psi - sin_phi * cos_theta * sin_psi,
+        -cos_phi * sin_psi - sin_phi * cos_theta * cos_psi,
+        sin_phi * sin_theta,
+    ]
+    row_y = [
+        sin_phi * cos_psi + cos_phi * cos_theta * sin_psi,
+        -sin_phi * sin_psi + cos_phi * cos_theta * cos_psi,
+        -cos_phi * sin_theta,
+    ]
+    row_z = [sin_theta * sin_psi, sin_theta * cos_psi, cos_theta]
+    return [*row_x, *row_y, *row_z]
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
-    """The value of every row of the case."""
+    """The numbers of every row of the case, by the row's name."""
     frequency = arb_of(number(p, "frequency"))
-    whole = {name: [arb(n) for n in entries] for name, entries in TURNS.items()}
-    # Energy per moment of inertia, omega^2/2 with omega = 2 pi f.
+    quarter_turns = {name: [arb(n) for n in entries] for name, entries in TURNS.items()}
     energies = {
+        # Energy per moment of inertia: omega^2/2 with omega = 2 pi f.
         "energy": [2 * (arb.pi() * frequency) ** 2],
+        # The same with f by mistake in the place of omega: too small by 4 pi^2.
         "frequency-energy": [frequency * frequency / 2],
         "energy-ratio": [4 * arb.pi() ** 2],
     }
-    return whole | in_the_plane(p) | by_euler(p) | energies
+    return quarter_turns | in_the_plane(p) | by_euler(p) | energies
 
 
 def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
-    """A turn of the plane by an angle, and the mirror at the line at that angle."""
+    """The plane vector v = x + i y turned by an angle a, and mirrored at the line at that angle.
+
+    The turn is exp(i a) v; its matrix has the eigenvalues cos a +- i |sin a|. The mirror image is
+    exp(2 i a) conj(v): turn the line onto the x axis, change the sign of y, turn back.
+    """
     angle = arb_of(number(p, "angle"))
-    v = acb(*(arb_of(x) for x in vector(p, "vector")))
-    # exp(i a) v, and exp(2 i a) conj(v).
+    x, y = (arb_of(component) for component in vector(p, "vector"))
+    v = acb(x, y)
     turned = acb(angle.cos(), angle.sin()) * v
     mirrored = acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
     return {
@@ -95,36 +129,47 @@ def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
         "complex-turn": [turned.real, turned.imag],
         "plane-eigenvalue": [angle.cos(), abs(angle.sin())],
         "mirror": [mirrored.real, mirrored.imag],
+        # Rx(-90) Ry(-90) (the row "globe") is one turn by 120 degrees.
         "globe-angle": [2 * arb.pi() / 3],
     }
 
 
 def by_euler(p: Parameters) -> dict[str, list[arb]]:
-    """Euler's angles, with their rates, also next to their singularity."""
+    """Euler's angles with their matrix, quaternion and rates.
+
+    The rows `near-...` have the small angle `near` [rad] in the place of theta, where the rates of
+    Euler's angles diverge as 1/sin theta and those of the quaternion do not.
+    """
     near = arb_of(number(p, "near"))
-    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
-    x, y, z = (arb_of(w) for w in vector(p, "omega"))
-    q0, q1, q2, q3 = tilted = quaternion(phi, near, psi)
-    # omega q, of which q' is half.
-    rising = [
-        -x * q1 - y * q2 - z * q3,
-        x * q0 + y * q3 - z * q2,
-        y * q0 + z * q1 - x * q3,
-        z * q0 + x * q2 - y * q1,
+    phi, theta, psi = (arb_of(angle) for angle in vector(p, "euler"))
+    omega_x, omega_y, omega_z = (arb_of(component) for component in vector(p, "omega"))
+    omega = (omega_x, omega_y, omega_z)
+    near_quaternion = quaternion(phi, near, psi)
+    w, x, y, z = near_quaternion
+    # The product omega q of quaternions; q' = omega q/2 (1.67).
+    omega_q = [
+        -omega_x * x - omega_y * y - omega_z * z,
+        omega_x * w + omega_y * z - omega_z * y,
+        omega_y * w + omega_z * x - omega_x * z,
+        omega_z * w + omega_x * y - omega_y * x,
     ]
     return {
         "euler-matrix": euler_matrix(phi, theta, psi),
         "euler-back": [phi, theta, psi],
         "euler-quaternion": quaternion(phi, theta, psi),
-        "euler-rates": rates(phi, theta, (x, y, z)),
-        "near-rates": rates(phi, near, (x, y, z)),
-        "near-quaternion": tilted,
-        "near-quaternion-rate": [each / 2 for each in rising],
+        "euler-rates": rates(phi, theta, omega),
+        "near-rates": rates(phi, near, omega),
+        "near-quaternion": near_quaternion,
+        "near-quaternion-rate": [component / 2 for component in omega_q],
     }
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters angle, vector, euler, omega, near, frequency."""
+    """The truth at parameters angle [rad], vector, euler [rad], omega [rad/s], near [rad],
+    frequency [Hz].
+
+    `scale` maps every quantity to the size against which its error counts.
+    """
     return Timeless(
         scale, lambda: listed(values(p)), witness="products of matrices of sines and cosines"
     )

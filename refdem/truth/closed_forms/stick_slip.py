@@ -1,10 +1,17 @@
-"""A mass on a spring that rubs on a moving belt: x'' in gamma cos(eta t) - x - a mu(belt) - a mu(u)
-Sgn(u), u = x' - belt (1.125).
+"""A mass on a spring that rubs on a moving belt (1.125):
+
+    x'' in gamma cos(eta t) - x - a mu(belt) - a mu(|u|) Sgn(u),    u = x' - belt,
+
+with the friction a mu(w) = a ((mu0 - mu1)/(1 + lambda0 w) + mu1 + lambda1 w^2) (or lambda1 w).
 
 Modes: it slips forward (u > 0), backward (u < 0), or sticks (u = 0), which it may while |P| <= a
 mu0 with the pull P = gamma cos(eta t) - x - a mu(belt). A slip begins with a double zero of u:
 there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt that stands still x is constant while it
 sticks, so that the time of release is an arc cosine, or there is none.
+
+A state y is (x, u, t): the clock t is a coordinate, because the drive depends on it. An `Entry`
+says which mode begins, in which state, and, for each guard that vanishes there, the order of its
+zero.
 """
 
 from collections.abc import Mapping
@@ -53,12 +60,11 @@ class StickSlip:
     def friction(self, speed: Any) -> Any:
         """The friction a mu(w) at a relative speed w >= 0."""
         if self.law == "quadratic":
-            last = speed * speed
+            growing = speed * speed
         else:
-            last = speed
-        return self.a * (
-            (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last
-        )
+            growing = speed
+        falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
+        return self.a * (falling + self.mu1 + self.lambda1 * growing)
 
     @property
     def limit(self) -> Fraction:
@@ -66,42 +72,57 @@ class StickSlip:
         return self.a * self.mu0
 
     def pull(self, y: Any) -> Any:
-        """The force P that friction must balance in a state."""
+        """The pull P = gamma cos(eta t) - x - a mu(|belt|), which friction balances in a stick."""
         return self.gamma * (self.eta * y[2]).cos() - y[0] - self.friction(abs(self.belt))
 
     def modes(self) -> dict[str, Mode]:
-        """The three modes of the motion, by name."""
+        """The three modes of the motion, by name.
+
+        A guard is positive while its mode lasts; the event is its zero.
+        """
         limit = self.limit
-        forward, backward = (
-            Guard("stop", lambda y: y[1], self.landing),
-            Guard("stop", lambda y: -y[1], self.landing),
+        # A slip ends where u = 0.
+        forward_stop = Guard("stop", lambda y: y[1], self.landing)
+        backward_stop = Guard("stop", lambda y: -y[1], self.landing)
+        # Sticking ends where |P| = a mu0. The slip begins with a double zero of u.
+        release_forward = Guard(
+            FORWARD,
+            lambda y: limit - self.pull(y),
+            lambda y: Entry(FORWARD, on_belt, {"stop": 2}),
         )
-        release = (
-            Guard(
-                FORWARD,
-                lambda y: limit - self.pull(y),
-                lambda y: Entry(FORWARD, on_belt, {"stop": 2}),
-            ),
-            Guard(
-                BACKWARD,
-                lambda y: limit + self.pull(y),
-                lambda y: Entry(BACKWARD, on_belt, {"stop": 2}),
-            ),
+        release_backward = Guard(
+            BACKWARD,
+            lambda y: limit + self.pull(y),
+            lambda y: Entry(BACKWARD, on_belt, {"stop": 2}),
+        )
+        # On a belt that stands still the time of release is known in closed form.
+        if self.belt:
+            closed_form = None
+        else:
+            closed_form = self.leaves
+        stick = Mode(
+            lambda y: [self.belt, 0, 1],
+            (release_forward, release_backward),
+            closed_form,
+            self.window(),
         )
         return {
-            FORWARD: Mode(self.slipping(1), (forward,)),
-            BACKWARD: Mode(self.slipping(-1), (backward,)),
-            STICK: Mode(
-                lambda y: [self.belt, 0, 1],
-                release,
-                None if self.belt else self.leaves,
-                self.window(),
-            ),
+            FORWARD: Mode(self.slipping(1), (forward_stop,)),
+            BACKWARD: Mode(self.slipping(-1), (backward_stop,)),
+            STICK: stick,
         }
 
     def slipping(self, side: int) -> Field:
-        """x' = u + belt, u' = P - side a mu(|u|), t' = 1."""
-        return lambda y: [y[1] + self.belt, self.pull(y) - side * self.friction(side * y[1]), 1]
+        """The field of a slip: x' = u + belt, u' = P - side a mu(|u|), t' = 1.
+
+        `side` is the sign of u: 1 forward, -1 backward.
+        """
+
+        def field(y: Any) -> list[Any]:
+            friction = self.friction(side * y[1])
+            return [y[1] + self.belt, self.pull(y) - side * friction, 1]
+
+        return field
 
     def window(self) -> Fraction:
         """About a quarter of the drive's period [s]."""
@@ -110,30 +131,50 @@ class StickSlip:
         return Fraction(1)
 
     def landing(self, y: State) -> Entry:
-        """The entry at u = 0: it sticks or crosses, by the pull."""
-        wave = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos()
+        """The mode after a slip has come to u = 0 in state y: it sticks, or crosses with the pull.
+
+        Raises SwitchError where balls do not tell |P| from a mu0.
+        """
+        drive = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos()
         limit = arb_of(self.limit)
-        pull = wave - y[0] - arb_of(self.friction(abs(self.belt)))
+        pull = drive - y[0] - arb_of(self.friction(abs(self.belt)))
         if abs(pull) < limit:
             return Entry(STICK, on_belt)
-        if abs(pull) > limit:
-            return Entry(FORWARD if pull > 0 else BACKWARD, on_belt, {"stop": 1})
+        # u crosses 0 with the rate P -+ a mu0, which is not 0: a simple zero of its guard.
+        if pull > limit:
+            return Entry(FORWARD, on_belt, {"stop": 1})
+        if pull < -limit:
+            return Entry(BACKWARD, on_belt, {"stop": 1})
         raise SwitchError(
             "corner", "it meets the belt with a pull at the limit of friction", float(y[2].mid())
         )
 
     def first(self, y: State) -> Entry:
-        """The mode at the start, by exact numbers: at rest on the belt and exactly at the limit the
-        change of the pull decides.
+        """The mode at the start, decided in exact rationals.
+
+        Raises NotCertifiedError where it starts on a belt at rest with the pull exactly at the
+        limit: then neither the pull nor its rate decides.
         """
         slip = self.v0 - self.belt
         pull = self.gamma - self.x0 - self.friction(abs(self.belt))
-        if slip or abs(pull) > self.limit:
-            side = slip or pull
-            return Entry(FORWARD if side > 0 else BACKWARD, None, {} if slip else {"stop": 1})
+        if slip > 0:
+            return Entry(FORWARD, None, {})
+        if slip < 0:
+            return Entry(BACKWARD, None, {})
+        # u = 0 and |P| > a mu0: it leaves the belt at once, u having a simple zero.
+        if pull > self.limit:
+            return Entry(FORWARD, None, {"stop": 1})
+        if pull < -self.limit:
+            return Entry(BACKWARD, None, {"stop": 1})
         if abs(pull) < self.limit:
             return Entry(STICK)
-        side, leaving = (FORWARD, -self.belt) if pull > 0 else (BACKWARD, self.belt)
+        # |P| = a mu0: it leaves if |P| rises. P' = -x' = -belt: the drive has no rate at t = 0.
+        if pull > 0:
+            side = FORWARD
+            leaving = -self.belt
+        else:
+            side = BACKWARD
+            leaving = self.belt
         if leaving == 0:
             raise NotCertifiedError(
                 "it starts on a belt at rest with a pull exactly at the limit of friction",
@@ -145,24 +186,31 @@ class StickSlip:
         return Entry(STICK, None, {side: 1})
 
     def leaves(self, y: State) -> tuple[str, arb] | None:
-        """The event that ends sticking on a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the
-        first time after the clock of y, or never.
+        """The release from a belt at rest: its side and the time [s] until it, or None if never.
+
+        P = +-a mu0 with a mu(belt) = a mu0: gamma cos(eta t) = x + a mu0 +- a mu0, the first time
+        after the clock of state y.
         """
-        found = {}
+        releases = {}
         for side, offset in ((FORWARD, 2 * self.limit), (BACKWARD, Fraction(0))):
-            since = self.next_time(y[0] + arb_of(offset), y[2])
-            if since is not None:
-                found[side] = since
-        if len(found) < 2:
-            return next(iter(found.items()), None)
-        if sign(found[BACKWARD] - found[FORWARD], "the order of two releases") > 0:
+            elapsed = self.next_time(y[0] + arb_of(offset), y[2])
+            if elapsed is not None:
+                releases[side] = elapsed
+        if len(releases) < 2:
+            return next(iter(releases.items()), None)
+        if sign(releases[BACKWARD] - releases[FORWARD], "the order of two releases") > 0:
             first = FORWARD
         else:
             first = BACKWARD
-        return first, found[first]
+        return first, releases[first]
 
     def next_time(self, level: arb, clock: arb) -> arb | None:
-        """Time after `clock` until gamma cos(eta t) = level; None if it never is."""
+        """The time [s] after `clock` until gamma cos(eta t) = level; None if it never is.
+
+        The solutions are eta t = +-acos(level/gamma) + 2 pi k; for each sign k is the smallest with
+        t >= clock. Raises SwitchError where balls decide neither that the level is reached nor
+        which k it is.
+        """
         if not self.gamma or not self.eta or abs(level) > abs(arb_of(self.gamma)):
             return None
         if not abs(level) < abs(arb_of(self.gamma)):
@@ -170,18 +218,18 @@ class StickSlip:
                 "grazing", "the largest pull is at the limit of friction", float(clock.mid())
             )
         angle = (level / arb_of(self.gamma)).acos()
-        turn = 2 * arb.pi()
-        phases = []
+        full_turn = 2 * arb.pi()
+        elapsed = []
         for branch in (angle, -angle):
-            turns = ((arb_of(self.eta) * clock - branch) / turn).ceil().unique_fmpz()
+            turns = ((arb_of(self.eta) * clock - branch) / full_turn).ceil().unique_fmpz()
             if turns is None:
                 raise SwitchError(
                     "corner", "the release is not told from the landing", float(clock.mid())
                 )
-            phases.append((branch + turn * int(turns)) / arb_of(self.eta) - clock)
-        if sign(phases[1] - phases[0], "the order of two branches") > 0:
-            return phases[0]
-        return phases[1]
+            elapsed.append((branch + full_turn * int(turns)) / arb_of(self.eta) - clock)
+        if sign(elapsed[1] - elapsed[0], "the order of two branches") > 0:
+            return elapsed[0]
+        return elapsed[1]
 
 
 def on_belt(y: Any) -> list[Any]:
@@ -196,9 +244,10 @@ WITNESS = (
 
 
 def times_of_events(until: Fraction, flow: HybridFlow) -> dict[str, Ball]:
-    """stick_n, slip_n, cross_n: when for the n-th time it sticks, is released, passes u = 0 [s].
+    """The times [s] of the events up to `until` [s], or as far as they are certified.
 
-    Up to `until` [s], or as far as they are certified.
+    stick_n, slip_n and cross_n are when for the n-th time it begins to stick, is released, or
+    passes u = 0.
     """
     try:
         events = flow.events_until(until)
@@ -207,17 +256,17 @@ def times_of_events(until: Fraction, flow: HybridFlow) -> dict[str, Ball]:
             events = flow.events_until(Fraction(error.time))
         else:
             events = []
-    found: dict[str, Ball] = {}
+    times: dict[str, Ball] = {}
     counts = dict.fromkeys(("stick", "slip", "cross"), 0)
-    for name, mode, ball in events:
-        kind = kind_of_event(name, mode)
+    for guard, next_mode, time in events:
+        kind = kind_of_event(guard, next_mode)
         counts[kind] += 1
-        found[f"{kind}_{counts[kind]}"] = ball
-    return found
+        times[f"{kind}_{counts[kind]}"] = time
+    return times
 
 
 def kind_of_event(name: str, mode: str | None) -> str:
-    """What an event is called, by the guard and the mode that is entered."""
+    """The name of an event, `slip`, `stick` or `cross`, from its guard and the mode it leads to."""
     if name != "stop":
         return "slip"
     if mode == STICK:
@@ -228,7 +277,8 @@ def kind_of_event(name: str, mode: str | None) -> str:
 def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
     """The truth at the parameters of case stick-slip: x [m], v [m/s] at t >= 0.
 
-    `scale` of x and v; scalars are the times of events `until` [s].
+    `scale` has the sizes of x and v against which their errors count. Scalars are the times of the
+    events up to `until` [s].
     """
     system = StickSlip(law=str(p["friction_law"]), **numbers(p, *NAMES))
     start = [system.x0, system.v0 - system.belt, Fraction(0)]

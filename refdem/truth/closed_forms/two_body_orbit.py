@@ -1,11 +1,17 @@
 """Plane orbits about a fixed centre: Kepler's field gm/r^2 and the central spring, from periapsis
 on +x moving in +y.
 
-Kepler, from any start (r0, v0) on an ellipse, with 1/a = 2/r0 - v0^2/gm, n = sqrt(gm/a^3), s =
-r0.v0/sqrt(gm a), E the gain in eccentric anomaly: n t = E - (1 - r0/a) sin E + s (1 - cos E), and r
-= f r0 + g v0, v = f' r0 + g' v0 with f = 1 - (a/r0)(1 - cos E), g = t - (E - sin E)/n (Battin, An
-Introduction to the Mathematics and Methods of Astrodynamics, 1999, section 4.3). Spring, unit mass:
-x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffness.
+Kepler, from any start (r0, v0) on an ellipse (Battin, An Introduction to the Mathematics and
+Methods of Astrodynamics, 1999, section 4.3), with E the gain in eccentric anomaly since the start:
+
+    1/a = 2/r0 - v0^2/gm,  n = sqrt(gm/a^3),  s = r0.v0/sqrt(gm a),
+    n t = E - (1 - r0/a) sin E + s (1 - cos E)                       Kepler's equation
+    r = f r0 + g v0,  v = f' r0 + g' v0,
+    f = 1 - (a/r0)(1 - cos E),  g = t - (E - sin E)/n.
+
+Spring, unit mass: x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffness.
+
+A `State` is (x, y, vx, vy) in m and m/s.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,17 +32,19 @@ from refdem.truth.refiner import GROWTH_BITS, Refiner, Sensitivity
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
-LOSSES = 9
-"""Bits that S of a comet loses for each bit of 1/(1 - e), about: at e = 0.99 64 bits suffice, at
-0.999 they do not.
+LOST_BITS = 9
+"""Bits that the proof of S loses for each bit of 1/(1 - e), about: at e = 0.99 a working precision
+of 64 bits suffices, at 0.999 it does not.
 """
 State = Sequence[arb]
 
 
 class Orbit(ClosedForm, SmoothFlow):
-    """x, y [m] and vx, vy [m/s] at t; scalar period [s].
+    """The truth of an orbit: x, y [m] and vx, vy [m/s] at t; scalar period [s].
 
-    `stiffness` [1/s^2, unit mass] is None for Kepler's field.
+    The field is Kepler's with `gm` [m^3/s^2], or that of a spring with `stiffness` [1/s^2, unit
+    mass], which is None for Kepler's. `offset` is added to the start (x, y, vx, vy): a displaced
+    orbit has one that is not 0.
     """
 
     method = "Kepler's equation by interval Newton; ellipse about the centre for the spring"
@@ -61,7 +69,7 @@ class Orbit(ClosedForm, SmoothFlow):
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
-        """The orbit from a neighbouring start."""
+        """The orbit whose start (x, y, vx, vy) is larger by `amount` in coordinate `axis`."""
         other = copy(self)
         other.kept = {}
         other.offset = [x + amount * (i == axis) for i, x in enumerate(self.offset)]
@@ -72,27 +80,35 @@ class Orbit(ClosedForm, SmoothFlow):
         a = self.semi_major
         e = self.eccentricity
         if self.stiffness is None:
-            # v^2 = gm/a (1 + e)/(1 - e) at r = a (1 - e).
-            apsis = a * (1 - e)
-            square = self.gm / a * (1 + e) / (1 - e)
+            # At periapsis r = a (1 - e) and v^2 = (gm/a)(1 + e)/(1 - e).
+            x = a * (1 - e)
+            speed_square = self.gm / a * (1 + e) / (1 - e)
         else:
-            # v = w b at the end of the long axis.
-            apsis = a
-            square = self.stiffness * a * a * (1 - e * e)
-        start = (arb_of(apsis), arb(0), arb(0), arb_of(square).sqrt())
-        return [part + arb_of(off) for part, off in zip(start, self.offset, strict=True)]
+            # At the end of the long axis v = w b, with b^2 = a^2 (1 - e^2).
+            x = a
+            speed_square = self.stiffness * a * a * (1 - e * e)
+        start = (arb_of(x), arb(0), arb(0), arb_of(speed_square).sqrt())
+        return [
+            coordinate + arb_of(offset)
+            for coordinate, offset in zip(start, self.offset, strict=True)
+        ]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The position and velocity of the orbit at time t."""
         start = self.start()
         if self.stiffness is None:
-            now = kepler(arb_of(self.gm), start, t)
+            state = kepler(arb_of(self.gm), start, t)
         else:
-            now = spring(arb_of(self.stiffness), start, t)
-        return dict(zip(NAMES, now, strict=True))
+            state = spring(arb_of(self.stiffness), start, t)
+        return dict(zip(NAMES, state, strict=True))
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors of the orbit grow, with x, y and vx, vy in their scales.
+
+        On the spring the flow is linear and periodic, so that the growth depends on the elapsed
+        time alone; on an ellipse it comes from four known errors and the gradient of the field.
+        """
         period = self.constants()["period"]
         step = narrow(2 * arb.pi() / period)
         length = self.scale["x"]
@@ -113,33 +129,46 @@ class Orbit(ClosedForm, SmoothFlow):
         )
 
     def growth_bits(self) -> Sequence[int]:
-        """Working precisions for S: a comet's errors grow as a power of 1/(1 - e) and shrink again,
-        and precisions that would lose them are left out.
+        """The working precisions [bit] at which S is tried, in rising order.
+
+        On a long ellipse errors grow as a power of 1/(1 - e) at periapsis and shrink again.
+        Precisions at which nothing would be left of them are left out.
         """
         if self.stiffness is not None:
             return GROWTH_BITS
-        digits = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
-        return [bits for bits in GROWTH_BITS if bits >= LOSSES * (digits - 1)]
+        bits_of_elongation = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
+        least = LOST_BITS * (bits_of_elongation - 1)
+        return [bits for bits in GROWTH_BITS if bits >= least]
 
     def constants(self) -> dict[str, arb]:
-        """The scalar constants of the motion: the period [s]."""
+        """The period 2 pi/n [s], with n^2 = gm/a^3 in Kepler's field and the stiffness else."""
         if self.stiffness is None:
-            squared = self.semi_major**3 / self.gm
+            inverse_square = self.semi_major**3 / self.gm
         else:
-            squared = 1 / self.stiffness
-        return {"period": 2 * arb.pi() * arb_of(squared).sqrt()}
+            inverse_square = 1 / self.stiffness
+        return {"period": 2 * arb.pi() * arb_of(inverse_square).sqrt()}
 
 
 def spring(stiffness: arb, start: State, t: arb) -> list[arb]:
-    """(x, y, vx, vy) at t on the central spring."""
+    """The state (x, y, vx, vy) at time t on the central spring of this stiffness [1/s^2].
+
+    With w = sqrt(stiffness), for each of x and y: r = r0 cos w t + (v0/w) sin w t, v = v0 cos w t -
+    r0 w sin w t.
+    """
     rate = stiffness.sqrt()
     sine, cosine = (rate * t).sin_cos()
-    places = [start[i] * cosine + start[i + 2] / rate * sine for i in (0, 1)]
-    return places + [start[i + 2] * cosine - start[i] * rate * sine for i in (0, 1)]
+    position = [start[i] * cosine + start[i + 2] / rate * sine for i in (0, 1)]
+    velocity = [start[i + 2] * cosine - start[i] * rate * sine for i in (0, 1)]
+    return position + velocity
 
 
 def kepler(gm: arb, start: State, t: arb) -> list[arb]:
-    """(x, y, vx, vy) at t in Kepler's field, from any state on an ellipse."""
+    """The state (x, y, vx, vy) at time t in Kepler's field, from any start on an ellipse.
+
+    The equations are those at the top of this file, with r = a + (r0 - a) cos E + s a sin E, f' =
+    -n a^2 sin E/(r r0) and g' = 1 - (a/r)(1 - cos E). Raises UndecidedError where the start is not
+    proved to lie on an ellipse.
+    """
     x, y, vx, vy = start
     r0 = (x * x + y * y).sqrt()
     a = 1 / (2 / r0 - (vx * vx + vy * vy) / gm)
@@ -148,7 +177,6 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
     sine, cosine = anomaly.sin_cos()
     r = a + (r0 - a) * cosine + s * a * sine
-    # r = f r0 + g v0 and v = f' r0 + g' v0.
     f = 1 - a / r0 * (1 - cosine)
     g = t - (anomaly - sine) / n
     f_rate = -n * a * a / (r * r0) * sine
@@ -157,66 +185,82 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
 
 
 def sprung(stiffness: arb, ratio: arb, elapsed: arb) -> arb_mat:
-    """What errors of (x, y, vx, vy) on the central spring become, in scales whose ratio is `ratio`
-    [s].
+    """The matrix (4 x 4) that maps errors of (x, y, vx, vy) to those after `elapsed` [s].
+
+    It is that of `spring`, which is linear, with lengths and speeds in scales whose ratio X/V is
+    `ratio` [s]: w becomes w X/V, without a unit.
     """
-    turn = stiffness.sqrt() * ratio
+    scaled_rate = stiffness.sqrt() * ratio
     sine, cosine = (stiffness.sqrt() * elapsed).sin_cos()
-    none = arb(0)
+    zero = arb(0)
     return arb_mat(
         [
-            [cosine, none, sine / turn, none],
-            [none, cosine, none, sine / turn],
-            [-turn * sine, none, cosine, none],
-            [none, -turn * sine, none, cosine],
+            [cosine, zero, sine / scaled_rate, zero],
+            [zero, cosine, zero, sine / scaled_rate],
+            [-scaled_rate * sine, zero, cosine, zero],
+            [zero, -scaled_rate * sine, zero, cosine],
         ]
     )
 
 
 def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_mat:
-    """Four independent errors of (x, y, vx, vy), in scales, on Kepler's ellipse at a time t >= 0
-    since periapsis: columns.
+    """The matrix (4 x 4) whose columns are four independent errors of a Kepler orbit at time t.
 
-    They come from a shift in time, from the scale of the ellipse, from its eccentricity, and from a
-    turn less the shift that is nearly the same, over e: regular for all 0 <= e < 1. With c, s = cos
-    E, sin E, d = 1 - e c, b = sqrt(1 - e^2), n = sqrt(gm/a^3).
+    An error is a difference of (x, y, vx, vy), in the scales `length` [m] and `speed` [m/s], from
+    the orbit that passed periapsis on +x at time 0; t >= 0 [s]. Each column is the derivative of
+    the orbit by one parameter and so solves the variational equation:
+
+    * `shift`: by the time of periapsis, (v, acceleration);
+    * `scale`: a d/da. The orbit is a R(n t) with n ~ a^(-3/2), so that it is (r, -v/2) - (3/2) t
+      (v, acceleration);
+    * `wider`: by the eccentricity, at fixed a and time;
+    * `turn`: by the direction of periapsis, (-y, x, -vy, vx), less shift/n, over e. For e = 0 turn
+      and shift/n are the same: their difference over e is regular for all 0 <= e < 1.
+
+    With c = cos E, s = sin E, d = 1 - e c, b = sqrt(1 - e^2), n = sqrt(gm/a^3), the orbit is
+
+        x = a (c - e),  y = a b s,  vx = -a n s/d,  vy = a n b c/d,    E - e s = n t.
     """
     n = (gm / a).sqrt() / a
     b = (1 - e * e).sqrt()
     s, c = anomaly_gain(n * t, e, arb(0)).sin_cos()
     d = 1 - e * c
-    cube = d * d * d
+    d_cubed = d * d * d
     x = a * (c - e)
     y = a * b * s
     vx = -a * n * s / d
     vy = a * n * b * c / d
-    shift = [vx, vy, -n * n * a * (c - e) / cube, -n * n * a * b * s / cube]
+    # The acceleration is -gm r/|r|^3 with |r| = a d and gm = n^2 a^3.
+    shift = [vx, vy, -n * n * a * (c - e) / d_cubed, -n * n * a * b * s / d_cubed]
     scale = [
         value - 3 * t * rate / 2
         for value, rate in zip([x, y, -vx / 2, -vy / 2], shift, strict=True)
     ]
-    # By e at fixed a and time: E moves by sin E / d.
-    later = s / d
-    stretched = e * s * later - c
-    wider_x = -a * s * later - a
-    wider_y = -a * e / b * s + a * b * c * later
-    wider_vx = -a * n * (c * later / d - s * stretched / (d * d))
-    wider_vy = a * n * (-e / b * c / d - b * s * later / d - b * c * stretched / (d * d))
+    # At fixed time dE/de = s/d, db/de = -e/b and dd/de = e s dE/de - c.
+    e_slope = s / d
+    d_slope = e * s * e_slope - c
+    wider_x = -a * s * e_slope - a
+    wider_y = -a * e / b * s + a * b * c * e_slope
+    wider_vx = -a * n * (c * e_slope / d - s * d_slope / (d * d))
+    wider_vy = a * n * (-e / b * c / d - b * s * e_slope / d - b * c * d_slope / (d * d))
     wider = [wider_x, wider_y, wider_vx, wider_vy]
-    # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n) / e, with 1 - b = e^2/(1 + b) taken out.
-    small = e / (1 + b)
-    turn_x = a * s * (small + b * c) / d
-    turn_y = a * ((small + e) * c - 1 - c * c) / d
-    turn_vx = a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube
-    turn_vy = a * n * s * (-small + 2 * c - e * c * c) / cube
+    # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n)/e, where (1 - b)/e = e/(1 + b) cancels no digits.
+    one_less_b = e / (1 + b)
+    turn_x = a * s * (one_less_b + b * c) / d
+    turn_y = a * ((one_less_b + e) * c - 1 - c * c) / d
+    turn_vx = a * n * (one_less_b * c - 1 + 2 * b * c * c - b * e * c * c * c) / d_cubed
+    turn_vy = a * n * s * (-one_less_b + 2 * c - e * c * c) / d_cubed
     turn = [turn_x, turn_y, turn_vx, turn_vy]
     rows = zip((length, length, speed, speed), shift, scale, wider, turn, strict=True)
     return arb_mat([[entry / size for entry in row] for size, *row in rows])
 
 
 def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
-    """Bound [1/s^2] of the largest sum of a row of the gradient of -gm r/|r|^3 on a ball of times
-    since periapsis: in its row i gm (3 r_i r_j - delta_ij r^2)/r^5.
+    """A bound [1/s^2] of the norm of the gradient of Kepler's field over a ball of times t [s].
+
+    The gradient of -gm r/|r|^3 has the entries gm (3 r_i r_j - delta_ij r^2)/r^5; the norm is the
+    largest sum of the absolute values in a row. E rises with time, so that E over the ball of times
+    since periapsis lies between those at its ends.
     """
     n = (gm / a).sqrt() / a
     first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
@@ -224,61 +268,70 @@ def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
     x = a * (c - e)
     y = a * (1 - e * e).sqrt() * s
     r = a * (1 - e * c)
-    across = abs(3 * x * y)
-    rows = [abs(3 * z * z - r * r) + across for z in (x, y)]
-    strength = gm / r**5
-    return most([strength * row for row in rows])
+    off_diagonal = abs(3 * x * y)
+    row_sums = [abs(3 * z * z - r * r) + off_diagonal for z in (x, y)]
+    factor = gm / r**5
+    return most([factor * row_sum for row_sum in row_sums])
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
-    """E with E - c sin E + s (1 - cos E) = mean, where c^2 + s^2 < 1; UndecidedError if the proof
-    fails.
+    """The root E of Kepler's equation F(E) = E - c sin E + s (1 - cos E) = mean, for c^2 + s^2 < 1.
 
-    Newton's method in floating point finds it. Then the interval Newton operator maps a ball into
-    its inside, which proves that the ball holds a root; it is the only one, since the left side
-    rises everywhere (its rate r/a is positive).
+    Theorem (interval Newton): let X be a ball, E0 a point in it and N = E0 - (F(E0) - mean)/F'(X).
+    If N lies inside X, then X holds exactly one root, and so does N. Here F' = r/a > 0 everywhere,
+    so that the root is the only one at all. E0 comes from Newton's method in floating point, which
+    proves nothing and need not. Raises UndecidedError if the orbit is not proved to be an ellipse,
+    or N does not lie inside X.
     """
-    if not c * c + s * s < 1:  # not by its root: on a circle the ball of the sum reaches below 0
+    # Not c^2 + s^2 by its root: on a circle the ball of the sum reaches below 0.
+    if not c * c + s * s < 1:
         raise UndecidedError("the orbit is not proved to be an ellipse")
-    found = _newton(mean.mid(), c.mid(), s.mid())
-    residual = found - c * found.sin() + s * (1 - found.cos()) - mean
-    near = found + arb(
-        0, 4 * abs(residual / _slope(found, c, s)).upper() + arb(2) ** (8 - ctx.prec)
-    )
-    inside = found - residual / _slope(near, c, s)
-    if not near.contains_interior(inside):
+    point = _newton(mean.mid(), c.mid(), s.mid())
+    residual = point - c * point.sin() + s * (1 - point.cos()) - mean
+    # X: four times the length of a Newton step, and a little more where that is 0.
+    radius = 4 * abs(residual / _slope(point, c, s)).upper() + arb(2) ** (8 - ctx.prec)
+    ball = point + arb(0, radius)
+    image = point - residual / _slope(ball, c, s)
+    if not ball.contains_interior(image):
         raise UndecidedError("Kepler's equation is not solved at this precision")
-    return inside
+    return image
 
 
 def _slope(anomaly: arb, c: arb, s: arb) -> arb:
+    """F'(E) = 1 - c cos E + s sin E, which is r/a."""
     return 1 - c * anomaly.cos() + s * anomaly.sin()
 
 
 def _newton(mean: arb, c: arb, s: arb) -> arb:
-    """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's
-    method.
+    """An approximate root of Kepler's equation, not proved.
+
+    Bisection narrows |E - mean| <= 2 to a thousandth, from where Newton's method converges; it ends
+    when a step changes nothing any more.
     """
     low = mean - 2
     high = mean + 2
     for _ in range(12):
         middle = ((low + high) / 2).mid()
-        below = (middle - c * middle.sin() + s * (1 - middle.cos())).mid() < mean
-        low, high = (middle, high) if below else (low, middle)
-    found = ((low + high) / 2).mid()
+        is_below = (middle - c * middle.sin() + s * (1 - middle.cos())).mid() < mean
+        if is_below:
+            low = middle
+        else:
+            high = middle
+    root = ((low + high) / 2).mid()
     for _ in range(24):
-        step = (found - c * found.sin() + s * (1 - found.cos()) - mean) / _slope(found, c, s)
-        better = (found - step).mid()
-        if better == found:
+        residual = root - c * root.sin() + s * (1 - root.cos()) - mean
+        improved = (root - residual / _slope(root, c, s)).mid()
+        if improved == root:
             break
-        found = better
-    return found
+        root = improved
+    return root
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler).
+    """The truth at parameters gm [m^3/s^2], semi_major [m], eccentricity, stiffness [1/s^2].
 
-    `scale` of x, y, vx, vy.
+    `stiffness` is None for Kepler's field. `scale` has the sizes of x, y, vx, vy against which
+    their errors count.
     """
     if p["stiffness"] is None:
         stiffness = None

@@ -1,5 +1,10 @@
 """Witnesses of linked masses: rigid clusters, pendulums of two rods or on a moving pivot, captured
 and standing masses.
+
+A witness integrates the motion in other coordinates than the truth does: Cartesian ones with the
+forces of rods where the truth has angles, any axes of a body where the truth has principal ones. A
+field is a function (t, state) -> rates for taylor.Solution, its state a list of numbers (balls or
+power series).
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,25 +24,26 @@ METHOD = "Taylor integration at 58 digits, unproven (refdem/truth/witnesses/link
 
 
 def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Straight from (-2 r, -r) to (0, -r), then held by the force -m v^2 r/r^2 alone."""
+    """The captured mass: straight from (-2 r, -r) to (0, -r), then on a circle.
+
+    The circle is integrated under the force -m v^2 r/r^2 alone.
+    """
     e = numbers(p, "mass", "speed", "radius")
     speed = arb_of(e["speed"])
     radius = arb_of(e["radius"])
-    caught = 2 * e["radius"] / e["speed"]
-    circle = Solution(held, [arb(0), -radius, speed, arb(0)], begin=arb_of(caught))
+    capture_time = 2 * e["radius"] / e["speed"]
+    circle = Solution(held, [arb(0), -radius, speed, arb(0)], begin=arb_of(capture_time))
     for t in times:
-        straight = [speed * arb_of(t) - 2 * radius, -radius, speed, arb(0)]
-        yield (
-            t,
-            dict(
-                zip(("x", "y", "vx", "vy"), straight if t <= caught else circle.at(t), strict=True)
-            ),
-        )
+        if t <= capture_time:
+            state = [speed * arb_of(t) - 2 * radius, -radius, speed, arb(0)]
+        else:
+            state = circle.at(t)
+        yield t, dict(zip(("x", "y", "vx", "vy"), state, strict=True))
     yield None, {"omega": speed / radius, "inertia": arb_of(e["mass"]) * radius * radius}
 
 
 def held(t: Any, s: Sequence[Any]) -> list[Any]:
-    """A point whose distance from the origin stays: acceleration -v^2 r/r^2."""
+    """The field of a point at a constant distance from the origin: acceleration -(v^2/r^2) r."""
     x, y, vx, vy = s
     pull = (vx * vx + vy * vy) / (x * x + y * y)
     return [vx, vy, -x * pull, -y * pull]
@@ -55,116 +61,124 @@ def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         up = 1
     else:
         up = -1
-    found = Solution(
-        partial(swinging, length, gravity), [length * sine, up * length * cosine, arb(0), arb(0)]
-    )
+    start = [length * sine, up * length * cosine, arb(0), arb(0)]
+    solution = Solution(partial(swinging, length, gravity), start)
     for t in times:
-        yield t, dict(zip(("x", "y", "vx", "vy"), found.at(t), strict=True))
+        yield t, dict(zip(("x", "y", "vx", "vy"), solution.at(t), strict=True))
 
 
 def swinging(length: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """x'' = -T x, y'' = -g - T y with T = (v^2 - g y)/l^2."""
+    """The field of a pendulum: x'' = -T x, y'' = -g - T y with T = (v^2 - g y)/l^2.
+
+    T, the rod's force per mass and length, follows from r . r'' = -v^2.
+    """
     x, y, vx, vy = s
-    pull = (vx * vx + vy * vy - y * gravity) / (length * length)
-    return [vx, vy, -pull * x, -pull * y - gravity]
+    rod = (vx * vx + vy * vy - y * gravity) / (length * length)
+    return [vx, vy, -rod * x, -rod * y - gravity]
 
 
 def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), theta from the top."""
-    e = {
-        name: arb_of(number(p, name))
-        for name in ("length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")
-    }
-    found = Solution(partial(lifted, e), [e["theta0"], e["thetadot0"]])
+    """The Kapitza pendulum, its drive a function of time, and its Floquet multipliers.
+
+    l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), theta from the top. The
+    multipliers are the roots of m^2 - D m + 1, D being the trace of the matrix of the linear
+    equation over a period; where they are complex, their modulus 1.
+    """
+    names = ("length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")
+    e = {name: arb_of(number(p, name)) for name in names}
+    solution = Solution(partial(lifted, e), [e["theta0"], e["thetadot0"]])
     for t in times:
-        yield t, dict(zip(("theta", "thetadot"), found.at(t), strict=True))
-    whole = Solution(partial(near_the_top, e), [arb(1), arb(0), arb(0), arb(1)]).at(
-        2 * arb.pi() / e["drive"]
-    )
-    trace = whole[0] + whole[3]
+        yield t, dict(zip(("theta", "thetadot"), solution.at(t), strict=True))
+    identity = [arb(1), arb(0), arb(0), arb(1)]
+    period = 2 * arb.pi() / e["drive"]
+    at_period = Solution(partial(near_the_top, e), identity).at(period)
+    trace = at_period[0] + at_period[3]
     if trace * trace > 4:
         root = (trace * trace - 4).sqrt()
+        larger = (abs(trace) + root) / 2 * trace.sgn()
+        smaller = (abs(trace) - root) / 2 * trace.sgn()
     else:
-        root = arb(0)
-    far = (abs(trace) + root) / 2
-    near = (abs(trace) - root) / 2
-    yield (
-        None,
-        dict.fromkeys(("floquet_1", "floquet_2"), arb(1))
-        if root == 0
-        else {
-            "floquet_1": far * trace.sgn(),
-            "floquet_2": near * trace.sgn(),
-        },
-    )
+        larger = arb(1)
+        smaller = arb(1)
+    yield None, {"floquet_1": larger, "floquet_2": smaller}
 
 
 def near_the_top(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
-    """Two solutions of l x'' = (g + y'') x."""
-    stiffness = (
-        e["gravity"] - (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])
-    ) / e["length"]
+    """The field of two solutions (x, x') of l x'' = (g + y'') x, y'' = -a w^2 cos(w t)."""
+    pivot = (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])
+    stiffness = (e["gravity"] - pivot) / e["length"]
     return [s[1], stiffness * s[0], s[3], stiffness * s[2]]
 
 
 def lifted(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
-    """Rates of theta and thetadot."""
-    lift = (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])
-    return [s[1], (e["gravity"] - lift) * s[0].sin() / e["length"]]
+    """The field of (theta, thetadot): l theta'' = (g - a w^2 cos(w t)) sin theta."""
+    theta, thetadot = s
+    pivot = (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])
+    return [thetadot, (e["gravity"] - pivot) * theta.sin() / e["length"]]
 
 
 def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The two bobs in Cartesian coordinates relative to what they hang from; the rods' forces from
-    |r1'|^2 + r1.r1'' = 0 and the like.
+    """The double pendulum in Cartesian coordinates, each bob relative to what it hangs from.
+
+    The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
+    so they are continuous.
     """
-    (m1, m2), lengths = (
-        (arb_of(m) for m in vector(p, "masses")),
-        [arb_of(x) for x in vector(p, "lengths")],
-    )
+    m1, m2 = (arb_of(m) for m in vector(p, "masses"))
+    lengths = [arb_of(x) for x in vector(p, "lengths")]
     angles = [arb_of(x) for x in vector(p, "theta0")]
     rates = [arb_of(x) for x in vector(p, "thetadot0")]
     start = []
     for length, angle, rate in zip(lengths, angles, rates, strict=True):
         sine, cosine = angle.sin_cos()
         start += [length * sine, -length * cosine, length * rate * cosine, length * rate * sine]
-    found = Solution(partial(hung, m1, m2, arb_of(number(p, "gravity"))), [*start, *angles])
+    field = partial(hung, m1, m2, arb_of(number(p, "gravity")))
+    solution = Solution(field, [*start, *angles])
     for t in times:
-        s = found.at(t)
-        turning = [
-            (s[k] * s[k + 3] - s[k + 1] * s[k + 2]) / (s[k] * s[k] + s[k + 1] * s[k + 1])
-            for k in (0, 4)
-        ]
-        yield t, {"theta1": s[8], "theta2": s[9], "thetadot1": turning[0], "thetadot2": turning[1]}
+        *_, theta1, theta2 = solution.at(t)
+        *_, thetadot1, thetadot2 = field(t, solution.at(t))
+        yield (
+            t,
+            {"theta1": theta1, "theta2": theta2, "thetadot1": thetadot1, "thetadot2": thetadot2},
+        )
 
 
 def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """d1 = r1, d2 = r2 - r1: m1 r1'' = -L1 d1 + L2 d2 + m1 g, m2 r2'' = -L2 d2 + m2 g, with d.d'' =
-    -|d'|^2 for both.
+    """The field of a double pendulum: d1 = r1 and d2 = r2 - r1 with their rates, and the angles.
+
+    With L1, L2 the rods' forces per length:
+
+        m1 r1'' = -L1 d1 + L2 d2 + m1 g,    m2 r2'' = -L2 d2 + m2 g,
+        d1 . d1'' = -|d1'|^2,    d2 . d2'' = -|d2'|^2    (constant lengths)
+
+    The accelerations put into the last two give linear equations for L1 and L2:
+
+        L1 d1.d1/m1 - L2 d1.d2/m1 = |d1'|^2 + d1 . g,
+        -L1 d1.d2/m1 + L2 d2.d2 (1/m1 + 1/m2) = |d2'|^2.
     """
-    x, y, u, v, a, b, c, d = s[:8]
-    squares = (x * x + y * y, a * a + b * b)
-    across = x * a + y * b
-    # d1.d1'' = -|d1'|^2 and d2.d2'' = -|d2'|^2 in the unknown L1, L2
-    first = u * u + v * v - gravity * y
-    second = c * c + d * d
-    k11 = squares[0] / m1
-    k12 = -across / m1
-    k21 = -across / m1
-    k22 = squares[1] * (1 / m1 + 1 / m2)
-    whole = k11 * k22 - k12 * k21
-    l1 = (first * k22 - second * k12) / whole
-    l2 = (second * k11 - first * k21) / whole
-    ax = (l2 * a - l1 * x) / m1
-    ay = (l2 * b - l1 * y) / m1 - gravity
-    bx = -l2 * a / m2 - ax
-    by = -l2 * b / m2 - gravity - ay
-    return [u, v, ax, ay, c, d, bx, by, (x * v - y * u) / squares[0], (a * d - b * c) / squares[1]]
+    x1, y1, vx1, vy1, x2, y2, vx2, vy2 = s[:8]
+    square1 = x1 * x1 + y1 * y1
+    square2 = x2 * x2 + y2 * y2
+    product = x1 * x2 + y1 * y2
+    right1 = vx1 * vx1 + vy1 * vy1 - gravity * y1
+    right2 = vx2 * vx2 + vy2 * vy2
+    k11 = square1 / m1
+    k12 = -product / m1
+    k22 = square2 * (1 / m1 + 1 / m2)
+    # Cramer's rule.
+    determinant = k11 * k22 - k12 * k12
+    l1 = (right1 * k22 - right2 * k12) / determinant
+    l2 = (right2 * k11 - right1 * k12) / determinant
+    ax1 = (l2 * x2 - l1 * x1) / m1
+    ay1 = (l2 * y2 - l1 * y1) / m1 - gravity
+    ax2 = -l2 * x2 / m2 - ax1
+    ay2 = -l2 * y2 / m2 - gravity - ay1
+    thetadot1 = (x1 * vy1 - y1 * vx1) / square1
+    thetadot2 = (x2 * vy2 - y2 * vx2) / square2
+    return [vx1, vy1, ax1, ay1, vx2, vy2, ax2, ay2, thetadot1, thetadot2]
 
 
 def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Lagrange's equations for u = r' - R theta' and m r^2 theta', A = M + m + J/R^2: A u' and d/dt
-    (m r^2 theta' - A R u).
-    """
+    """Pendulum, wheel and mass, in the state (r, theta, u, m r^2 theta') with u = r' - R theta'."""
     names = (
         "mass",
         "counter_mass",
@@ -177,94 +191,91 @@ def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
         "thetadot0",
     )
     e = {name: arb_of(number(p, name)) for name in names}
-    radius = number(p, "wheel_radius")
-    whole = (
-        e["mass"]
-        + e["counter_mass"]
-        + (e["wheel_inertia"] / (e["wheel_radius"] * e["wheel_radius"]) if radius else 0)
-    )
+    # The inertia of the string, A = M + m + J/R^2; a wheel of no radius has none.
+    string_mass = e["mass"] + e["counter_mass"]
+    if number(p, "wheel_radius"):
+        string_mass = string_mass + e["wheel_inertia"] / (e["wheel_radius"] * e["wheel_radius"])
     start = [
         e["r0"],
         e["theta0"],
         e["rdot0"] - e["wheel_radius"] * e["thetadot0"],
         e["mass"] * e["r0"] * e["r0"] * e["thetadot0"],
     ]
-    found = Solution(partial(wound, e, whole), start)
+    solution = Solution(partial(wound, e, string_mass), start)
     for t in times:
-        r, theta, u, spin = found.at(t)
-        turning = spin / (e["mass"] * r * r)
-        yield (
-            t,
-            {
-                "r": r,
-                "theta": theta,
-                "rdot": u + e["wheel_radius"] * turning,
-                "thetadot": turning,
-            },
-        )
+        r, theta, u, momentum = solution.at(t)
+        thetadot = momentum / (e["mass"] * r * r)
+        rdot = u + e["wheel_radius"] * thetadot
+        yield t, {"r": r, "theta": theta, "rdot": rdot, "thetadot": thetadot}
 
 
-def wound(e: Mapping[str, arb], whole: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """Rates of r, theta, u and m r^2 theta'."""
-    r, theta, u, spin = s
+def wound(e: Mapping[str, arb], string_mass: arb, t: Any, s: Sequence[Any]) -> list[Any]:
+    """The field of (r, theta, u, p) with p = m r^2 theta' and `string_mass` A, by Lagrange.
+
+    A u' = m r theta'^2 - M g + m g cos theta
+    d/dt (p - A R u) = M g R - m g (R cos theta + r sin theta)
+    """
+    r, theta, u, momentum = s
     m = e["mass"]
     counter = e["counter_mass"]
     radius = e["wheel_radius"]
     gravity = e["gravity"]
-    turning = spin / (r * r * m)
-    slower = (r * turning * turning * m - counter * gravity + theta.cos() * (m * gravity)) / whole
-    torque = (
-        slower * (whole * radius)
+    thetadot = momentum / (r * r * m)
+    string_force = r * thetadot * thetadot * m - counter * gravity + theta.cos() * (m * gravity)
+    u_rate = string_force / string_mass
+    momentum_rate = (
+        u_rate * (string_mass * radius)
         + counter * gravity * radius
         - (theta.cos() * radius + r * theta.sin()) * (m * gravity)
     )
-    return [u + turning * radius, turning, slower, torque]
+    return [u + thetadot * radius, thetadot, u_rate, momentum_rate]
 
 
 def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """A rigid body in any axes: L stays in space, omega_body = J^-1 R^T L, qdot = q omega_body/2;
-    no principal axis is looked for.
+    """The rigid cluster in the axes in which it is given; no principal axis is looked for.
+
+    The attitude q starts at 1 and obeys q' = q omega_body/2 with omega_body = J^-1 R(q)^T L, L
+    being constant in space; r_i = c + R(q) (r_i(0) - c).
     """
     masses = vector(p, "masses")
     flat = vector(p, "positions")
     total = sum(masses)
     points = [flat[3 * i : 3 * i + 3] for i in range(4)]
-    centre = [
-        sum((m * r[k] for m, r in zip(masses, points, strict=True)), Fraction(0)) / total
-        for k in range(3)
-    ]
+    centre = []
+    for k in range(3):
+        moment = sum((m * r[k] for m, r in zip(masses, points, strict=True)), Fraction(0))
+        centre.append(moment / total)
     arms = [[r[k] - centre[k] for k in range(3)] for r in points]
     tensor = [[_moment(masses, arms, i, j) for j in range(3)] for i in range(3)]
     omega = vector(p, "omega")
-    momentum = [
-        arb_of(sum((tensor[i][j] * omega[j] for j in range(3)), Fraction(0))) for i in range(3)
-    ]
-    inverse = arb_mat(
-        fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in tensor]).inv()
-    )
-    found = Solution(partial(spun, momentum, inverse.table()), [arb(1), arb(0), arb(0), arb(0)])
+    # L = J omega at the start, where both axes are the same.
+    momentum = []
+    for row in tensor:
+        momentum.append(arb_of(sum((row[j] * omega[j] for j in range(3)), Fraction(0))))
+    exact_tensor = fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in tensor])
+    inverse = arb_mat(exact_tensor.inv())
+    field = partial(spun, momentum, inverse.table())
+    solution = Solution(field, [arb(1), arb(0), arb(0), arb(0)])
     for t in times:
-        turned = rotation(found.at(t))
-        places = {}
+        r = rotation(solution.at(t))
+        positions = {}
         for i, arm in enumerate(arms, 1):
             for k, axis in enumerate("xyz"):
-                places[f"r{i}.{axis}"] = arb_of(centre[k]) + sum(
-                    (turned[k][j] * arb_of(arm[j]) for j in range(3)), arb(0)
-                )
-        yield t, places
+                turned_arm = sum((r[k][j] * arb_of(arm[j]) for j in range(3)), arb(0))
+                positions[f"r{i}.{axis}"] = arb_of(centre[k]) + turned_arm
+        yield t, positions
 
 
 def _moment(
     masses: Sequence[Fraction], arms: Sequence[Sequence[Fraction]], i: int, j: int
 ) -> Fraction:
-    """J_ij = sum m (r^2 delta_ij - r_i r_j)."""
-    return sum(
-        (
-            m * ((sum(x * x for x in r) if i == j else 0) - r[i] * r[j])
-            for m, r in zip(masses, arms, strict=True)
-        ),
-        Fraction(0),
-    )
+    """The entry J_ij = sum m (r^2 delta_ij - r_i r_j) of the inertia tensor [kg m^2]."""
+    entry = Fraction(0)
+    for m, r in zip(masses, arms, strict=True):
+        if i == j:
+            entry += m * sum(x * x for x in r)
+        entry -= m * r[i] * r[j]
+    return entry
 
 
 def rotation(q: Sequence[Any]) -> list[list[Any]]:
@@ -280,9 +291,11 @@ def rotation(q: Sequence[Any]) -> list[list[Any]]:
 def spun(
     momentum: Sequence[arb], inverse: Sequence[Sequence[arb]], t: Any, q: Sequence[Any]
 ) -> list[Any]:
-    """The rate of change of the attitude q (4)."""
-    turned = rotation(q)
-    body = [sum((turned[k][i] * momentum[k] for k in range(3)), arb(0)) for i in range(3)]
+    """The field of the attitude q (4): q' = q omega_body/2 with omega_body = J^-1 R^T L."""
+    r = rotation(q)
+    # L in body axes.
+    body = [sum((r[k][i] * momentum[k] for k in range(3)), arb(0)) for i in range(3)]
+    # (a, b, c) is omega_body/2.
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))
     w, x, y, z = q
     return [

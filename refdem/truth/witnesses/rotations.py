@@ -1,5 +1,7 @@
-"""Witnesses of spinning bodies: Euler's equations and qdot = q omega_body/2 by Taylor
-integration.
+"""Witnesses of spinning bodies: Euler's equations and q' = q omega_body/2 by Taylor integration.
+
+The state is (omega_body, q): three rates in principal axes and the quaternion (w, x, y, z) from the
+body to space.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,75 +23,81 @@ METHOD = (
 
 
 def rates(inertia: Sequence[arb]) -> Any:
-    """The field of (omega_body, q)."""
+    """The field of a free body: Euler's equations J1 a' = (J2 - J3) b c and so on for omega_body =
+    (a, b, c), and q' = q omega_body/2.
+    """
     j1, j2, j3 = inertia
 
-    def field(t: Any, y: Sequence[Any]) -> list[Any]:
-        a, b, c, w, x, u, z = y
-        spin = [b * c * ((j2 - j3) / j1), c * a * ((j3 - j1) / j2), a * b * ((j1 - j2) / j3)]
-        turn = [
-            -x * a - u * b - z * c,
-            w * a + u * c - z * b,
+    def field(t: Any, state: Sequence[Any]) -> list[Any]:
+        a, b, c, w, x, y, z = state
+        a_rate = b * c * ((j2 - j3) / j1)
+        b_rate = c * a * ((j3 - j1) / j2)
+        c_rate = a * b * ((j1 - j2) / j3)
+        # The quaternion product q omega_body.
+        q_omega = [
+            -x * a - y * b - z * c,
+            w * a + y * c - z * b,
             w * b + z * a - x * c,
-            w * c + x * b - u * a,
+            w * c + x * b - y * a,
         ]
-        return spin + [part / 2 for part in turn]
+        return [a_rate, b_rate, c_rate, *(component / 2 for component in q_omega)]
 
     return field
 
 
-def seen(y: Sequence[arb]) -> dict[str, arb]:
-    """omega_body, omega, attitude (w >= 0) and R of a state, all from R = body to space."""
-    omega = y[:3]
-    if y[3] >= 0:
-        q = y[3:]
-    else:
-        q = [-part for part in y[3:]]
-    w = q[0]
-    (x, u, z) = q[1:]
-    turned = [
-        [1 - 2 * (u * u + z * z), 2 * (x * u - w * z), 2 * (x * z + w * u)],
-        [2 * (x * u + w * z), 1 - 2 * (x * x + z * z), 2 * (u * z - w * x)],
-        [2 * (x * z - w * u), 2 * (u * z + w * x), 1 - 2 * (x * x + u * u)],
+def quantities(state: Sequence[arb]) -> dict[str, arb]:
+    """omega_body, omega = R omega_body, the attitude with w >= 0, and R (body to space)."""
+    omega_body = state[:3]
+    q = state[3:]
+    if not q[0] >= 0:
+        q = [-component for component in q]
+    w, x, y, z = q
+    r = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
-    found = {f"omega_body.{axis}": value for axis, value in zip("xyz", omega, strict=True)}
-    found |= {
-        f"omega.{axis}": sum((r * v for r, v in zip(row, omega, strict=True)), arb(0))
-        for axis, row in zip("xyz", turned, strict=True)
-    }
-    found |= {f"attitude.{axis}": value for axis, value in zip("wxyz", q, strict=True)}
-    return found | {
-        f"R.{i}{j}": turned["xyz".index(i)]["xyz".index(j)] for i in "xyz" for j in "xyz"
-    }
+    values = {f"omega_body.{axis}": rate for axis, rate in zip("xyz", omega_body, strict=True)}
+    values |= {f"attitude.{axis}": component for axis, component in zip("wxyz", q, strict=True)}
+    for axis, row in zip("xyz", r, strict=True):
+        values[f"omega.{axis}"] = sum(
+            (entry * rate for entry, rate in zip(row, omega_body, strict=True)), arb(0)
+        )
+        for column, entry in zip("xyz", row, strict=True):
+            values[f"R.{axis}{column}"] = entry
+    return values
 
 
 def tumbling(
     p: Mapping[str, Exact], omega: Sequence[arb], times: Sequence[Fraction], claimed: Claimed
 ) -> Said:
-    """The motion of a free body with these initial rates."""
-    q = [arb_of(part) for part in vector(p, "attitude")]
-    size = sum((part * part for part in q), arb(0)).sqrt()
-    found = Solution(
-        rates([arb_of(part) for part in vector(p, "inertia")]),
-        [*omega, *(part / size for part in q)],
-    )
+    """The motion of a free body that starts with omega_body = `omega` [rad/s], and its period."""
+    q = [arb_of(component) for component in vector(p, "attitude")]
+    length = sum((component * component for component in q), arb(0)).sqrt()
+    field = rates([arb_of(moment) for moment in vector(p, "inertia")])
+    solution = Solution(field, [*omega, *(component / length for component in q)])
     for t in times:
-        yield t, seen(found.at(t))
+        yield t, quantities(solution.at(t))
     if "period" in claimed:
-        yield None, returned(found, claimed)
+        yield None, returned(solution, claimed)
 
 
-def returned(found: Solution, claimed: Claimed) -> dict[str, arb]:
-    """The period of omega_body: when the component that changes fastest at the start is back; none
-    of a motion that stands still.
+def returned(solution: Solution, claimed: Claimed) -> dict[str, arb]:
+    """The period [s] of omega_body, near the claimed one; nothing for a motion that stands still.
+
+    It is when the component that changes fastest at the start has its first value again.
     """
-    start = found.at(Fraction(0))[:3]
-    slopes = [abs(float(rate.mid())) for rate in found.field(arb(0), found.at(Fraction(0)))[:3]]
-    which = slopes.index(max(slopes))
-    if slopes[which] < 1e-3:
+    start = solution.at(Fraction(0))
+    slopes = [abs(float(rate.mid())) for rate in solution.field(arb(0), start)[:3]]
+    fastest = slopes.index(max(slopes))
+    if slopes[fastest] < 1e-3:
         return {}
-    near = float(claimed["period"])
-    return {"period": found.crossing(lambda y: y[which] - start[which], near, near / 256)}
+    period = float(claimed["period"])
+
+    def change(state: Sequence[arb]) -> arb:
+        return state[fastest] - start[fastest]
+
+    return {"period": solution.crossing(change, period, period / 256)}
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -101,41 +109,40 @@ def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     """The motion of a free body from omega_body plus `offset` times its size along the axis
     `direction`.
     """
-    omega = [arb_of(part) for part in vector(p, "omega_body")]
-    size = sum((part * part for part in omega), arb(0)).sqrt()
-    omega[int(str(p["direction"])) - 1] += arb_of(number(p, "offset")) * size
+    omega = [arb_of(component) for component in vector(p, "omega_body")]
+    length = sum((component * component for component in omega), arb(0)).sqrt()
+    axis = int(str(p["direction"])) - 1
+    omega[axis] += arb_of(number(p, "offset")) * length
     return tumbling(p, omega, times, claimed)
 
 
 def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Angular momentum L in principal axes: L' = L x (omega + c L x omega) with L x (L x omega) = L
-    (L.omega) - omega |L|^2.
+    """The body with internal damping c, by its angular momentum L in principal axes.
+
+    L' = L x (omega + c L x omega) with L x (L x omega) = L (L . omega) - omega |L|^2 and omega_i =
+    L_i/J_i: |L| is constant, the energy falls.
     """
-    inertia, omega = (
-        [arb_of(part) for part in vector(p, name)] for name in ("inertia", "omega_body")
-    )
+    inertia = [arb_of(moment) for moment in vector(p, "inertia")]
+    omega0 = [arb_of(component) for component in vector(p, "omega_body")]
     damping = arb_of(number(p, "damping"))
 
-    def field(t: Any, y: Sequence[Any]) -> list[Any]:
-        a, b, c = y
-        x, u, z = (part / j for part, j in zip(y, inertia, strict=True))
-        along = a * x + b * u + c * z
-        square = a * a + b * b + c * c
-        turned = [b * z - c * u, c * x - a * z, a * u - b * x]
-        return [
-            part + damping * (own * along - rate * square)
-            for part, own, rate in zip(turned, y, (x, u, z), strict=True)
-        ]
+    def field(t: Any, momentum: Sequence[Any]) -> list[Any]:
+        l1, l2, l3 = momentum
+        w1, w2, w3 = (component / j for component, j in zip(momentum, inertia, strict=True))
+        l_omega = l1 * w1 + l2 * w2 + l3 * w3
+        l_square = l1 * l1 + l2 * l2 + l3 * l3
+        cross = [l2 * w3 - l3 * w2, l3 * w1 - l1 * w3, l1 * w2 - l2 * w1]
+        rates = []
+        for gyroscopic, l_i, w_i in zip(cross, momentum, (w1, w2, w3), strict=True):
+            rates.append(gyroscopic + damping * (l_i * l_omega - w_i * l_square))
+        return rates
 
-    found = Solution(field, [j * w for j, w in zip(inertia, omega, strict=True)])
+    solution = Solution(field, [j * w for j, w in zip(inertia, omega0, strict=True)])
     for t in times:
-        yield (
-            t,
-            {
-                f"omega_body.{axis}": part / j
-                for axis, part, j in zip("xyz", found.at(t), inertia, strict=True)
-            },
-        )
+        omega_body = {}
+        for axis, component, j in zip("xyz", solution.at(t), inertia, strict=True):
+            omega_body[f"omega_body.{axis}"] = component / j
+        yield t, omega_body
 
 
 WITNESSES = {

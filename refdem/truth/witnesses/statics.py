@@ -1,5 +1,10 @@
-"""Witnesses of what has no time: counts by ranks modulo a prime, solids by cubature, rotations by
+"""Witnesses of cases without time: counts by ranks modulo a prime, solids by cubature, rotations by
 products of turns.
+
+A cubature `Rule` yields pairs (weight, point): the sums of weight, weight r_i and weight r_i r_j
+are the volume and the first and second moments of a solid, exactly, because each rule is exact for
+polynomials of the degree that these integrals have. Quaternions are (w, x, y, z), Euler's angles
+z-x-z, matrices lead from the body to space.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,7 +22,7 @@ from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 PRIME = 2**61 - 1
 PLACE = "(refdem/truth/witnesses/statics.py)"
 BOOLE = [(Fraction(weight, 90), Fraction(k, 4)) for k, weight in enumerate((7, 32, 12, 32, 7))]
-"""Weights and places of a rule on [0, 1] that is exact to the fifth degree."""
+"""Boole's rule: weights and points of a rule on [0, 1] that is exact to the fifth degree."""
 Point = Sequence[Any]
 Rule = Iterator[tuple[Any, Point]]
 """Weights (volumes) and points whose sums are the integrals of polynomials of second degree over a
@@ -26,107 +31,135 @@ solid.
 
 
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
-    """Modulo a prime far larger than any number here."""
-    table = [[x.numerator * pow(x.denominator, -1, PRIME) % PRIME for x in row] for row in rows]
-    if table:
-        return int(
-            nmod_mat(len(table), len(table[0]), [x for row in table for x in row], PRIME).rank()
-        )
-    return 0
+    """The rank of a matrix of exact numbers, computed modulo a prime.
+
+    The rank modulo a prime is never larger, and smaller only if the prime divides a minor: it is
+    far larger than any number here.
+    """
+    if not rows:
+        return 0
+    entries = []
+    for row in rows:
+        entries += [x.numerator * pow(x.denominator, -1, PRIME) % PRIME for x in row]
+    return int(nmod_mat(len(rows), len(rows[0]), entries, PRIME).rank())
 
 
 def freedom(points: Sequence[Sequence[Fraction]]) -> tuple[int, int]:
-    """Velocities that keep all distances to first order; and those of the body as a whole: rank of
-    translations and turns.
+    """Degrees of freedom of points with a rod between every two: to first order, and as a rigid
+    body.
+
+    To first order: the dimension of the velocities v with (r_a - r_b) . (v_a - v_b) = 0 for every
+    rod. As a rigid body: the dimension of the velocities by translations e_i and by turns, v =
+    x_j e_i - x_i e_j in the plane of the axes i and j.
     """
-    size = len(points[0])
+    dimension = len(points[0])
     count = len(points)
+    # One row a rod, a column for every coordinate of every point.
     rods = []
-    whole = []
     for a, b in combinations(range(count), 2):
-        rods.append(
-            [
-                (points[a][i] - points[b][i]) * ((n == a) - (n == b))
-                for n in range(count)
-                for i in range(size)
-            ]
-        )
-    for axis in range(size):
-        whole.append([Fraction(int(i == axis)) for _ in range(count) for i in range(size)])
-    for i, j in combinations(range(size), 2):
-        whole.append(
-            [point[j] * (k == i) - point[i] * (k == j) for point in points for k in range(size)]
-        )
-    return size * count - rank(rods), rank(whole)
+        row = [Fraction(0)] * (dimension * count)
+        for i in range(dimension):
+            difference = points[a][i] - points[b][i]
+            row[a * dimension + i] = difference
+            row[b * dimension + i] = -difference
+        rods.append(row)
+    rigid = []
+    for axis in range(dimension):
+        direction = [Fraction(int(i == axis)) for i in range(dimension)]
+        rigid.append(direction * count)
+    for i, j in combinations(range(dimension), 2):
+        row = []
+        for point in points:
+            velocity = [Fraction(0)] * dimension
+            velocity[i] = point[j]
+            velocity[j] = -point[i]
+            row += velocity
+        rigid.append(row)
+    return dimension * count - rank(rods), rank(rigid)
 
 
 def counted(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Every row of degrees-of-freedom."""
+    """Every row of degrees-of-freedom: for points in general and in degenerate places."""
     flat = vector(p, "points")
     space = [flat[3 * i : 3 * i + 3] for i in range(5)]
     plane = [point[:2] for point in space]
-    placed = {
-        f"{d}d-{n}": points[:n] for d, points in ((2, plane), (3, space)) for n in range(1, 6)
+    general = {"rods-6-on-4-in-2d": plane[:4], "rods-10-on-5-in-3d": space, "rod-twice": space[:2]}
+    for n in range(1, 6):
+        general[f"2d-{n}"] = plane[:n]
+        general[f"3d-{n}"] = space[:n]
+    counts = {name: freedom(points)[0] for name, points in general.items()}
+    coplanar = [[x, y, Fraction(0)] for x, y, _ in space]
+    factors = (Fraction(0), Fraction(1), Fraction(5, 2))
+    collinear = [[x * factor for x in space[1]] for factor in factors]
+    degenerate = {
+        "coplanar-4": coplanar[:4],
+        "coplanar-5": coplanar,
+        "collinear-3": collinear,
+        "2d-collinear-3": [point[:2] for point in collinear],
     }
-    placed |= {"rods-6-on-4-in-2d": plane[:4], "rods-10-on-5-in-3d": space, "rod-twice": space[:2]}
-    found = {name: freedom(points)[0] for name, points in placed.items()}
-    on_table = [[x, y, Fraction(0)] for x, y, _ in space]
-    in_line = [
-        [x * along for x in space[1]] for along in (Fraction(0), Fraction(1), Fraction(5, 2))
-    ]
-    special = {
-        "coplanar-4": on_table[:4],
-        "coplanar-5": on_table,
-        "collinear-3": in_line,
-        "2d-collinear-3": [x[:2] for x in in_line],
-    }
-    for name, points in special.items():
-        found[f"{name}-first-order"], found[f"{name}-rigid"] = freedom(points)
-    yield None, {name: arb(n) for name, n in found.items()}
+    for name, points in degenerate.items():
+        first_order, rigid = freedom(points)
+        counts[f"{name}-first-order"] = first_order
+        counts[f"{name}-rigid"] = rigid
+    yield None, {name: arb(n) for name, n in counts.items()}
 
 
 def brick(
-    low: Point, high: Point, corner: Callable[[Any, Any, Any], tuple[Point, Any]] | None = None
+    low: Point, high: Point, mapped: Callable[[Any, Any, Any], tuple[Point, Any]] | None = None
 ) -> Rule:
-    """A cuboid; or its image under a map with the factor by which volumes grow."""
+    """The rule of the cuboid between two corners, or of its image under a map.
+
+    `mapped` returns the image of a point and the Jacobian's determinant, by which volumes grow.
+    """
     sides = [h - x for x, h in zip(low, high, strict=True)]
-    for rule in product(BOOLE, repeat=3):
-        weight = rule[0][0] * rule[1][0] * rule[2][0] * sides[0] * sides[1] * sides[2]
-        x, y, z = (low[i] + sides[i] * rule[i][1] for i in range(3))
-        place, grown = corner(x, y, z) if corner else ((x, y, z), 1)
-        yield weight * grown, place
+    for x_rule, y_rule, z_rule in product(BOOLE, repeat=3):
+        weight = x_rule[0] * y_rule[0] * z_rule[0] * sides[0] * sides[1] * sides[2]
+        x = low[0] + sides[0] * x_rule[1]
+        y = low[1] + sides[1] * y_rule[1]
+        z = low[2] + sides[2] * z_rule[1]
+        if mapped is None:
+            yield weight, (x, y, z)
+        else:
+            point, determinant = mapped(x, y, z)
+            yield weight * determinant, point
+
+
+CIRCLE = ((1, 0), (0, 1), (-1, 0), (0, -1))
+"""Four points of the unit circle: their mean is exact to the third degree."""
 
 
 def cylinder(a: Any, b: Any, c: Any) -> Rule:
-    """Half-axes a, b: the mean over four points of a circle is exact to the third degree."""
-    for (w, rho), (u, up), (x, y) in product(BOOLE, BOOLE, ((1, 0), (0, 1), (-1, 0), (0, -1))):
-        yield (
-            arb.pi() / 2 * arb_of(w * rho * u * a * b * c),
-            (
-                a * rho * x,
-                b * rho * y,
-                c * (up - Fraction(1, 2)),
-            ),
-        )
+    """The rule of the elliptical cylinder with half-axes a, b and height c, about the origin.
+
+    x = a rho cos f, y = b rho sin f, z = c (h - 1/2) for rho and h in [0, 1]: dV = a b c rho drho
+    dh df, the mean over f times 2 pi being pi/2 for each of the four points.
+    """
+    for (w_rho, rho), (w_h, h), (cosine, sine) in product(BOOLE, BOOLE, CIRCLE):
+        weight = arb.pi() / 2 * arb_of(w_rho * rho * w_h * a * b * c)
+        yield weight, (a * rho * cosine, b * rho * sine, c * (h - Fraction(1, 2)))
 
 
 def ellipsoid(a: Any, b: Any, c: Any) -> Rule:
-    """Shells of discs: x = a rho sqrt(1 - s^2) cos f, z = c rho s."""
-    for (w, rho), (u, half), (x, y) in product(BOOLE, BOOLE, ((1, 0), (0, 1), (-1, 0), (0, -1))):
+    """The rule of the ellipsoid with half-axes a, b, c about the origin, as shells of circles.
+
+    x = a rho sqrt(1 - s^2) cos f, y = b rho sqrt(1 - s^2) sin f, z = c rho s for rho in [0, 1] and
+    s in [-1, 1]: dV = a b c rho^2 drho ds df, with ds = 2 d(half) and pi/2 for each of four points.
+    """
+    for (w_rho, rho), (w_s, half), (cosine, sine) in product(BOOLE, BOOLE, CIRCLE):
         s = 2 * half - 1
-        wide = arb_of(1 - s * s).sqrt() * arb_of(rho)
-        place = (arb_of(a * x) * wide, arb_of(b * y) * wide, arb_of(c * rho * s))
-        yield arb.pi() * arb_of(w * rho * rho * u * a * b * c), place
+        radius = arb_of(1 - s * s).sqrt() * arb_of(rho)
+        point = (arb_of(a * cosine) * radius, arb_of(b * sine) * radius, arb_of(c * rho * s))
+        yield arb.pi() * arb_of(w_rho * rho * rho * w_s * a * b * c), point
 
 
 def without(whole: Rule, part: Rule) -> Rule:
-    """The solid `whole` with the solid `part` removed."""
+    """The rule of the solid `whole` with the solid `part` removed: weights subtract."""
     yield from whole
-    yield from ((-weight, place) for weight, place in part)
+    yield from ((-weight, point) for weight, point in part)
 
 
 def angled(a: Fraction, b: Fraction, thick: Fraction) -> Rule:
-    """A cuboid from the origin without the quarter beyond the middle."""
+    """The angle: a cuboid [0, a] [0, b] [0, thick] without the quarter x > a/2, y > b/2."""
     low = [Fraction(0)] * 3
     return without(brick(low, [a, b, thick]), brick([a / 2, b / 2, Fraction(0)], [a, b, thick]))
 
@@ -137,18 +170,29 @@ def boxed(x: Fraction, y: Fraction, z: Fraction) -> Rule:
 
 
 def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
-    """Every solid of moments-of-inertia, from what it is: half spaces and maps of a cube."""
+    """The rule of every solid of moments-of-inertia, by name.
+
+    `hollow` f is the part of its size that a hollow has. A plate is a solid of thickness 1 with all
+    points moved to z = 0.
+    """
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
-    flat = ((weight, (x, y, Fraction(0))) for weight, (x, y, _) in angled(a, b, Fraction(1)))
-    # m kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c).
-    masses = ((Fraction(m), (a * (m > 1), b * (m > 2), c * (m > 3))) for m in (1, 2, 3, 4))
+    zero = Fraction(0)
+    plate = ((weight, (x, y, zero)) for weight, (x, y, _) in angled(a, b, Fraction(1)))
+    masses = iter(
+        [
+            (Fraction(1), (zero, zero, zero)),
+            (Fraction(2), (a, zero, zero)),
+            (Fraction(3), (a, b, zero)),
+            (Fraction(4), (a, b, c)),
+        ]
+    )
     plain = {
         "cuboid": boxed(a, b, c),
         "ellipsoid": ellipsoid(a, b, c),
         "elliptical-cylinder": cylinder(a, b, c),
         "cuboid-at-corner": boxed(a, b, c),
         "angle": angled(a, b, c),
-        "angle-plate": flat,
+        "angle-plate": plate,
         "points": masses,
     }
     hollow = {
@@ -161,14 +205,17 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
 
 
 def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
-    """Solids that taper: images of cuboids, with the factor by which volumes grow."""
+    """The rules of solids that taper: images of cuboids of size 1.
+
+    Each map returns a point and the determinant of its Jacobian.
+    """
     half = Fraction(1, 2)
-    nothing = Fraction(0)
+    zero = Fraction(0)
     one = Fraction(1)
 
     def tetrahedron(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
-        grown = a * b * c * (1 - y) * (1 - z) * (1 - z)
-        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), grown
+        determinant = a * b * c * (1 - y) * (1 - z) * (1 - z)
+        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), determinant
 
     def pyramid(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
         return (a * x * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - z) ** 2
@@ -180,56 +227,67 @@ def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
         return (b * x * (1 - z), a * y, c * z), a * b * c * (1 - z)
 
     def triangle(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
-        return (b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y)
+        return (b * x * (1 - y) + a * y, c * y, zero), b * c * (1 - y)
 
-    cube = [nothing, nothing, nothing]
-    ones = [one, one, one]
-    halves = [half, half, one]
-    lows = [-half, -half, nothing]
+    origin = [zero, zero, zero]
+    opposite = [one, one, one]
+    # The unit cube about the z axis.
+    centred_low = [-half, -half, zero]
+    centred_high = [half, half, one]
     return {
-        "tetrahedron": brick(cube, ones, tetrahedron),
-        "rectangular-pyramid": brick(lows, halves, pyramid),
-        "right-angle-wedge": brick([nothing, -half, nothing], [one, half, one], right_angle_wedge),
-        "isosceles-wedge": brick(lows, halves, isosceles_wedge),
-        "triangle": brick(cube, ones, triangle),
+        "tetrahedron": brick(origin, opposite, tetrahedron),
+        "rectangular-pyramid": brick(centred_low, centred_high, pyramid),
+        "right-angle-wedge": brick([zero, -half, zero], [one, half, one], right_angle_wedge),
+        "isosceles-wedge": brick(centred_low, centred_high, isosceles_wedge),
+        "triangle": brick(origin, opposite, triangle),
     }
 
 
 def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
-    """Every point r by q r q*, after division by |q|^2."""
+    """The rule with every point r turned: q r q*/|q|^2."""
     back = (q[0], *(-x for x in q[1:]))
-    size = sum(x * x for x in q)
-    for weight, place in rule:
-        yield weight, [x / size for x in hamilton(hamilton(q, (Fraction(0), *place)), back)[1:]]
+    norm_square = sum(x * x for x in q)
+    for weight, point in rule:
+        image = hamilton(hamilton(q, (Fraction(0), *point)), back)[1:]
+        yield weight, [x / norm_square for x in image]
 
 
 def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Mass, centre and tensor of every solid, as sums over its points."""
-    corner = [x / 2 for x in numbers(p, "a", "b", "c").values()]
-    found: dict[str, arb] = {}
+    """Mass, centre of mass and inertia tensor of every solid, as sums over the points of its rule.
+
+    The tensor is about the centre of mass; that of cuboid-at-corner about its corner.
+    """
+    corner = [arb_of(x / 2) for x in numbers(p, "a", "b", "c").values()]
+    quantities: dict[str, arb] = {}
     for name, rule in solids(p).items():
-        density = arb_of(1 if name == "points" else number(p, "density"))
-        points = [(density * arb_of(weight), [arb_of(x) for x in place]) for weight, place in rule]
-        mass = sum((w for w, _ in points), arb(0))
-        centre = [sum((w * r[i] for w, r in points), arb(0)) / mass for i in range(3)]
-        if name == "cuboid-at-corner":
-            about = [arb_of(x) for x in corner]
+        # The rule of the point masses has their masses as weights.
+        if name == "points":
+            density = arb(1)
         else:
-            about = centre
-        arms = [(w, [x - y for x, y in zip(r, about, strict=True)]) for w, r in points]
-        found |= {f"{name}.mass": mass} | {
-            f"{name}.centre.{axis}": x for axis, x in zip("xyz", centre, strict=True)
-        }
+            density = arb_of(number(p, "density"))
+        points = [(density * arb_of(weight), [arb_of(x) for x in point]) for weight, point in rule]
+        mass = sum((m for m, _ in points), arb(0))
+        centre = [sum((m * r[i] for m, r in points), arb(0)) / mass for i in range(3)]
+        if name == "cuboid-at-corner":
+            origin = corner
+        else:
+            origin = centre
+        arms = [(m, [x - y for x, y in zip(r, origin, strict=True)]) for m, r in points]
+        quantities[f"{name}.mass"] = mass
+        for axis, x in zip("xyz", centre, strict=True):
+            quantities[f"{name}.centre.{axis}"] = x
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
-            own = sum(
-                (
-                    w * ((r[0] * r[0] + r[1] * r[1] + r[2] * r[2]) * int(i == j) - r[i] * r[j])
-                    for w, r in arms
-                ),
-                arb(0),
-            )
-            found[f"{name}.inertia.{'xyz'[i]}{'xyz'[j]}"] = own
-    yield None, found
+            quantities[f"{name}.inertia.{'xyz'[i]}{'xyz'[j]}"] = _inertia(arms, i, j)
+    yield None, quantities
+
+
+def _inertia(arms: Sequence[tuple[arb, Sequence[arb]]], i: int, j: int) -> arb:
+    """The entry J_ij = sum m (r^2 delta_ij - r_i r_j) of points (m, r)."""
+    entry = arb(0)
+    for m, r in arms:
+        square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
+        entry += m * (square * int(i == j) - r[i] * r[j])
+    return entry
 
 
 def hamilton(a: Point, b: Point) -> list[Any]:
@@ -245,7 +303,7 @@ def hamilton(a: Point, b: Point) -> list[Any]:
 
 
 def matrix_of(q: Point) -> list[list[Any]]:
-    """The rotation matrix 1 + 2 w [v] + 2 [v]^2 of a quaternion."""
+    """The rotation matrix 1 + 2 w [v] + 2 [v]^2 of a unit quaternion, [v] r = v x r."""
     w = q[0]
     (x, y, z) = q[1:]
     skew = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
@@ -254,17 +312,24 @@ def matrix_of(q: Point) -> list[list[Any]]:
 
 
 def euler_of(r: Sequence[Sequence[arb]]) -> list[arb]:
-    """z-x-z angles of a matrix from body to space."""
+    """Euler's angles phi, theta, psi (z-x-z) of a matrix from body to space.
+
+    Its last column is (sin phi sin theta, -cos phi sin theta, cos theta), its last row (sin theta
+    sin psi, sin theta cos psi, cos theta).
+    """
     return [arb.atan2(r[0][2], -r[1][2]), r[2][2].acos(), arb.atan2(r[2][0], r[2][1])]
 
 
-def listed(found: Mapping[str, Sequence[Any]]) -> dict[str, arb]:
-    """`name`, or `name.0`, `name.1` ... where there are several numbers."""
-    return {
-        (name if len(row) == 1 else f"{name}.{i}"): arb_of(x)
-        for name, row in found.items()
-        for i, x in enumerate(row)
-    }
+def listed(rows: Mapping[str, Sequence[Any]]) -> dict[str, arb]:
+    """Rows as quantities: `name` for a row of one number, else `name.0`, `name.1` and so on."""
+    quantities = {}
+    for name, row in rows.items():
+        if len(row) == 1:
+            quantities[name] = arb_of(row[0])
+        else:
+            for i, x in enumerate(row):
+                quantities[f"{name}.{i}"] = arb_of(x)
+    return quantities
 
 
 def conjugate(q: Point) -> list[Any]:
@@ -283,24 +348,26 @@ def added(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 
 
 def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Hamilton's products, exact as long as nothing is made unit; the matrix from w and the skew
-    matrix of the vector.
+    """Every row of the case quaternions, by Hamilton's products and matrices 1 + 2 w [v] + 2 [v]^2.
+
+    Products are exact rationals as long as nothing is divided by |q|; u = q/|q|.
     """
-    b = vector(p, "q")
-    size = arb_of(sum((x * x for x in b), Fraction(0))).sqrt()
-    u = [arb_of(x) / size for x in b]
-    yield None, listed(products(p, size) | turns_by(p, u) | rates_of(p, u))
+    q = vector(p, "q")
+    length = arb_of(sum((x * x for x in q), Fraction(0))).sqrt()
+    u = [arb_of(x) / length for x in q]
+    yield None, listed(products(p, length) | turns_by(p, u) | rates_of(p, u))
 
 
-def products(p: Mapping[str, Exact], size: arb) -> dict[str, Sequence[Any]]:
-    """What the exact quaternions p, q and r give; `size` is |q|."""
+def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
+    """The rows of products, sums, conjugates and the inverse of p, q, r; `length` is |q|."""
     a, b, c = (vector(p, name) for name in ("p", "q", "r"))
     pq = hamilton(a, b)
     qp = hamilton(b, a)
     both = added(a, b)
-    # q* / |q|^2
+    # q^-1 = q*/|q|^2
     inverse = [x / sum(y * y for y in b) for x in conjugate(b)]
-    across = (size * size - arb_of(b[0] * b[0])).sqrt()
+    # The eigenvalues of the complex matrix of q are w +- i |(x, y, z)|.
+    imaginary = (length * length - arb_of(b[0] * b[0])).sqrt()
     return {
         "p-q": pq,
         "q-p": qp,
@@ -313,26 +380,32 @@ def products(p: Mapping[str, Exact], size: arb) -> dict[str, Sequence[Any]]:
         "conjugate-of-sum": conjugate(both),
         "inverse": inverse,
         "one": hamilton(b, inverse),
-        "absolute": [size],
+        "absolute": [length],
         "real-product": pq,
         "complex-product": pq,
-        "complex-eigenvalue": [b[0], across],
+        "complex-eigenvalue": [b[0], imaginary],
     }
 
 
 def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
-    """What a vector is turned to by the unit quaternion u."""
+    """The rows of the unit quaternion u: its matrix, Euler's angles, and a vector that it turns."""
     v = vector(p, "vector")
     matrix = matrix_of(u)
     twice = hamilton(u, u)
-    moved = applied(matrix, v)
+    rotated = applied(matrix, v)
+    minus_u = [-x for x in u]
+    # From its matrix a quaternion comes back with w >= 0.
+    if u[0] > 0:
+        back = u
+    else:
+        back = minus_u
     return {
         "u": u,
-        "-u": [-x for x in u],
+        "-u": minus_u,
         "u-conjugate": conjugate(u),
-        "back": [x if u[0] > 0 else -x for x in u],
-        "rotated": moved,
-        "rotated-by-minus-u": moved,
+        "back": back,
+        "rotated": rotated,
+        "rotated-by-minus-u": rotated,
         "matrix": [x for row in matrix for x in row],
         "euler": euler_of(matrix),
         "turned-twice": twice,
@@ -341,33 +414,34 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
 
 
 def rates_of(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
-    """u' = omega u/2 and what follows from it."""
+    """The rows of u' = omega u/2 and of its consequences; omega and omega' (`rise`) in space."""
     omega = vector(p, "omega")
-    turning = [arb(0), *map(arb_of, omega)]
-    rising = [arb(0), *map(arb_of, vector(p, "rise"))]
-    rate = [x / 2 for x in hamilton(turning, u)]
+    omega_quaternion = [arb(0), *map(arb_of, omega)]
+    omega_rate = [arb(0), *map(arb_of, vector(p, "rise"))]
+    rate = [x / 2 for x in hamilton(omega_quaternion, u)]
     # u'' = (omega' u + omega u')/2
-    second = [x / 2 for x in added(hamilton(rising, u), hamilton(turning, rate))]
+    second = [x / 2 for x in added(hamilton(omega_rate, u), hamilton(omega_quaternion, rate))]
+    # omega_body = R^T omega
     matrix = matrix_of(u)
     body = [sum((matrix[k][i] * arb_of(omega[k]) for k in range(3)), arb(0)) for i in range(3)]
-    ahead = hamilton(u, conjugate(rate))
-    behind = hamilton(rate, conjugate(u))
+    u_rate = hamilton(u, conjugate(rate))
+    rate_u = hamilton(rate, conjugate(u))
     return {
         "rate": rate,
         "second-rate": second,
         "orthogonal": [sum((x * y for x, y in zip(u, rate, strict=True)), arb(0))],
         "rate-conjugate": conjugate(rate),
-        "u-rate": ahead,
-        "rate-u": behind,
-        "anticommute": added(ahead, behind),
+        "u-rate": u_rate,
+        "rate-u": rate_u,
+        "anticommute": added(u_rate, rate_u),
         # omega = 2 u' u*
-        "omega-back": [2 * x for x in behind][1:],
+        "omega-back": [2 * x for x in rate_u][1:],
         "omega-body": body,
     }
 
 
 def about(axis: str, angle: arb) -> arb_mat:
-    """Rodrigues' formula for a coordinate axis."""
+    """The matrix of a turn by `angle` [rad] about the coordinate axis "x", "y" or "z"."""
     i = "xyz".index(axis)
     j = (i + 1) % 3
     k = (i + 2) % 3
@@ -388,30 +462,31 @@ PRODUCTS = (
 
 
 def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Products of turns about coordinate axes; rates from the axes about which Euler's angles
-    turn.
-    """
+    """Every row of the case rotations, by products of turns about coordinate axes."""
     frequency = arb_of(number(p, "frequency"))
-    # Energy per moment of inertia, omega^2/2 with omega = 2 pi f.
-    spin = (2 * arb.pi() * frequency) ** 2 / 2
-    slow = frequency * frequency / 2
-    energies = {"energy": [spin], "frequency-energy": [slow], "energy-ratio": [spin / slow]}
+    # Energy per moment of inertia: omega^2/2 with omega = 2 pi f, and with f in its place.
+    energy = (2 * arb.pi() * frequency) ** 2 / 2
+    of_frequency = frequency * frequency / 2
+    energies = {
+        "energy": [energy],
+        "frequency-energy": [of_frequency],
+        "energy-ratio": [energy / of_frequency],
+    }
     yield None, listed(quarter_turns() | in_the_plane(p) | by_euler(p) | energies)
 
 
 def quarter_turns() -> dict[str, Sequence[Any]]:
     """Turns by 90 and 180 degrees, and products of them."""
-    turn = {
-        f"{axis}{degrees:+d}": about(axis, arb.pi() * degrees / 180)
-        for axis in "xyz"
-        for degrees in (90, -90, 180)
-    }
+    turns = {}
+    for axis in "xyz":
+        for degrees in (90, -90, 180):
+            turns[f"{axis}{degrees:+d}"] = about(axis, arb.pi() * degrees / 180)
     for name, first, second in PRODUCTS:
-        turn[name] = turn[first] * turn[second]
-    found: dict[str, Sequence[Any]] = {name: row_by_row(m) for name, m in turn.items()}
-    globe = turn["globe"]
+        turns[name] = turns[first] * turns[second]
+    rows: dict[str, Sequence[Any]] = {name: row_by_row(m) for name, m in turns.items()}
+    globe = turns["globe"]
     trace = globe[0, 0] + globe[1, 1] + globe[2, 2]
-    return found | {
+    return rows | {
         "globe-x": [globe[i, 0] for i in range(3)],
         "globe-determinant": [globe.det()],
         # The trace is 1 + 2 cos(angle).
@@ -425,56 +500,74 @@ def row_by_row(m: arb_mat) -> list[arb]:
 
 
 def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
-    """A turn of the plane, and the mirror at the line that the x axis is turned to."""
+    """A turn of the plane, and the mirror at the line along e = (cos angle, sin angle).
+
+    e is the first column of the matrix of the turn; the mirror image of v is 2 (v . e) e - v.
+    """
     v = [arb_of(x) for x in vector(p, "vector")]
-    plane = about("z", arb_of(number(p, "angle")))
-    flat = [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)]
-    along = plane[0, 0] * v[0] + plane[1, 0] * v[1]
+    turn = about("z", arb_of(number(p, "angle")))
+    turned_v = [turn[i, 0] * v[0] + turn[i, 1] * v[1] for i in (0, 1)]
+    along_line = turn[0, 0] * v[0] + turn[1, 0] * v[1]
     return {
-        "plane-turn": flat,
-        "complex-turn": flat,
-        "plane-determinant": [plane.det()],
-        "mirror-determinant": [-plane.det()],
-        "plane-eigenvalue": [plane[0, 0], (plane[0, 1] * plane[0, 1]).sqrt()],
-        # 2 (v.e) e - v
-        "mirror": [2 * along * plane[i, 0] - v[i] for i in (0, 1)],
+        "plane-turn": turned_v,
+        "complex-turn": turned_v,
+        "plane-determinant": [turn.det()],
+        "mirror-determinant": [-turn.det()],
+        # cos and |sin| of the angle: eigenvalues exp(+-i angle).
+        "plane-eigenvalue": [turn[0, 0], (turn[0, 1] * turn[0, 1]).sqrt()],
+        "mirror": [2 * along_line * turn[i, 0] - v[i] for i in (0, 1)],
     }
 
 
 def by_euler(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
-    """Euler's angles z-x-z, with their rates, also next to their singularity."""
+    """Euler's angles z-x-z with their matrix, quaternion and rates.
+
+    The rows `near-...` have the small angle `near` in the place of theta, next to the singularity.
+    """
     near = arb_of(number(p, "near"))
     phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
     omega = [arb_of(x) for x in vector(p, "omega")]
-    whole = about("z", phi) * about("x", theta) * about("z", psi)
-    tilted = attitude(phi, near, psi)
+    matrix = about("z", phi) * about("x", theta) * about("z", psi)
+    near_quaternion = attitude(phi, near, psi)
+    omega_q = hamilton([arb(0), *omega], near_quaternion)
     return {
-        "euler-matrix": row_by_row(whole),
-        "euler-back": euler_of(whole.table()),
+        "euler-matrix": row_by_row(matrix),
+        "euler-back": euler_of(matrix.table()),
         "euler-quaternion": attitude(phi, theta, psi),
         "euler-rates": turning(phi, theta, omega),
         "near-rates": turning(phi, near, omega),
-        "near-quaternion": tilted,
-        "near-quaternion-rate": [x / 2 for x in hamilton([arb(0), *omega], tilted)],
+        "near-quaternion": near_quaternion,
+        # q' = omega q/2
+        "near-quaternion-rate": [x / 2 for x in omega_q],
     }
 
 
 def attitude(phi: arb, theta: arb, psi: arb) -> list[arb]:
-    """The quaternion of three turns."""
-    (a, b), (c, d), (e, f) = ((half / 2).sin_cos() for half in (phi, theta, psi))
-    return hamilton(
-        hamilton([b, arb(0), arb(0), a], [d, c, arb(0), arb(0)]), [f, arb(0), arb(0), e]
-    )
+    """The quaternion of the turns by psi about z, theta about x and phi about z, in this order."""
+    sin_phi, cos_phi = (phi / 2).sin_cos()
+    sin_theta, cos_theta = (theta / 2).sin_cos()
+    sin_psi, cos_psi = (psi / 2).sin_cos()
+    zero = arb(0)
+    about_z = [cos_phi, zero, zero, sin_phi]
+    about_x = [cos_theta, sin_theta, zero, zero]
+    about_body_z = [cos_psi, zero, zero, sin_psi]
+    return hamilton(hamilton(about_z, about_x), about_body_z)
 
 
 def turning(phi: arb, theta: arb, omega: Sequence[arb]) -> list[arb]:
-    """phi', theta', psi': omega = phi' e_z + theta' (line of nodes) + psi' (axis of the body),
-    solved as linear equations.
+    """The rates phi', theta', psi' from omega in space axes, by linear equations.
+
+    omega = phi' e_z + theta' n + psi' b, with the line of nodes n = (cos phi, sin phi, 0) and the
+    axis of the body b = (sin phi sin theta, -cos phi sin theta, cos theta).
     """
-    sine, cosine = phi.sin_cos()
-    down, up = theta.sin_cos()
-    axes = arb_mat([[0, cosine, sine * down], [0, sine, -cosine * down], [1, 0, up]])
-    return [row[0] for row in axes.solve(arb_mat([[x] for x in omega])).table()]
+    sin_phi, cos_phi = phi.sin_cos()
+    sin_theta, cos_theta = theta.sin_cos()
+    # Columns: e_z, n and b.
+    axes = arb_mat(
+        [[0, cos_phi, sin_phi * sin_theta], [0, sin_phi, -cos_phi * sin_theta], [1, 0, cos_theta]]
+    )
+    solved = axes.solve(arb_mat([[x] for x in omega]))
+    return [row[0] for row in solved.table()]
 
 
 WITNESSES = {

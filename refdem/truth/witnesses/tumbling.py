@@ -72,7 +72,7 @@ class Box:
 
     def start(self) -> list[arb]:
         """The initial state: matrix, rates, position and velocity."""
-        turned = rotations.seen([arb(0)] * 3 + self.unit())
+        turned = rotations.quantities([arb(0)] * 3 + self.unit())
         place = [arb(0), arb(0), self.e["height"]]
         rows = [turned[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
         return [

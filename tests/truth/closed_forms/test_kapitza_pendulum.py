@@ -12,7 +12,7 @@ from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms import kapitza_pendulum as module
 
 TIMES = (Fraction(1, 3), Fraction(2))
-sound = module.shaken
+sound = module.field
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_the_witness_sees(apart, fault, monkeypatch):
 
         return wrong
 
-    monkeypatch.setattr(module, "shaken", field)
+    monkeypatch.setattr(module, "field", field)
     assert apart("kapitza-pendulum", TIMES[:1])
 
 

@@ -1,14 +1,27 @@
 """Two spheres so heavy that they pass each other on a prescribed straight path, overlapping for a
 while: what the linear law gives them.
 
-In the plane of the path body 1 rests at the origin and body 2 is at (x, b), x = x0 + V t, with the
-constant spin w2: D^2 = x^2 + b^2, overlap d = D0 - D, A = asinh(x/b). The slip V b/D + l2 w2 with
-the lever l2 = R2 - beta d has the way sigma = C + g A + a x + e x D, and with forces k d along n =
-(x, b)/D and k_t sigma, or mu k d, along (-b, x)/D all impulses and turning impulses are integrals
-of A, x and D in closed form. Where the spring comes to its limit, and where it is caught, is proved
-by bisection and interval Newton. Without a spring (k_t = 0) it slides all the way, by mu k d
-against the slip; a slip that then changes its sign is not certified. The masses are finite and give
-way by less than 1e-20 of the overlap, which the radii contain.
+Path. In its plane body 1 rests at the origin and body 2 is at (x, b), x = x0 + V t, with the
+constant spin w2. The distance of the centres is D = sqrt(x^2 + b^2), the overlap d = D0 - D with D0
+= R1 + R2, and A = asinh(x/b), for which dA/dx = 1/D.
+
+Slip. It is V b/D + l2 w2 with the lever l2 = R2 - beta d (`lever` is beta). Its integral over time,
+the tangential displacement sigma, is
+
+    sigma = C + g A + a x + e x D,
+    e = w2 beta/(2 V),  a = w2 (R2 - beta D0)/V,  g = b + e b^2.
+
+Force on body 1: k d along -n, n = (x, b)/D, and along (-b, x)/D that of the tangential spring, -k_t
+sigma, at most mu k d. So all impulses and turning impulses are integrals of A, x and D over x, in
+closed form, over V (`antiderivatives`).
+
+Switches. The spring slides where |sigma| comes to its limit mu k d/k_t, and is caught where that
+limit outgrows the slip again: both are proved by bisection and interval Newton. Without a spring
+(k_t = 0) it slides all the time, by mu k d against the slip; a slip that then changes its sign is
+not certified.
+
+The masses are finite and move by less than 1e-20 of the overlap, which the radii contain
+(`total_bound`).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,9 +43,12 @@ from refdem.truth.swept_growth import Span, largest_growth
 
 AXES = "xyz"
 STATE = ("r.x", "r.y", "v.x", "v.y")
-COORDINATES = (*STATE, "way", "impulse.x", "impulse.y", "turning.z")
-"""What errors grow in: the spring remembers the way of the slip."""
-WAY = 4
+COORDINATES = (*STATE, "sigma", "impulse.x", "impulse.y", "turning.z")
+"""The coordinates of an error that grows: sigma is one, because the spring remembers it."""
+SIGMA = 4
+"""Where sigma stands in COORDINATES."""
+MOST_PIECES = 16
+"""A contact with more pieces is not followed."""
 Matrix = tuple[tuple[Fraction, ...], ...]
 
 
@@ -40,6 +56,7 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 class Passing:
     """Exact parameters of the path and both spheres, in SI units.
 
+    `spin` is w2 [rad/s], `lever` beta, `start` the (x, y, vx, vy) of body 2 in the plane at t = 0;
     `frame` has the axes of the plane, then its normal, as columns (a rational rotation).
     """
 
@@ -56,7 +73,7 @@ class Passing:
 
 @dataclass(frozen=True)
 class Place:
-    """x, D, A, and powers of them that integrals need, of balls or with their slopes."""
+    """A point (x, b) of the path and the functions of x there; balls, or balls with slopes."""
 
     x: Any
     b: Any
@@ -68,19 +85,21 @@ class Place:
 
     @property
     def angle(self) -> Any:
-        """The angle A = asinh(x/b) along the path."""
+        """A = asinh(x/b), the integral of 1/D over x."""
         return (self.x / self.b).asinh()
 
     @property
-    def area(self) -> Any:
-        """The integral of the distance D over x."""
+    def distance_integral(self) -> Any:
+        """The integral of D over x: (x D + b^2 A)/2."""
         return (self.x * self.distance + self.b * self.b * self.angle) / 2
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of the contact from x on: sticking with the constant C of the way, or sliding to one
-    side.
+    """A piece of the contact, from x = `begin` on.
+
+    `side` is the side to which the spring slides at its limit, 1 or -1; 0 while it sticks, with the
+    constant C of sigma.
     """
 
     begin: arb
@@ -89,8 +108,8 @@ class Piece:
 
 
 class ContactPath(ClosedForm):
-    """Impulses [N s] and turning impulses [N m s] that body 1 has got, place and velocity of body
-    2.
+    """The truth of a passing: the impulse [N s] and turning impulse [N m s] that body 1 has got by
+    time t, and position [m] and velocity [m/s] of body 2.
     """
 
     state = STATE
@@ -105,6 +124,7 @@ class ContactPath(ClosedForm):
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The path from a start whose coordinate `axis` is larger by `amount`."""
         start = list(self.path.start)
         start[axis] += amount
         other = copy(self)
@@ -118,29 +138,31 @@ class ContactPath(ClosedForm):
         return self.numbers_from([arb_of(value) for value in self.path.start])
 
     def numbers_from(self, state: Sequence[Any]) -> dict[str, Any]:
-        """The numbers of the path through a place with a velocity: b, x there, V along x, and the
-        coefficients g, a, e of the slip's way.
+        """The numbers of the path through the state (x, y, vx, vy) of body 2 in the plane.
+
+        b, x and V are those of the top of this file, in axes along and across the velocity; g, a, e
+        the coefficients of sigma; cos and sin those of the direction of the velocity.
         """
         p = self.path
         x, y, u, v = state
         speed = (u * u + v * v).sqrt()
         along = (x * u + y * v) / speed
-        off = (y * u - x * v) / speed
-        base = arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed
-        steep = arb_of(p.spin * p.lever) / (2 * speed)
+        b = (y * u - x * v) / speed
+        a = arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed
+        e = arb_of(p.spin * p.lever) / (2 * speed)
         return {
-            "b": off,
+            "b": b,
             "x": along,
             "V": speed,
-            "g": off + steep * off * off,
-            "a": base,
-            "e": steep,
+            "g": b + e * b * b,
+            "a": a,
+            "e": e,
             "cos": u / speed,
             "sin": v / speed,
         }
 
     @property
-    def reach(self) -> arb:
+    def touch_distance(self) -> arb:
         """The distance D0 between the centres at touch, the sum of radii."""
         return arb_of(sum(self.path.radii, Fraction(0)))
 
@@ -148,67 +170,81 @@ class ContactPath(ClosedForm):
         """The point of the path with coordinate x."""
         return Place(x, self.numbers()["b"])
 
-    def constant_side(self, piece: Piece) -> int:
-        """The side of its limit on which the spring is where a stick begins; 0 at touch."""
-        number = self.pieces().index(piece)
-        if number:
-            return self.pieces()[number - 1].side
+    def side_before(self, piece: Piece) -> int:
+        """The side to which the piece before this one slides; 0 where this one begins at touch."""
+        index = self.pieces().index(piece)
+        if index:
+            return self.pieces()[index - 1].side
         return 0
 
-    def ends(self) -> arb:
-        """The x > 0 at which they part."""
-        found: arb = (self.reach * self.reach - self.numbers()["b"] ** 2).sqrt()
-        return found
+    def parting(self) -> arb:
+        """The x > 0 at which they part, x^2 = D0^2 - b^2; they touch at -x."""
+        x: arb = (self.touch_distance * self.touch_distance - self.numbers()["b"] ** 2).sqrt()
+        return x
 
-    def way(self, at: Place, numbers: Mapping[str, Any] | None = None) -> Any:
-        """sigma without its constant, on this path or on another one."""
+    def sigma(self, at: Place, numbers: Mapping[str, Any] | None = None) -> Any:
+        """sigma - C = g A + a x + e x D at a point of this path, or of one with other numbers."""
         n = numbers
         if n is None:
             n = self.numbers()
         return n["g"] * at.angle + n["a"] * at.x + n["e"] * at.x * at.distance
 
-    def slack(self) -> arb:
+    def limit_per_overlap(self) -> arb:
         """The ratio mu k/k_t, the spring stretch at the limit per overlap."""
         p = self.path
         return arb_of(p.friction * p.stiffness / p.tangential_stiffness)
 
-    def limit(self, x: arb, order: int) -> arb:
-        """mu k d / k_t and its derivatives by x."""
+    def sigma_limit(self, x: arb, order: int) -> arb:
+        """The limit mu k d/k_t of |sigma|, or its derivative by x of an order up to 2.
+
+        d = D0 - D, D' = x/D and D'' = b^2/D^3.
+        """
         at = self.place(x)
         distance: arb = at.distance
-        rates = (self.reach - distance, -at.x / distance, -at.b * at.b / distance**3)
-        found: arb = self.slack() * rates[order]
-        return found
+        overlap_derivatives = (
+            self.touch_distance - distance,
+            -at.x / distance,
+            -at.b * at.b / distance**3,
+        )
+        limit: arb = self.limit_per_overlap() * overlap_derivatives[order]
+        return limit
 
     def slip(self, x: arb, order: int) -> arb:
-        """Derivatives of sigma by x, from the first on."""
+        """The slip per V, sigma' = b/D + a + 2 e D (order 0), or its derivative sigma'' (1)."""
         at = self.place(x)
         n = self.numbers()
         distance = at.distance
-        rates: tuple[arb, arb] = (
+        derivatives: tuple[arb, arb] = (
             at.b / distance + n["a"] + 2 * n["e"] * distance,
             -at.b * x / distance**3 + 2 * n["e"] * x / distance,
         )
-        return rates[order]
+        return derivatives[order]
 
-    def spared(self, piece: Piece, side: int, order: int, x: arb) -> arb:
-        """A derivative by x of what the spring has left towards a side."""
-        held: arb
+    def margin(self, piece: Piece, side: int, order: int, x: arb) -> arb:
+        """The margin of a sticking spring to its limit on a side, limit - side sigma.
+
+        Or its derivative by x of the order given. It slides when the margin comes to 0.
+        """
+        sigma: arb
         if order == 0:
-            held = piece.constant + self.way(self.place(x))
+            sigma = piece.constant + self.sigma(self.place(x))
         else:
-            held = self.slip(x, order - 1)
-        return self.limit(x, order) - side * held
+            sigma = self.slip(x, order - 1)
+        return self.sigma_limit(x, order) - side * sigma
 
-    def surplus(self, side: int, order: int, x: arb) -> arb:
-        """The amount by which a clipped spring would outgrow its limit."""
-        return side * self.slip(x, order) - self.limit(x, order + 1)
+    def excess_rate(self, side: int, order: int, x: arb) -> arb:
+        """The rate by x at which the slip would carry a spring at its limit beyond it.
+
+        side sigma' - limit' (order 0), or its derivative (1). Where it comes to 0 the spring is
+        caught: from there on it sticks.
+        """
+        return side * self.slip(x, order) - self.sigma_limit(x, order + 1)
 
     @per_precision
     def pieces(self) -> list[Piece]:
         """All pieces of the motion, from touch on, in order of time."""
-        x = -self.ends()
-        end = self.ends()
+        x = -self.parting()
+        end = self.parting()
         slip = self.slip(x, 0)
         if not (slip > 0 or slip < 0):
             raise UndecidedError("the direction of the slip at touch")
@@ -218,17 +254,24 @@ class ContactPath(ClosedForm):
             side = -1
         if not self.path.tangential_stiffness:
             return self.without_spring(Piece(x, side, arb(0)), end)
-        first = self.surplus(side, 0, x)
-        if not (first > 0 or first < 0):
+        # At touch sigma and its limit are both 0: the faster of the two decides.
+        excess = self.excess_rate(side, 0, x)
+        if not (excess > 0 or excess < 0):
             raise UndecidedError("whether it slides from touch on")
-        found = [Piece(x, side if first > 0 else 0, -self.way(self.place(x)))]
+        if excess > 0:
+            first_side = side
+        else:
+            first_side = 0
+        pieces = [Piece(x, first_side, -self.sigma(self.place(x)))]
+        # The order of the zero that the margin to each side has where a stick begins: 1 at touch,
+        # on both sides; 2 where a slide is caught, since sigma and its limit agree to first order.
         touching = {1: 1, -1: 1}
-        while len(found) < 16:
-            last = found[-1]
-            after = self.after(last, touching, end)
+        while len(pieces) < MOST_PIECES:
+            last = pieces[-1]
+            after = self.next_piece(last, touching, end)
             if after is None:
-                return found
-            found.append(after)
+                return pieces
+            pieces.append(after)
             if not after.side:
                 touching = {last.side: 2}
             else:
@@ -245,126 +288,158 @@ class ContactPath(ClosedForm):
         turns = earliest([Watched("slip", slip)], whole.begin, end)
         if turns is not None and self.path.friction:
             n = self.numbers()
-            told = "friction without a tangential spring jumps where the slip changes its sign"
-            raise SwitchError("singular", told, float(((turns[1] - n["x"]) / n["V"]).mid()))
+            time = (turns[1] - n["x"]) / n["V"]
+            message = "friction without a tangential spring jumps where the slip changes its sign"
+            raise SwitchError("singular", message, float(time.mid()))
         return [whole]
 
     def sided_slip(self, side: int, order: int, x: arb) -> arb:
         """A derivative by x of the slip to one side."""
         return side * self.slip(x, order)
 
-    def after(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
-        """The piece that follows a piece; None after the last one."""
+    def next_piece(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
+        """The piece that follows a piece; None if that lasts until x = `end`.
+
+        `touching` has the order of the zero of the margin to a side where a stick begins.
+        """
         if last.side:
-            rates: list[Along] = [partial(self.surplus, last.side, order) for order in (0, 1)]
+            rates: list[Along] = [partial(self.excess_rate, last.side, order) for order in (0, 1)]
             caught = earliest([Watched("caught", rates)], last.begin, end)
             if caught is None:
                 return None
-            return Piece(
-                caught[1], 0, last.side * self.limit(caught[1], 0) - self.way(self.place(caught[1]))
-            )
+            x = caught[1]
+            # There sigma is at its limit, which says what C is.
+            constant = last.side * self.sigma_limit(x, 0) - self.sigma(self.place(x))
+            return Piece(x, 0, constant)
         guards = []
         for side in (1, -1):
             order = touching.get(side, 0)
-            spare: list[Along] = [
-                partial(self.spared, last, side, n) for n in range(max(2, order + 1))
+            margins: list[Along] = [
+                partial(self.margin, last, side, n) for n in range(max(2, order + 1))
             ]
-            guards.append(Watched(str(side), spare, order))
-        found = earliest(guards, last.begin, end)
-        if found is None:
+            guards.append(Watched(str(side), margins, order))
+        slide = earliest(guards, last.begin, end)
+        if slide is None:
             return None
-        return Piece(found[1], int(found[0]), arb(0))
+        name, x = slide
+        return Piece(x, int(name), arb(0))
 
-    def given(self, side: int, constant: Any, at: Place, n: Mapping[str, Any]) -> list[Any]:
-        """Antiderivatives by x of the force's parts along x and y and of the torque on body 1."""
+    def antiderivatives(
+        self, side: int, constant: Any, at: Place, n: Mapping[str, Any]
+    ) -> list[Any]:
+        """Antiderivatives by x, at a point, of the force (2, along x and y) and torque on body 1.
+
+        The force is -k d (x, b)/D + q s (-b, x)/D and the torque q s (R1 - beta d), where q s is
+        the tangential force: s = d and q = -side mu k while it slides to a side, s = sigma and q =
+        -k_t while it sticks (`side` 0) with the constant C of sigma. `n` has the numbers of the
+        path. With I_f for the integral of f over x this is
+
+            -k I_(d x/D) - q I_(s b/D),   -k I_(d b/D) + q I_(s x/D),
+            q ((R1 - beta D0) I_s + beta I_(s D)).
+        """
         p = self.path
         x = at.x
         b = at.b
-        d = at.distance
+        distance = at.distance
         angle = at.angle
-        area = at.area
-        reach = self.reach
+        # I_D
+        of_distance = at.distance_integral
+        d0 = self.touch_distance
         k = arb_of(p.stiffness)
-        # The integrals of d x/D and of d b/D over x, d = D0 - D being the overlap.
-        pressed_x = reach * d - x * x / 2
-        pressed_y = b * (reach * angle - x)
-        # The lever of body 1 is R1 - beta D0 + beta D.
+        # I_(d x/D) and I_(d b/D), with d = D0 - D.
+        normal_x = d0 * distance - x * x / 2
+        normal_y = b * (d0 * angle - x)
         lever = arb_of(p.radii[0] - p.lever * sum(p.radii))
-        more = arb_of(p.lever)
+        beta = arb_of(p.lever)
         if side:
-            rub = -side * arb_of(p.friction) * k
-            # The integrals of d b/D, d x/D, d and d D.
-            by_b = pressed_y
-            by_x = pressed_x
-            whole = reach * x - area
-            spread = reach * area - (x * x * x / 3 + b * b * x)
+            q = -side * arb_of(p.friction) * k
+            s_b = normal_y
+            s_x = normal_x
+            s_one = d0 * x - of_distance
+            s_distance = d0 * of_distance - (x * x * x / 3 + b * b * x)
         else:
-            rub = -arb_of(p.tangential_stiffness)
+            q = -arb_of(p.tangential_stiffness)
             c = constant
             g = n["g"]
             a = n["a"]
             e = n["e"]
-            # The same of sigma = c + g A + a x + e x D in place of d.
-            by_b = b * (c * angle + g * angle * angle / 2 + a * d + e * x * x / 2)
-            by_x = c * d + g * (d * angle - x) + a * (x * d - b * b * angle) / 2 + e * x * x * x / 3
-            whole = c * x + g * (x * angle - d) + a * x * x / 2 + e * d**3 / 3
-            # The integral of A D.
-            bent = angle * area - (x * x + b * b * angle * angle) / 4
-            spread = c * area + g * bent + a * d**3 / 3 + e * d**4 / 4
-        return [
-            -k * pressed_x - rub * by_b,
-            -k * pressed_y + rub * by_x,
-            rub * (lever * whole + more * spread),
-        ]
+            # Term by term of s = C + g A + a x + e x D.
+            s_b = b * (c * angle + g * angle * angle / 2 + a * distance + e * x * x / 2)
+            s_x = (
+                c * distance
+                + g * (distance * angle - x)
+                + a * (x * distance - b * b * angle) / 2
+                + e * x * x * x / 3
+            )
+            s_one = c * x + g * (x * angle - distance) + a * x * x / 2 + e * distance**3 / 3
+            # I_(A D)
+            of_angle_distance = angle * of_distance - (x * x + b * b * angle * angle) / 4
+            s_distance = (
+                c * of_distance + g * of_angle_distance + a * distance**3 / 3 + e * distance**4 / 4
+            )
+        force_x = -k * normal_x - q * s_b
+        force_y = -k * normal_y + q * s_x
+        torque = q * (lever * s_one + beta * s_distance)
+        return [force_x, force_y, torque]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """impulse, turning (impulse), r and v by axis at time t, in axes of space."""
         n = self.numbers()
         p = self.path
-        x = n["x"] + n["V"] * t
-        total = [arb(0)] * 3
-        if x > -self.ends():
-            pieces = self.pieces()
-        else:
-            pieces = []
-        if not pieces and not x <= -self.ends():
-            raise UndecidedError("whether they touch yet")
-        for number, piece in enumerate(pieces):
-            if number + 1 < len(pieces):
-                stop = pieces[number + 1].begin
-            else:
-                stop = self.ends()
-            if x <= piece.begin:
-                break
-            if not x > piece.begin or not (x <= stop or x > stop):
-                raise UndecidedError("in which piece it is")
-            last = self.place(stop if x > stop else x)
-            first = self.place(piece.begin)
-            gained = zip(
-                self.given(piece.side, piece.constant, last, n),
-                self.given(piece.side, piece.constant, first, n),
-                strict=True,
-            )
-            total = [
-                one + (after - before) / n["V"]
-                for one, (after, before) in zip(total, gained, strict=True)
-            ]
-        slack = arb(0, total_bound(p))
-        pushed = [
-            n["cos"] * total[0] - n["sin"] * total[1] + slack,
-            n["sin"] * total[0] + n["cos"] * total[1] + slack,
+        total = self.gained(n["x"] + n["V"] * t)
+        # What finite masses may change.
+        allowance = arb(0, total_bound(p))
+        impulse = [
+            n["cos"] * total[0] - n["sin"] * total[1] + allowance,
+            n["sin"] * total[0] + n["cos"] * total[1] + allowance,
             arb(0),
         ]
         start = [arb_of(value) for value in p.start]
-        seen = {"impulse": pushed, "turning": [arb(0), arb(0), total[2] + slack]}
-        seen |= {
+        vectors = {
+            "impulse": impulse,
+            "turning": [arb(0), arb(0), total[2] + allowance],
             "r": [start[0] + start[2] * t, start[1] + start[3] * t, arb(0)],
             "v": [start[2], start[3], arb(0)],
         }
-        return {
-            f"{name}.{AXES[i]}": self.turned(vector)[i]
-            for name, vector in seen.items()
-            for i in range(3)
-        }
+        quantities = {}
+        for name, vector in vectors.items():
+            for axis, component in zip(AXES, self.turned(vector), strict=True):
+                quantities[f"{name}.{axis}"] = component
+        return quantities
+
+    def gained(self, x: arb) -> list[arb]:
+        """The impulse (2, along and across the path) and turning impulse of body 1 up to x.
+
+        The sum over the pieces so far of antiderivatives at their ends. UndecidedError where balls
+        do not tell in which piece x lies.
+        """
+        n = self.numbers()
+        total = [arb(0)] * 3
+        if x > -self.parting():
+            pieces = self.pieces()
+        elif x <= -self.parting():
+            pieces = []
+        else:
+            raise UndecidedError("whether they touch yet")
+        for index, piece in enumerate(pieces):
+            if index + 1 < len(pieces):
+                end = pieces[index + 1].begin
+            else:
+                end = self.parting()
+            if x <= piece.begin:
+                break
+            if not x > piece.begin or not (x <= end or x > end):
+                raise UndecidedError("in which piece it is")
+            if x > end:
+                last = self.place(end)
+            else:
+                last = self.place(x)
+            first = self.place(piece.begin)
+            at_last = self.antiderivatives(piece.side, piece.constant, last, n)
+            at_first = self.antiderivatives(piece.side, piece.constant, first, n)
+            for i in range(3):
+                total[i] = total[i] + (at_last[i] - at_first[i]) / n["V"]
+        return total
 
     def turned(self, vector: list[arb]) -> list[arb]:
         """The vector rotated from the frame of the path to space axes."""
@@ -374,41 +449,47 @@ class ContactPath(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """Proved for errors of STATE in the plane at all times, while the masses do not give way:
-        what they give is 1e-20 of that.
+        """How errors of STATE in the plane grow, at all times, with masses that do not move.
+
+        That they do move changes it by a part of 1e-20.
         """
         return PathGrowth(self)
 
 
 @dataclass(frozen=True)
 class Leg:
-    """Part of the motion between two times [s], the last without an end: a piece, or free flight.
+    """A part of the motion between two times [s]: a piece of the contact, or free flight (None).
 
-    `felt` is what the end makes of an error, in COORDINATES.
+    The last one has no end. `jump` is the matrix that maps errors of COORDINATES across its end.
     """
 
     begin: arb
     end: arb | None
     piece: Piece | None
-    felt: arb_mat
+    jump: arb_mat
 
 
 class PathGrowth:
-    """S of a path: errors of place and velocity change the force from then on, and with it all that
-    body 1 gets.
+    """S of a path: how an error of position or velocity of body 2 changes all that body 1 gets.
 
-    The force is continuous at every switch, so that no error jumps there but that of the way sigma
-    of the slip: it begins with 0 at touch, which an error of D moves by -dD/D' in time, and is at
-    its limit, which depends on D, where a slide ends. While it slides it is of no use.
+    An error of COORDINATES grows along a leg by `propagator`, and is mapped by the `jump` of the
+    leg at its end. The force is continuous at every switch, so that no error jumps there but that
+    of sigma: sigma begins with 0 at touch, which an error of D moves by -dD/D' in time, and is at
+    its limit, which depends on D, where a slide ends. While it slides sigma has no effect.
+
+    S is the largest growth over all times at which an error is made (swept_growth.py). Every leg is
+    one span of such times; an `answer` is a row of the matrix that maps the error to the scaled
+    quantities at t.
     """
 
     def __init__(self, form: ContactPath) -> None:
         self.form = form
         n = form.numbers()
         self.start = [arb_of(value) for value in form.path.start]
-        self.legs = list(self.followed(n))
-        self.wholes = [
-            leg.felt * self.moved(leg, arb(0), leg.end - leg.begin)
+        self.legs = list(self.all_legs(n))
+        # What each leg, with the jump at its end, makes of an error at its begin.
+        self.transitions = [
+            leg.jump * self.propagator(leg, arb(0), leg.end - leg.begin)
             for leg in self.legs
             if leg.end is not None
         ]
@@ -416,70 +497,82 @@ class PathGrowth:
     def at(self, t: Fraction) -> float:
         """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
-        number = self.number(time)
-        now = self.legs[number]
-        after = self.readings()
-        spans = [Span(Fraction(0), upper(time - now.begin), partial(self.own, now, time))]
-        after = after * self.moved(now, arb(0), time - now.begin)
-        for earlier in reversed(range(number)):
-            leg = self.legs[earlier]
+        current_index = self.leg_index(time)
+        current = self.legs[current_index]
+        answers = partial(self.answers_on_leg, current, time)
+        spans = [Span(Fraction(0), upper(time - current.begin), answers)]
+        # From the begin of a leg to the quantities at t; backwards from the current leg.
+        from_begin = self.readings() * self.propagator(current, arb(0), time - current.begin)
+        for index in reversed(range(current_index)):
+            leg = self.legs[index]
             assert leg.end is not None
-            answers = partial(self.earlier, leg, after)
+            answers = partial(self.answers_before, leg, from_begin)
             spans.append(Span(Fraction(0), upper(leg.end - leg.begin), answers))
-            after = after * self.wholes[earlier]
+            from_begin = from_begin * self.transitions[index]
         return largest_growth(spans)
 
-    def own(
+    def answers_on_leg(
         self, leg: Leg, time: arb, middle: Fraction, off: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """What is answered at a time on the same leg to an error made about `middle` since its
-        begin.
+        """Answers at `time` [s] to an error made on the same leg, about `middle` since its begin.
+
+        See `answers_and_bounds`; `off` is how far from the middle the error may be made.
         """
         since = arb_of(middle)
         left = time - leg.begin - since
-        return self.sums(self.readings() * self.moved(leg, since, left), leg, since, off)
+        return self.answers_and_bounds(
+            self.readings() * self.propagator(leg, since, left), leg, since, off
+        )
 
-    def earlier(
+    def answers_before(
         self, leg: Leg, after: arb_mat, middle: Fraction, off: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """The same later, where `after` is what follows the leg."""
+        """The same for an error made on an earlier leg; `after` maps one at its end to answers."""
         assert leg.end is not None
         since = arb_of(middle)
         left = leg.end - leg.begin - since
-        return self.sums(after * (leg.felt * self.moved(leg, since, left)), leg, since, off)
+        return self.answers_and_bounds(
+            after * (leg.jump * self.propagator(leg, since, left)), leg, since, off
+        )
 
-    def sums(
+    def answers_and_bounds(
         self, answers: arb_mat, leg: Leg, since: arb, off: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """What each quantity answers to errors of one scale in all coordinates of the state: to one
-        that has these `answers`, and at most to those that are made at most `off` from it.
+        """The growth of each quantity for an error made `since` the begin of a leg, and a bound of
+        it for all errors made at most `off` [s] from there.
 
-        A row y of answers changes as y' = -y A with the time of the error, A being the Jacobian of
-        the equations, whose rows of r, v, the way and the impulses follow one from another (mean
-        value theorem).
+        Growth is the sum of |answer| over errors of one scale in every coordinate of STATE.
+
+        `answers` has a row for every quantity. By the mean value theorem a row y at another time of
+        the error is y + h y' with |h| <= off, and y' = -y A, A being the Jacobian of the equations:
+        r' = v; sigma' and the force by (r, v, sigma); the impulses are their integrals. So the
+        entry of sigma follows from those of the impulses, those of r from both, those of v from all
+        (`times` is a ball of -h, which is symmetric).
         """
         sizes = [arb_of(self.form.scale[name]) for name in STATE]
-        earlier = arb(0, arb_of(off).upper())
-        jacobian = self.jacobian(leg, since + earlier)
-        seen = []
+        times = arb(0, arb_of(off).upper())
+        jacobian = self.jacobian(leg, since + times)
+        growths = []
         bounds = []
         for row in answers.table():
-            x, y, u, v, way, *impulses = row
-            way_now = way + earlier * pushed(impulses, jacobian, WAY)
+            x, y, u, v, sigma, *impulses = row
+            sigma_ball = sigma + times * impulse_change(impulses, jacobian, SIGMA)
             changes = [
-                pushed(impulses, jacobian, i) + way_now * jacobian[0][i] for i in range(len(STATE))
+                impulse_change(impulses, jacobian, i) + sigma_ball * jacobian[0][i]
+                for i in range(len(STATE))
             ]
-            x_now = x + earlier * changes[0]
-            y_now = y + earlier * changes[1]
-            u_now = u + earlier * (changes[2] + x_now)
-            v_now = v + earlier * (changes[3] + y_now)
-            seen.append(sum_of_sizes((x, y, u, v), sizes))
-            bounds.append(sum_of_sizes((x_now, y_now, u_now, v_now), sizes))
-        return seen, bounds
+            x_ball = x + times * changes[0]
+            y_ball = y + times * changes[1]
+            u_ball = u + times * (changes[2] + x_ball)
+            v_ball = v + times * (changes[3] + y_ball)
+            growths.append(sum_of_sizes((x, y, u, v), sizes))
+            bounds.append(sum_of_sizes((x_ball, y_ball, u_ball, v_ball), sizes))
+        return growths, bounds
 
     def jacobian(self, leg: Leg, since: arb) -> list[tuple[arb, ...]]:
-        """The derivatives by (x, y, u, v, way) of the rate of the way, while it sticks, and of the
-        force and the torque on body 1, at a ball of times since the begin of a leg.
+        """The derivatives by (x, y, u, v, sigma) of sigma', the force (2) and the torque on body 1.
+
+        Four rows, at a ball of times `since` the begin of a leg; sigma' is 0 while it slides.
         """
         if leg.piece is None:
             return [(arb(0),) * 5] * 4
@@ -487,68 +580,70 @@ class PathGrowth:
         p = self.form.path
         time = leg.begin + since
         piece = leg.piece
-        here = [*self.place(time), *self.start[2:]]
-        held = arb(0)
+        state = [*self.place(time), *self.start[2:]]
+        sigma_value = arb(0)
         if not piece.side:
             n = form.numbers()
-            held = piece.constant + form.way(form.place(n["x"] + n["V"] * time))
-        x, y, u, v, stretch = parameters([*here, held])
+            sigma_value = piece.constant + form.sigma(form.place(n["x"] + n["V"] * time))
+        # From here on balls carry their derivatives by the five coordinates.
+        x, y, u, v, sigma = parameters([*state, sigma_value])
         distance = (x * x + y * y).sqrt()
-        overlap = form.reach - distance
-        slip = (u * y - v * x) / distance + (
-            arb_of(p.radii[1]) - arb_of(p.lever) * overlap
-        ) * arb_of(p.spin)
-        press = arb_of(p.stiffness) * overlap / distance
-        rub = arb_of(p.tangential_stiffness) * stretch
+        overlap = form.touch_distance - distance
+        lever2 = arb_of(p.radii[1]) - arb_of(p.lever) * overlap
+        slip = (u * y - v * x) / distance + lever2 * arb_of(p.spin)
+        normal_force = arb_of(p.stiffness) * overlap / distance
+        tangential_force = arb_of(p.tangential_stiffness) * sigma
         if piece.side:
-            rub = piece.side * arb_of(p.friction * p.stiffness) * overlap
+            tangential_force = piece.side * arb_of(p.friction * p.stiffness) * overlap
             slip = slip * 0
-        along = -press * x + rub * y / distance
-        across = -press * y - rub * x / distance
-        torque = -rub * (arb_of(p.radii[0]) - arb_of(p.lever) * overlap)
-        return [slip.slopes, along.slopes, across.slopes, torque.slopes]
+        force_x = -normal_force * x + tangential_force * y / distance
+        force_y = -normal_force * y - tangential_force * x / distance
+        torque = -tangential_force * (arb_of(p.radii[0]) - arb_of(p.lever) * overlap)
+        return [slip.slopes, force_x.slopes, force_y.slopes, torque.slopes]
 
-    def number(self, time: arb) -> int:
-        """The number of the leg in which a time lies."""
-        for number, leg in enumerate(self.legs):
+    def leg_index(self, time: arb) -> int:
+        """The index of the leg in which a time [s] lies; UnsharpError where balls do not tell."""
+        for index, leg in enumerate(self.legs):
             if leg.end is None or time <= leg.end:
-                return number
+                return index
             if not time > leg.end:
                 raise UnsharpError("whether a switch is over")
         raise AssertionError("the last leg has no end")
 
-    def followed(self, n: Mapping[str, Any]) -> Iterator[Leg]:
-        """Free flight, every piece, free flight."""
+    def all_legs(self, n: Mapping[str, Any]) -> Iterator[Leg]:
+        """The legs in order of time: free flight, every piece of the contact, free flight."""
         form = self.form
         pieces = form.pieces()
         times = [(piece.begin - n["x"]) / n["V"] for piece in pieces]
-        times.append((form.ends() - n["x"]) / n["V"])
-        yield Leg(arb(0), times[0], None, self.way_after(pieces[0], times[0]))
+        times.append((form.parting() - n["x"]) / n["V"])
+        yield Leg(arb(0), times[0], None, self.sigma_jump(pieces[0], times[0]))
         for piece, after, begin, end in zip(
             pieces, [*pieces[1:], None], times, times[1:], strict=False
         ):
-            yield Leg(begin, end, piece, self.way_after(after, end))
-        yield Leg(times[-1], None, None, self.way_after(None, times[-1]))
+            yield Leg(begin, end, piece, self.sigma_jump(after, end))
+        yield Leg(times[-1], None, None, self.sigma_jump(None, times[-1]))
 
-    def way_after(self, piece: Piece | None, time: arb) -> arb_mat:
-        """What the begin of a piece at a time makes of an error: that of the way follows from that
-        of D, if the piece sticks.
+    def sigma_jump(self, piece: Piece | None, time: arb) -> arb_mat:
+        """The matrix that maps an error across the begin of a piece at a time [s].
+
+        All of it is kept but the error of sigma. Where a stick begins, sigma follows from D: at
+        touch (sigma = 0 there) an error dD shifts the time of touch by -dD/D', and sigma by sigma'
+        dD/D' = V sigma_x dD/(V x/D); where a slide to a side ends, sigma = side mu k (D0 - D)/k_t.
         """
         count = len(COORDINATES)
         rows = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
-        rows[WAY][WAY] = arb(0)
+        rows[SIGMA][SIGMA] = arb(0)
         if piece is not None and not piece.side:
             n = self.form.numbers()
             x = n["x"] + n["V"] * time
             distance = self.form.place(x).distance
-            held = self.form.constant_side(piece)
-            # At touch the way's rate V sigma_x over D' = V x/D, else the limit's slope by D.
             by_distance = self.form.slip(x, 0) * distance / x
-            if held:
-                by_distance = -held * self.form.slack()
+            side = self.form.side_before(piece)
+            if side:
+                by_distance = -side * self.form.limit_per_overlap()
             place = self.place(time)
             for i in range(2):
-                rows[WAY][i] = by_distance * place[i] / distance
+                rows[SIGMA][i] = by_distance * place[i] / distance
         return arb_mat(rows)
 
     def place(self, time: arb) -> list[arb]:
@@ -556,57 +651,60 @@ class PathGrowth:
         x, y, u, v = self.start
         return [x + u * time, y + v * time]
 
-    def moved(self, leg: Leg, since: arb, elapsed: arb) -> arb_mat:
-        """What an error of COORDINATES made `since` the begin of a leg has become when so much time
-        has elapsed.
+    def propagator(self, leg: Leg, since: arb, elapsed: arb) -> arb_mat:
+        """The matrix that maps an error of COORDINATES made `since` the begin of a leg to what it
+        is when the time `elapsed` [s] has passed on that leg.
+
+        The motion from a state (x, y, u, v, sigma) is computed with derivatives by these five; an
+        error of the impulses stays what it is.
         """
         begin = leg.begin + since
         state = parameters([*self.place(begin), *self.start[2:], arb(0)])
-        x, y, u, v, way = state
-        now: list[Any] = [x + u * elapsed, y + v * elapsed, u, v, way]
-        got: list[Any] = [way * 0] * 3
+        x, y, u, v, sigma = state
+        later: list[Any] = [x + u * elapsed, y + v * elapsed, u, v, sigma]
+        impulses: list[Any] = [sigma * 0] * 3
         if leg.piece is not None:
             n = self.form.numbers_from(state[:4])
             first = Place(n["x"], n["b"])
             last = Place(n["x"] + n["V"] * elapsed, n["b"])
-            # The constant is known; it changes by what the way does, less what way there is so far.
-            changed = way - self.form.way(first, n)
-            constant = Sloped(leg.piece.constant, changed.slopes)
-            ahead = self.form.given(leg.piece.side, constant, last, n)
-            behind = self.form.given(leg.piece.side, constant, first, n)
-            along, across, turned = (
-                (after - before) / n["V"] for after, before in zip(ahead, behind, strict=True)
+            # C = sigma - (g A + a x + e x D): its value is known, its slopes are those of this.
+            constant_slopes = (sigma - self.form.sigma(first, n)).slopes
+            constant = Sloped(leg.piece.constant, constant_slopes)
+            at_last = self.form.antiderivatives(leg.piece.side, constant, last, n)
+            at_first = self.form.antiderivatives(leg.piece.side, constant, first, n)
+            along, across, turning = (
+                (after - before) / n["V"] for after, before in zip(at_last, at_first, strict=True)
             )
-            got = [
+            impulses = [
                 n["cos"] * along - n["sin"] * across,
                 n["sin"] * along + n["cos"] * across,
-                turned,
+                turning,
             ]
             if not leg.piece.side:
-                now[WAY] = constant + self.form.way(last, n)
-        kept = [[arb(int(i == j)) for j in range(3)] for i in range(3)]
-        nothing = [arb(0)] * 3
-        rows = [[*one.slopes, *nothing] for one in now]
-        rows += [[*one.slopes, *own] for one, own in zip(got, kept, strict=True)]
+                later[SIGMA] = constant + self.form.sigma(last, n)
+        rows = [[*coordinate.slopes, *[arb(0)] * 3] for coordinate in later]
+        for i, impulse in enumerate(impulses):
+            rows.append([*impulse.slopes, *[arb(int(i == j)) for j in range(3)]])
         return arb_mat(rows)
 
     def readings(self) -> arb_mat:
-        """Every quantity by COORDINATES, in its scale."""
+        """The derivatives of every quantity, in its scale, by COORDINATES: rotated into space."""
         frame = self.form.path.frame
         scale = self.form.scale
-        parts: dict[str, tuple[int | None, ...]] = {
+        # Where the components of a vector in the plane's axes stand in COORDINATES; None for 0.
+        columns_of: dict[str, tuple[int | None, ...]] = {
             "r": (0, 1, None),
             "v": (2, 3, None),
             "impulse": (5, 6, None),
             "turning": (None, None, 7),
         }
         rows = []
-        for kind, columns in parts.items():
+        for name, columns in columns_of.items():
             for i, axis in enumerate(AXES):
                 row = [arb(0)] * len(COORDINATES)
                 for j, column in enumerate(columns):
                     if column is not None:
-                        row[column] = arb_of(frame[i][j] / scale[f"{kind}.{axis}"])
+                        row[column] = arb_of(frame[i][j] / scale[f"{name}.{axis}"])
                 rows.append(row)
         return arb_mat(rows)
 
@@ -617,16 +715,23 @@ def sum_of_sizes(entries: Sequence[arb], scales: Sequence[arb]) -> arb:
     return sum(terms, arb(0))
 
 
-def pushed(impulses: Sequence[arb], jacobian: Sequence[Sequence[arb]], column: int) -> arb:
-    """What force and torque change by with a coordinate, as answers to impulses count them."""
-    changes = (one * row[column] for one, row in zip(impulses, jacobian[1:], strict=True))
-    return sum(changes, arb(0))
+def impulse_change(impulses: Sequence[arb], jacobian: Sequence[Sequence[arb]], column: int) -> arb:
+    """The sum over force and torque of (answer to that impulse) times (its derivative).
+
+    `impulses` are the entries of a row of answers for the three impulses; the derivative is by the
+    coordinate `column`, in the last three rows of the Jacobian.
+    """
+    products = (answer * row[column] for answer, row in zip(impulses, jacobian[1:], strict=True))
+    return sum(products, arb(0))
 
 
 def total_bound(p: Passing) -> arb:
-    """What masses that give way can change of an impulse: the largest force for the whole time
-    moves them, and that changes forces.
+    """A bound of what the motion of the finite masses can change of an impulse.
+
+    With stiffness k, sum of radii R and time T: a force of at most k R moves a mass by k R T^2/(2
+    m), which changes forces by k times as much and impulses by k^2 R T^3/(2 m). The factor 100 is
+    far more than levers, turning impulses and the other body need.
     """
     time = 4 * sum(p.radii) / max(abs(p.start[2]), abs(p.start[3]))
-    stiff = p.stiffness * (1 + p.friction) + p.tangential_stiffness
-    return arb_of(stiff * stiff * sum(p.radii) * time**3 * 100 / p.mass)
+    stiffness = p.stiffness * (1 + p.friction) + p.tangential_stiffness
+    return arb_of(stiffness * stiffness * sum(p.radii) * time**3 * 100 / p.mass)

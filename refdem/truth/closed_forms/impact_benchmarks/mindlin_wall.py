@@ -1,13 +1,23 @@
 """A sphere that touches the wall x = 0 under Hertz's law with a tangential spring (lever R),
 clipped at Coulomb's limit: closed form.
 
-The spring is k_t sqrt(d) s, s' the slip v_y + R omega, and clipped where it is mu k d^(3/2): at |s|
-= g d, g = mu k/k_t. It slides from touch if |slip| > g v_n. While it slides the slip falls by 7/2
-mu times the normal impulse per mass, so that the limit, whose rate is g d', is met again where a
-linear function of d' is zero; while it sticks the stretch is that of mindlin_spring, and where it
-comes to g d is proved by bisection and interval Newton. v_y - 2/5 R omega is kept.
+The overlap d obeys m d'' = -k d^(3/2), whatever friction does (power_contact). The tangential force
+is k_t sqrt(d) s with the stretch s, s' = slip = v_y + R omega, and is clipped at mu k d^(3/2): |s|
+<= g d with g = mu k/k_t (`limit_slope`).
 
-Not certified: a spring that is too near its limit to tell on which side it is.
+Slide. It slides from touch if |slip| > g d'. The slip falls by 7/2 mu times the normal impulse per
+mass, v_n - d'; the spring is caught where the limit g d grows as fast as the slip would stretch it,
+at the zero of a linear function of d'.
+
+Stick. The stretch is that of mindlin_spring; where it comes to g d is proved by bisection and
+interval Newton.
+
+v_y - 2/5 R omega never changes. Not certified: a spring that is too near its limit to tell on which
+side it is.
+
+A contact has three legs (INWARD, TURNING, OUTWARD) with a coordinate x each, which grows with time
+(mindlin_spring.py). `depth` and `rate` are d and d', scaled by their largest values d_m and v_n
+where a leg and x are meant. The slip at the start is counted as positive; `side` has its sign.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -44,15 +54,16 @@ from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 COORDINATES = (*STATE, "stretch")
-"""What errors grow in: the spring remembers them."""
+"""The coordinates of an error that grows: the stretch is one, because the spring remembers it."""
 MOST = 64
-"""Phases of a contact."""
+"""A contact with more phases is not followed."""
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """The spring at its limit on one side, at the leg and x where it comes there; slip [m/s]
-    there.
+    """A slide: the spring at its limit on a side, from `x` on a leg on, with the slip [m/s] there.
+
+    With u = d'/v_n, u0 at the begin, slip = slip0 - side 7/2 mu v_n (u0 - u).
     """
 
     spring: MindlinSpring
@@ -64,9 +75,11 @@ class Sliding:
     """7/2 mu."""
 
     def caught(self, slack: arb) -> tuple[int, arb] | None:
-        """Leg and x where the limit rises faster, or falls more slowly, than the spring at it.
+        """The leg and x where the slide ends, with `slack` = g; None if it lasts to the end.
 
-        None if it does not before the end.
+        It ends where side slip = g d' = g v_n u, that is at u = (7/2 mu v_n u0 - side slip0)/((7/2
+        mu - g) v_n), after which the limit grows faster than the slip could stretch the spring.
+        Raises UndecidedError where balls do not tell that from the end of the contact.
         """
         speed = self.spring.contact.speed
         _, rate = self.spring.place(self.leg, self.x)
@@ -78,43 +91,57 @@ class Sliding:
             return None
         if not u > -1:
             raise UndecidedError("whether the spring is caught before the contact ends")
+        # d/d_m = (1 - u^2)^(2/5), by the energy.
         depth = (1 - u * u) ** arb_of(Fraction(2, 5))
         return self.spring.coordinate(depth, u)
 
     def now(self, depth: arb, rate: arb, elapsed: arb) -> tuple[arb, arb]:
-        """Slip [m/s] and the way it has gone [m] since the begin."""
+        """The slip [m/s], and its integral over time [m] since the begin of the slide.
+
+        `depth` and `rate` are the scaled d and d' now, `elapsed` [s] the time since the begin. The
+        integral of u0 - u over time is u0 elapsed - (d - d0)/v_n.
+        """
         contact = self.spring.contact
-        before, first = self.spring.place(self.leg, self.x)
-        push = self.side * self.slowing
-        way = self.slip * elapsed - push * (
-            contact.speed * first * elapsed - contact.depth * (depth - before)
+        first_depth, first_rate = self.spring.place(self.leg, self.x)
+        slowing = self.side * self.slowing
+        impulse_integral = contact.speed * first_rate * elapsed - contact.depth * (
+            depth - first_depth
         )
-        return self.slip - push * contact.speed * (first - rate), way
+        displacement = self.slip * elapsed - slowing * impulse_integral
+        slip = self.slip - slowing * contact.speed * (first_rate - rate)
+        return slip, displacement
 
 
 @dataclass(frozen=True)
 class Phase:
-    """A phase from a time [s] since touch on; the way of the slip until then [m], and the stretch
-    [m] at the begin.
+    """A slide or a stick (on one leg), from the time `begin` [s] since touch on.
+
+    `displacement` [m] is the integral of the slip from touch until then, `stretch` [m] that of the
+    spring then: the two differ once the spring has slid.
     """
 
     begin: arb
-    way: arb
+    displacement: arb
     stretch: arb
     motion: Sliding | Stretched
 
     def now(self, leg: int, x: arb, spring: MindlinSpring) -> tuple[arb, arb]:
-        """Slip [m/s] and its way since touch [m]."""
+        """The slip [m/s], and its integral over time since touch [m], at x of a leg."""
         if isinstance(self.motion, Sliding):
-            slip, way = self.motion.now(*spring.place(leg, x), spring.time(leg, x) - self.begin)
-            return slip, self.way + way
+            depth, rate = spring.place(leg, x)
+            elapsed = spring.time(leg, x) - self.begin
+            slip, displacement = self.motion.now(depth, rate, elapsed)
+            return slip, self.displacement + displacement
+        # While it sticks the slip stretches the spring: s' = ds/dx dx/dt.
         stretch, slope, _ = self.motion.at(x)
-        return slope * spring.pace(leg, x), self.way + stretch - self.stretch
+        return slope * spring.pace(leg, x), self.displacement + stretch - self.stretch
 
 
 class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
-    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and
-    `stiffness_ratio` = k_t/k are not 0.
+    """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
+
+    `friction` mu and `stiffness_ratio` k_t/k are not 0. At t = 0 the sphere touches the wall with
+    the velocity (`normal`, `across`, 0) and the spin about z.
     """
 
     state = STATE
@@ -151,67 +178,82 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 
     @per_precision
     def phases(self) -> list[Phase]:
-        """Every phase of the contact, with the slip at the start counted as positive."""
+        """Every phase of the contact in order of time, a stick by its legs.
+
+        Raises UndecidedError where balls do not tell the slip from the rate of the limit at touch,
+        SwitchError for a contact of more than MOST phases.
+        """
         contact, _ = self.contact()
         spring = MindlinSpring(contact, self.stiffness_ratio)
-        begin = self.begin[0] + self.radius
+        # A displaced start may overlap already; its spring is not stretched then either.
+        overlap = self.begin[0] + self.radius
         slip = arb_of(self.slip_size())
-        nothing = arb(0)
-        touch = (arb_of(begin) if begin > 0 else arb(0)) / contact.depth
-        rate = spring.place(INWARD, touch)[1] * contact.speed
-        slides = slip > self.slack() * rate
-        if not slides and not slip < self.slack() * rate:
+        zero = arb(0)
+        if overlap > 0:
+            x = arb_of(overlap) / contact.depth
+        else:
+            x = zero / contact.depth
+        rate = spring.place(INWARD, x)[1] * contact.speed
+        slides = slip > self.limit_slope() * rate
+        if not slides and not slip < self.limit_slope() * rate:
             raise UndecidedError("whether it slides from touch on")
-        motion: Sliding | Stretched = self.sliding(spring, 1, INWARD, touch, slip)
-        if not slides:
-            motion = started(spring, INWARD, touch, nothing, slip)
-        found = [Phase(spring.time(INWARD, touch), nothing, nothing, motion)]
-        x = touch
-        if not slides and begin <= 0:
+        motion: Sliding | Stretched
+        if slides:
+            motion = self.sliding(spring, 1, INWARD, x, slip)
+        else:
+            motion = started(spring, INWARD, x, zero, slip)
+        phases = [Phase(spring.time(INWARD, x), zero, zero, motion)]
+        # `at_limit` says which margins are 0 where a stick begins; see `guard`.
+        if not slides and overlap <= 0:
             at_limit = 1
         else:
             at_limit = 0
-        while len(found) < MOST:
-            last = found[-1]
+        while len(phases) < MOST:
+            last = phases[-1]
             if isinstance(last.motion, Sliding):
-                after = self.caught(last)
+                after = self.after_slide(last)
             else:
-                after = self.left(last, x, at_limit)
+                after = self.after_stick(last, x, at_limit)
             if after is None:
-                return found
-            found.append(after[0])
-            x = after[1]
-            at_limit = after[2]
-        raise SwitchError("end", "the contact has more phases than are followed", 0.0)
+                return phases
+            phase, x, at_limit = after
+            phases.append(phase)
+        raise SwitchError("end", "the contact has more phases than are phases_and_legs", 0.0)
 
-    def slack(self) -> arb:
-        """The ratio g of friction to the stiffness ratio."""
+    def limit_slope(self) -> arb:
+        """g = mu k/k_t: the stretch at Coulomb's limit is g d."""
         return arb_of(self.friction / self.stiffness_ratio)
 
     def sliding(self, spring: MindlinSpring, side: int, leg: int, x: arb, slip: arb) -> Sliding:
-        """A sliding phase, in which friction is at Coulomb's limit."""
+        """The slide to a side that begins at x of a leg with this slip [m/s]."""
         return Sliding(spring, side, leg, x, slip, arb_of(Fraction(7, 2) * self.friction))
 
-    def caught(self, last: Phase) -> tuple[Phase, arb, int] | None:
-        """The stick after a slide, where it begins, and to which order it is at its limit there."""
+    def after_slide(self, last: Phase) -> tuple[Phase, arb, int] | None:
+        """The stick after a slide, the x where it begins, and `at_limit`; None if there is none.
+
+        It begins with the stretch side g d and its rate side g d'.
+        """
         assert isinstance(last.motion, Sliding)
         spring = last.motion.spring
         side = last.motion.side
-        place = last.motion.caught(self.slack())
+        place = last.motion.caught(self.limit_slope())
         if place is None:
             return None
         leg, x = place
         overlap = spring.overlap(leg, x)[0]
-        stretch = side * self.slack() * overlap
-        rate = side * self.slack() * spring.contact.speed * spring.place(leg, x)[1]
+        stretch = side * self.limit_slope() * overlap
+        rate = side * self.limit_slope() * spring.contact.speed * spring.place(leg, x)[1]
         begin = spring.time(leg, x)
-        way = last.now(leg, x, spring)[1]
-        return Phase(begin, way, stretch, started(spring, leg, x, stretch, rate)), x, 2 * side
+        displacement = last.now(leg, x, spring)[1]
+        stick = started(spring, leg, x, stretch, rate)
+        return Phase(begin, displacement, stretch, stick), x, 2 * side
 
-    def left(self, last: Phase, x: arb, at_limit: int) -> tuple[Phase, arb, int] | None:
-        """What follows a stick; a stretch that ends with its leg goes on upon the next.
+    def after_stick(self, last: Phase, x: arb, at_limit: int) -> tuple[Phase, arb, int] | None:
+        """The phase after a stick that begins at x, the x where that begins, and its `at_limit`.
 
-        `at_limit`: sides that are zero there.
+        It is a slide where the stretch comes to its limit; a stick that lasts to the end of its leg
+        goes on upon the next leg. None without slip, where nothing ever happens. At the end of the
+        contact the limit is 0 and the stretch is not: the last phase is a slide.
         """
         motion = last.motion
         assert isinstance(motion, Stretched)
@@ -220,58 +262,59 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         if not self.slip():
             return None
         guards = [self.guard(motion, side, x, at_limit) for side in (1, -1)]
-        found = earliest(guards, x, end)
-        if found is None:
+        crossing = earliest(guards, x, end)
+        if crossing is None:
             if motion.leg == OUTWARD:
                 raise UndecidedError("where the spring slips before the contact ends")
-            far = motion.beyond()
+            next_leg = motion.beyond()
             begin = spring.time(motion.leg, end)
-            way = last.now(motion.leg, end, spring)[1]
-            return Phase(begin, way, motion.at(end)[0], far), spring.ends(far.leg)[0], 0
-        if found[0] == "1":
-            side = 1
-        else:
-            side = -1
-        where = found[1]
-        begin = spring.time(motion.leg, where)
-        (slip, way) = last.now(motion.leg, where, spring)
-        slide = self.sliding(spring, side, motion.leg, where, slip)
-        return (
-            Phase(begin, way, side * self.slack() * spring.overlap(motion.leg, where)[0], slide),
-            where,
-            0,
-        )
+            displacement = last.now(motion.leg, end, spring)[1]
+            stick = Phase(begin, displacement, motion.at(end)[0], next_leg)
+            return stick, spring.ends(next_leg.leg)[0], 0
+        name, x_slide = crossing
+        side = int(name)
+        begin = spring.time(motion.leg, x_slide)
+        slip, displacement = last.now(motion.leg, x_slide, spring)
+        stretch = side * self.limit_slope() * spring.overlap(motion.leg, x_slide)[0]
+        slide = self.sliding(spring, side, motion.leg, x_slide, slip)
+        return Phase(begin, displacement, stretch, slide), x_slide, 0
 
     def guard(self, motion: Stretched, side: int, x: arb, at_limit: int) -> Watched:
-        """g d - side s; zero at the begin where both are (at touch, to the first order), or that
-        side's is (caught, to the second).
+        """The margin g d - side s of a stick as a switching function, with its zero at the begin.
+
+        `at_limit` is 1 for a stick from touch on, where both margins have a simple zero; 2 side for
+        one that follows a slide to that side, whose margin has a double zero there; else 0.
         """
         if at_limit == 1:
-            touching = 1
+            zero_order = 1
         elif at_limit == 2 * side:
-            touching = 2
+            zero_order = 2
         else:
-            touching = 0
-        rates: list[Along] = [partial(self.spared, motion, side, order) for order in range(3)]
-        return Watched(str(side), rates[: max(2, touching + 1)], touching)
+            zero_order = 0
+        margins: list[Along] = [partial(self.margin, motion, side, order) for order in range(3)]
+        return Watched(str(side), margins[: max(2, zero_order + 1)], zero_order)
 
-    def spared(self, motion: Stretched, side: int, order: int, x: arb) -> arb:
-        """A derivative by x of g d - side s."""
-        return (
-            self.slack() * motion.spring.overlap(motion.leg, x)[order] - side * motion.at(x)[order]
-        )
+    def margin(self, motion: Stretched, side: int, order: int, x: arb) -> arb:
+        """The margin g d - side s, or its derivative by x of an order up to 2."""
+        overlap = motion.spring.overlap(motion.leg, x)[order]
+        stretch = motion.at(x)[order]
+        return self.limit_slope() * overlap - side * stretch
 
     def across(self, t: arb) -> tuple[arb, arb]:
-        """Slip and its way since the start at t, with the slip at the start counted as positive."""
+        """The slip [m/s] at t, and its integral over time [m] since the start.
+
+        Both with the slip at the start counted as positive. Before and after the contact the slip
+        is constant.
+        """
         contact, touch = self.contact()
         since = t - touch
-        slip = arb_of(self.slip_size())
+        first_slip = arb_of(self.slip_size())
         if touch > 0:
-            first = touch
+            free_time = touch
         else:
-            first = arb(0)
+            free_time = arb(0)
         if not since > self.phases()[0].begin:
-            return slip, slip * t
+            return first_slip, first_slip * t
         if since < 2 * contact.half:
             depth, rate = contact.state(since)
             phase = self.phase(since)
@@ -281,59 +324,67 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             else:
                 leg = None
             leg, x = self.coordinate(spring, leg, depth / contact.depth, rate / contact.speed)
-            now, way = phase.now(leg, x, spring)
-            return now, slip * first + way
+            slip, displacement = phase.now(leg, x, spring)
+            return slip, first_slip * free_time + displacement
         phase = self.phases()[-1]
-        if isinstance(phase.motion, Stretched):  # without slip nothing ever happens
-            return slip, slip * t
-        now, way = phase.now(OUTWARD, arb(0), phase.motion.spring)
-        return now, slip * first + way + now * (since - 2 * contact.half)
+        # Without slip the spring is never stretched.
+        if isinstance(phase.motion, Stretched):
+            return first_slip, first_slip * t
+        slip, displacement = phase.now(OUTWARD, arb(0), phase.motion.spring)
+        parted_for = since - 2 * contact.half
+        return slip, first_slip * free_time + displacement + slip * parted_for
 
     def coordinate(
         self, spring: MindlinSpring, leg: int | None, depth: arb, rate: arb
     ) -> tuple[int, arb]:
-        """The coordinate on the leg that is asked for, which near its ends balls could not tell."""
+        """The leg and its coordinate x of a scaled overlap and rate.
+
+        A `leg` that is known is taken as it is: near its ends balls could not tell it.
+        """
         if leg is None:
             return spring.coordinate(depth, rate)
         return leg, (depth, -rate, -depth)[leg]
 
     def phase(self, since: arb) -> Phase:
-        """The phase of the contact that is under way at a time."""
-        found = None
+        """The phase that is under way at a time [s] since touch; UndecidedError if balls do not
+        tell.
+        """
+        current = None
         for phase in self.phases():
             if since >= phase.begin:
-                found = phase
+                current = phase
             elif not since < phase.begin:
                 raise UndecidedError("whether it sticks or slips")
-        if found is None:
+        if current is None:
             raise UndecidedError("whether it touches yet")
-        return found
+        return current
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """STATE at time t, and zeros for the other components.
+
+        v_y = 2/7 slip + 5/7 w with slip = v_y + R omega, and w = v_y - 2/5 R omega constant; y is
+        the integral of that.
+        """
         _, y, _, vy, spin = (arb_of(value) for value in self.begin)
         depth, rate = self.normal(t)
         side = (self.slip() > 0) - (self.slip() < 0)
         radius = arb_of(self.radius)
-        slip, way = self.across(t)
-        # v_y = 2/7 (v_y + R omega) + 5/7 (v_y - 2/5 R omega), the latter of which is kept.
-        kept = vy - arb_of(Fraction(2, 5)) * radius * spin
-        part = arb_of(Fraction(2, 7))
-        along = (side * slip * part) + kept * (1 - part)
-        now = (
-            depth - radius,
-            y + side * way * part + kept * (1 - part) * t,
-            rate,
-            along,
-            (side * slip - along) / radius,
-        )
-        return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
+        slip, displacement = self.across(t)
+        w = vy - arb_of(Fraction(2, 5)) * radius * spin
+        two_sevenths = arb_of(Fraction(2, 7))
+        velocity_y = (side * slip * two_sevenths) + w * (1 - two_sevenths)
+        position_y = y + side * displacement * two_sevenths + w * (1 - two_sevenths) * t
+        omega = (side * slip - velocity_y) / radius
+        state = (depth - radius, position_y, rate, velocity_y, omega)
+        return dict(zip((*STATE, *STILL), (*state, *(arb(0),) * 4), strict=True))
 
     def constants(self) -> dict[str, arb]:
+        """The scalars of an impact (hertz_wall.impact_constants)."""
         return impact_constants(self)
 
     @per_precision
     def growth(self) -> Grows:
-        """Proved for errors of STATE at all times; the spring takes part in how they grow."""
+        """How errors of STATE grow, at all times; the spring takes part in it."""
         rows = Norm([1] * len(COORDINATES), [1] * len(STATE))
         count = len(COORDINATES)
         read = len(STATE)
@@ -347,48 +398,52 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         )
 
     def stretches(self) -> Iterator[Stretch]:
-        """Free, then every leg of every phase, free again; errors of COORDINATES in scales.
+        """The stretches of time along which errors of COORDINATES grow smoothly, in scales.
 
-        The force on the sphere is continuous at every switch, so that errors of the state jump
-        nowhere. The stretch s of the spring begins with 0 where the overlap d does, which an error
-        of d moves by -dd/d' in time, and it is side g d where a slide ends; while it slides it is
-        of no use. An error at touch itself either changes when the sphere touches or leaves some
-        overlap and no stretch: the free motion before the start has the former.
+        Free flight, every leg of every phase, and free flight again. The force on the sphere is
+        continuous at every switch, so that errors of the state jump nowhere. The stretch s of the
+        spring begins with 0 where the overlap d does, which an error of d moves by -dd/d' in time,
+        and it is side g d where a slide ends; while it slides it has no effect. An error at touch
+        itself either changes when the sphere touches or leaves some overlap and no stretch: the
+        free motion before the start has the former.
         """
         contact, touch = self.contact()
         if not touch.is_zero():
             raise UndecidedError("a start that does not touch yet, or overlaps")
-        before = arb(2) ** -12 * self.dyadic_half()
-        phases = self.followed()
+        # A short flight before touch, of any length.
+        flight = arb(2) ** -12 * self.dyadic_half()
+        phases = self.phases_and_legs()
         slip = arb_of(self.slip_size())
+        # A stick from touch on: ds = s' dt = slip dd/d'.
         if isinstance(phases[0].motion, Stretched):
-            begun = slip / contact.speed
+            stretch_by_overlap = slip / contact.speed
         else:
-            begun = arb(0)
+            stretch_by_overlap = arb(0)
         free = partial(self.sliding_errors, 0)
-        yield self.stretch(free, -before, arb(0), self.spring_reset(begun), flies=True)
-        ends = [phase.begin for phase in phases[1:]]
-        for phase, after, end in zip(phases, [*phases[1:], None], [*ends, None], strict=True):
-            if end is None:
-                last = 2 * contact.half
+        at_touch = self.spring_reset(stretch_by_overlap)
+        yield self.stretch(free, -flight, arb(0), at_touch, flies=True)
+        for phase, after in zip(phases, [*phases[1:], None], strict=True):
+            if after is None:
+                end = 2 * contact.half
             else:
-                last = end
+                end = after.begin
             motion = phase.motion
             if isinstance(motion, Sliding):
+                # The stick that follows begins with s = side g d.
                 if after is not None:
-                    held = motion.side * self.slack()
+                    stretch_by_overlap = motion.side * self.limit_slope()
                 else:
-                    held = arb(0)
+                    stretch_by_overlap = arb(0)
                 errors = partial(self.sliding_errors, motion.side)
-                yield self.stretch(errors, phase.begin, last, self.spring_reset(held))
+                jump = self.spring_reset(stretch_by_overlap)
+                yield self.stretch(errors, phase.begin, end, jump)
                 continue
             errors = partial(self.sticking_errors, motion)
-            goes_on = after is not None and isinstance(after.motion, Stretched)
-            if goes_on:
-                jump = None
+            if after is not None and isinstance(after.motion, Stretched):
+                # The next leg of the same stick: nothing jumps.
+                yield self.stretch(errors, phase.begin, end, None)
             else:
-                jump = self.spring_reset(arb(0))
-            yield self.stretch(errors, phase.begin, last, jump)
+                yield self.stretch(errors, phase.begin, end, self.spring_reset(arb(0)))
         yield self.stretch(free, 2 * contact.half, None, None, flies=True)
 
     def stretch(
@@ -400,7 +455,11 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         *,
         flies: bool = False,
     ) -> Stretch:
-        """The stretch between two times [s] along which errors have these columns."""
+        """The stretch of time from `begin` to `end` [s since touch; None for ever] for S.
+
+        `errors` gives at a time a matrix of independent errors of COORDINATES, as columns; `jump`
+        maps an error across the end, None for no jump. `flies`: nothing touches.
+        """
 
         def fundamental(since: arb) -> arb_mat:
             rows = errors(begin + since)
@@ -420,21 +479,21 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         joins = jump is None and end is not None
         return smooth(begin, length, fundamental, jump=jump, joins=joins, quickness=quickness)
 
-    def followed(self) -> list[Phase]:
-        """The phases, and without slip, where none is told but the first, the legs of a spring that
-        is never stretched.
+    def phases_and_legs(self) -> list[Phase]:
+        """The phases; without slip, where `phases` has only the first leg, all three legs of a
+        spring that is never stretched.
         """
-        found = list(self.phases())
-        last = found[-1].motion
-        nothing = arb(0)
+        phases = list(self.phases())
+        last = phases[-1].motion
+        zero = arb(0)
         while isinstance(last, Stretched) and last.leg != OUTWARD:
             begin = last.spring.time(last.leg, last.spring.ends(last.leg)[1])
             last = last.beyond()
-            found.append(Phase(begin, nothing, nothing, last))
-        return found
+            phases.append(Phase(begin, zero, zero, last))
+        return phases
 
     def dyadic_half(self) -> arb:
-        """About the time from touch to the turn [s], exactly."""
+        """An exact number near the time [s] from touch to the largest overlap."""
         return self.contact()[0].half.mid()
 
     @per_precision
@@ -443,7 +502,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         return [arb_of(self.scale[name]) for name in (*STATE, "r.y")]
 
     def spring_reset(self, slope: arb) -> arb_mat:
-        """A jump, in scales, after which the error of the stretch is this part of that of x."""
+        """The jump, in scales, after which the error of the stretch is `slope` times that of x."""
         count = len(COORDINATES)
         rows = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
         sizes = self.sizes()
@@ -451,34 +510,39 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         return arb_mat(rows)
 
     def quick_with_spring(self, begin: arb, times: arb) -> float:
-        """Bound of the norm of the field's Jacobian in scales at times [s] since `begin`, in every
-        phase.
+        """A bound of the norm of the field's Jacobian, in scales, in every phase of the contact.
+
+        At a ball of times [s] since `begin`.
 
         The force per mass across is (k_t/m) sqrt(d) s with |s| <= g d, g k_t = mu k, or mu (k/m)
         d^(3/2): its derivative by d is at most 3/2 mu (k/m) sqrt(d), that by s (k_t/m) sqrt(d). The
         overlap d is at most what it would be at its first speed from touch on, or to the end.
         """
         contact, _ = self.contact()
-        since = (begin + times).upper()
-        left = (2 * contact.half - begin - times).upper()
-        deepest = arb.min(contact.depth, contact.speed * arb.max(arb(0), arb.min(since, left)))
-        growing, kept = self.quick_parts()
-        return most([kept, growing * deepest.sqrt()]) * UPWARDS
+        since_touch = (begin + times).upper()
+        until_end = (2 * contact.half - begin - times).upper()
+        nearest_end = arb.max(arb(0), arb.min(since_touch, until_end))
+        overlap = arb.min(contact.depth, contact.speed * nearest_end)
+        by_root, constant = self.quick_parts()
+        return most([constant, by_root * overlap.sqrt()]) * UPWARDS
 
     @per_precision
     def quick_parts(self) -> tuple[arb, arb]:
-        """The largest rate by which the forces change velocities, per root of the overlap, and that
-        by which velocities change places.
+        """Row sums of the Jacobian in scales: the largest of the velocities' rows per sqrt(d), and
+        the largest of the rows of position and stretch.
+
+        Velocities: (3/2)(k/m) for v_x by x; mu times that by x, and k_t/m by s, for v_y; 5/(2 R) as
+        much for omega.
         """
         x, y, vx, vy, spin, stretch = self.sizes()
-        steep = arb_of(self.stiffness / self.mass)
-        along = arb_of(HERTZ) * steep * x
-        across = arb_of(self.friction) * along + arb_of(self.stiffness_ratio) * steep * stretch
+        k_over_m = arb_of(self.stiffness / self.mass)
+        normal = arb_of(HERTZ) * k_over_m * x
+        across = arb_of(self.friction) * normal + arb_of(self.stiffness_ratio) * k_over_m * stretch
         radius = arb_of(self.radius)
         turning = across * arb_of(Fraction(5, 2)) / (radius * spin)
-        growing = most([along / vx, across / vy, turning])
-        kept = most([vx / x, vy / y, (vy + radius * spin) / stretch])
-        return arb(growing) * arb(UPWARDS), arb(kept) * arb(UPWARDS)
+        by_root = most([normal / vx, across / vy, turning])
+        constant = most([vx / x, vy / y, (vy + radius * spin) / stretch])
+        return arb(by_root) * arb(UPWARDS), arb(constant) * arb(UPWARDS)
 
     def quick_in_flight(self, times: arb) -> float:
         """The same where nothing touches, and the stretch stays what it is."""
@@ -486,41 +550,47 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         return most([vx / x, vy / y]) * UPWARDS
 
     def along_errors(self, t: arb) -> list[tuple[arb, arb]]:
-        """Two errors of the overlap and its rate: a shift in time, and a change of the speed at
-        touch in parts of itself.
+        """Two independent errors (of d, of d') of the normal motion at t [s since touch].
+
+        A shift in time, and a change of the speed at touch v_n per part of it (line_growth.py):
+        overlap goes with v_n^(4/5).
         """
         depth, rate = self.normal_at(t)
-        force = arb(0)
+        acceleration = arb(0)
         if depth > 0:
-            force = -arb_of(self.stiffness / self.mass) * depth * depth.sqrt()
-        (x1, x2), (v1, v2) = homogeneous(
-            depth, rate, force, t, arb_of(Fraction(4, 5)), arb(1)
-        ).table()
+            acceleration = -arb_of(self.stiffness / self.mass) * depth * depth.sqrt()
+        power = arb_of(Fraction(4, 5))
+        columns = homogeneous(depth, rate, acceleration, t, power, arb(1)).table()
+        (x1, x2), (v1, v2) = columns
         return [(x1, v1), (x2, v2)]
 
     def sliding_errors(self, side: int, t: arb) -> list[list[arb]]:
-        """Six independent errors of COORDINATES, as columns, at a time since touch: mu times what
-        the normal motion has comes across; of no use is the last, that of the stretch.
+        """Six independent errors of COORDINATES, as columns, at a time t [s] since touch.
+
+        While it slides (side 0: flies), v_y' = side mu v_x' and omega' = 5/(2 R) v_y': two of the
+        normal motion with what friction makes of them, one each of y, v_y, omega and the stretch.
         """
-        push = arb_of(side * self.friction)
-        turn = push * arb_of(Fraction(5, 2) / self.radius)
+        mu = arb_of(side * self.friction)
+        mu_turn = mu * arb_of(Fraction(5, 2) / self.radius)
         (x1, v1), (x2, v2) = self.along_errors(t)
-        none = arb(0)
+        zero = arb(0)
         one = arb(1)
-        row_x = [x1, x2, none, none, none, none]
-        row_y = [push * x1, push * x2, one, t, none, none]
-        row_vx = [v1, v2, none, none, none, none]
-        row_vy = [push * v1, push * v2, none, one, none, none]
-        row_omega = [turn * v1, turn * v2, none, none, one, none]
-        row_stretch = [none, none, none, none, none, one]
+        row_x = [x1, x2, zero, zero, zero, zero]
+        row_y = [mu * x1, mu * x2, one, t, zero, zero]
+        row_vx = [v1, v2, zero, zero, zero, zero]
+        row_vy = [mu * v1, mu * v2, zero, one, zero, zero]
+        row_omega = [mu_turn * v1, mu_turn * v2, zero, zero, one, zero]
+        row_stretch = [zero, zero, zero, zero, zero, one]
         return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]
 
     def sticking_errors(self, motion: Stretched, t: arb) -> list[list[arb]]:
-        """The same while it sticks, where y is 2/7 s + 5/7 (v_y - 2/5 R omega) t and a constant.
+        """Six independent errors of COORDINATES, as columns, at t [s since touch], in a stick.
 
-        A shift in time changes s by s' and s' by s''. With l times the overlap and time l^(1/4)
-        times as fast both equations hold again, and the speed at touch is l^(5/4) times as large:
-        per part of it s changes by t/5 s', and s' by s'/5 + t/5 s''.
+        y = 2/7 s + 5/7 w t + constant, w = v_y - 2/5 R omega. The columns are: a shift in time, by
+        which s changes by s' and s' by s''; a change of the speed at touch; the two solutions f, g
+        of the spring (mindlin_spring.py); w; and y. As for the second: with l times the overlap and
+        time l^(1/4) times as fast both equations hold again, and the speed at touch is l^(5/4)
+        times as large; per part of it s changes by t/5 s', and s' by s'/5 + t/5 s''.
         """
         depth, rate = self.normal_at(t)
         contact = self.contact()[0]
@@ -529,22 +599,24 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         pace = spring.pace(motion.leg, x)
         s, slope, _ = motion.at(x)
         slip = slope * pace
-        stiff = arb_of(Fraction(7, 2) * self.stiffness_ratio * self.stiffness / self.mass)
-        slowing = -stiff * root(depth) * s
+        # s'' = -(7 k_t/(2 m)) sqrt(d) s
+        spring_rate = arb_of(Fraction(7, 2) * self.stiffness_ratio * self.stiffness / self.mass)
+        slip_rate = -spring_rate * root(depth) * s
         f, g, df, dg = spring.basis(motion.leg, x)
-        fifth = t / 5
-        stretches = [slip, fifth * slip, f, g]
-        slips = [slowing, slip / 5 + fifth * slowing, df * pace, dg * pace]
+        t_fifth = t / 5
+        stretches = [slip, t_fifth * slip, f, g]
+        slips = [slip_rate, slip / 5 + t_fifth * slip_rate, df * pace, dg * pace]
         (x1, v1), (x2, v2) = self.along_errors(t)
-        none = arb(0)
+        zero = arb(0)
         one = arb(1)
-        part = arb_of(Fraction(2, 7))
-        kept = arb_of(Fraction(5, 7))
+        two_sevenths = arb_of(Fraction(2, 7))
+        five_sevenths = arb_of(Fraction(5, 7))
         radius = arb_of(self.radius)
-        row_x = [x1, x2, none, none, none, none]
-        row_y = [*(part * value for value in stretches), kept * t, one]
-        row_vx = [v1, v2, none, none, none, none]
-        row_vy = [*(part * value for value in slips), kept, none]
-        row_omega = [*(kept * value / radius for value in slips), -kept / radius, none]
-        row_stretch = [*stretches, none, none]
+        row_x = [x1, x2, zero, zero, zero, zero]
+        row_y = [*(two_sevenths * value for value in stretches), five_sevenths * t, one]
+        row_vx = [v1, v2, zero, zero, zero, zero]
+        row_vy = [*(two_sevenths * value for value in slips), five_sevenths, zero]
+        omegas = [five_sevenths * value / radius for value in slips]
+        row_omega = [*omegas, -five_sevenths / radius, zero]
+        row_stretch = [*stretches, zero, zero]
         return [row_x, row_y, row_vx, row_vy, row_omega, row_stretch]
