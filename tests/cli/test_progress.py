@@ -1,5 +1,5 @@
-"""Work that takes long says so, whatever part of it does: no clock decides, for the work waits until
-it has been said.
+"""Work that takes long says so, whatever part of it does: no clock decides, for the work waits
+until it has been said.
 """
 
 import sys
