@@ -16,7 +16,7 @@ import msgspec
 
 from refdem.campaign import plan
 from refdem.campaign.kept_truth import samples_key
-from refdem.campaign.schedule import Job, Progress, Schedule
+from refdem.campaign.schedule import Job, Progress, Schedule, counted
 from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -223,8 +223,8 @@ class Certification:
             kept = self._kept(keys)
         missing = [job for job in jobs if job.key not in kept]
         with Schedule(self.jobs, LONGEST) as schedule:
-            for done, (job, result) in enumerate(schedule.results(missing), 1):
-                self.progress("certify", done, len(missing))
+            results = schedule.results(missing)
+            for job, result in counted(results, "certify", len(missing), self.progress):
                 if isinstance(result, Failure):
                     self.problems.append(f"{job.key[1]}: {result.sentence}")
                 else:

@@ -10,7 +10,7 @@ from itertools import product
 import msgspec
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.schedule import Progress
+from refdem.campaign.schedule import Progress, counted
 from refdem.campaign.worker import no_truth
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -120,9 +120,8 @@ class FaultTrial:
         alarms = []
         near = dict[str, float]()
         work = list(product(self.drawn, self.faults))
-        for done, (seed, fault) in enumerate(work, 1):
+        for seed, fault in counted(work, "faults", len(work), self.progress):
             kills.append(self.kill(fault, seed))
-            self.progress("faults", done, len(work))
         for record, setting, seed in self._sound():
             for finding in record.findings:
                 if finding.outcome in WRONG:
@@ -210,12 +209,11 @@ class FaultTrial:
         for fault in self.faults:
             used |= dict.fromkeys(fault.on)
         work = list(product(self.drawn, used))
-        for done, (seed, name) in enumerate(work, 1):
+        for seed, name in counted(work, "sound engine", len(work), self.progress):
             instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()
             for method in self._methods(name, seed):
                 yield self._record(engine, method, instance, truth, FEWEST, ()), name, seed
-            self.progress("sound engine", done, len(work))
 
     def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
         """Each of the transparent engine's in turn."""

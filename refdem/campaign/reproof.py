@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from refdem.campaign.certification import proved_set
-from refdem.campaign.schedule import Job, Progress, Schedule
+from refdem.campaign.schedule import Job, Progress, Schedule, counted
 from refdem.core import discovery
 from refdem.core.run import Failure
 from refdem.errors import StoreError
@@ -89,8 +89,8 @@ def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -
         asked = (one.case, given_of(one), tuple(map(str, times[:EARLIEST])))
         work.append(Job(label, proved_set, asked, computes=True))
     with Schedule(jobs, LONGEST) as schedule:
-        for done, (job, result) in enumerate(schedule.results(work), 1):
-            progress("prove again", done, len(work))
+        results = schedule.results(work)
+        for job, result in counted(results, "prove again", len(work), progress):
             yield from _differences(known[job.key], result)
 
 

@@ -12,7 +12,7 @@ import msgspec
 
 from refdem.campaign import plan, worker
 from refdem.campaign.plan import Task
-from refdem.campaign.schedule import InProcess, Job, Progress, Schedule
+from refdem.campaign.schedule import InProcess, Job, Progress, Schedule, counted
 from refdem.core.answer_csv import most_rows
 from refdem.core.engine import ProgramEngine
 from refdem.core.problem import Request
@@ -131,11 +131,11 @@ class Runner:
         read = self._read(equal)
         jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
         made: dict[str, Answer] = {}
-        for done, (job, result) in enumerate(self.schedule.results(jobs), 1):
+        results = self.schedule.results(jobs)
+        for job, result in counted(results, stage, len(jobs), self.progress):
             answer = self._kept(job.key, result)
             made[job.key] = answer
             self.hangs.note(equal[job.key][0], answer[0].failure)
-            self.progress(stage, done, len(jobs))
         answers = read | made
         by_place = {
             one.place: self._run(one, answers[one.key], from_store=one.key in read) for one in asked

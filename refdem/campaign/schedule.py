@@ -13,12 +13,12 @@ import resource
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import Any, TypeVar
 
 from refdem.core.engine import Stages, Waiting
 from refdem.core.outside import one_line
@@ -35,6 +35,21 @@ PAUSE = 0.02
 
 Progress = Callable[[str, int, int], None]
 """Told the stage, how many of its jobs are done, and how many there are."""
+
+Result = TypeVar("Result")
+
+
+def counted(
+    results: Iterable[Result], stage: str, total: int, progress: Progress
+) -> Iterator[Result]:
+    """The same results; progress is told that the stage begins, before any work for it is done, and
+    whenever a result has been dealt with.
+    """
+    if total:
+        progress(stage, 0, total)
+    for done, result in enumerate(results, 1):
+        yield result
+        progress(stage, done, total)
 
 
 @dataclass(frozen=True)

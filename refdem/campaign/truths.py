@@ -14,7 +14,7 @@ import msgspec
 
 from refdem.campaign import worker
 from refdem.campaign.kept_truth import kept_truth
-from refdem.campaign.schedule import InProcess, Job, Progress, Schedule
+from refdem.campaign.schedule import InProcess, Job, Progress, Schedule, counted
 from refdem.core import discovery, fingerprint
 from refdem.core.case import Instance
 from refdem.core.run import Failure
@@ -67,13 +67,12 @@ def sampled_truths(
         jobs = [
             _job(key, *asked, told=(place, row)) for row, (key, asked) in enumerate(missing.items())
         ]
-        for done, (job, result) in enumerate(schedule.results(jobs), 1):
+        for job, result in counted(schedule.results(jobs), "truths", len(jobs), progress):
             if isinstance(result, Failure):
                 found[job.key] = worker.no_truth(f"{FAILED}{result.kind}: {result.sentence}")
             else:
                 found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
                 store.put_truth(job.key, found[job.key])
-            progress("truths", done, len(jobs))
         certified = _counts(told, missing)
     found |= _parts(schedule, missing, certified, found)
     return [found[key] for key in keys]

@@ -1,11 +1,33 @@
-"""Progress: one line that is redrawn on a terminal, a plain line a stage in a pipe."""
+"""Progress on stderr, so that output can be piped: one line that is redrawn on a terminal, and
+plain lines in a pipe.
+"""
 
 import sys
+import threading
 import time
+from contextlib import suppress
+from types import TracebackType
+from typing import Self
+
+ERASE = "\r\x1b[K"
+"""Lets the next text take the place of the line that a terminal shows."""
+QUIET = 3.0
+"""CPU seconds after which work that has said nothing says that it goes on."""
+LOOK = 0.5
+"""Seconds between looks at how much work has been done."""
+
+DAY = 86400.0
+
+
+def rounded(seconds: float) -> str:
+    """A time in the unit that fits it."""
+    if seconds > DAY:
+        return f"{seconds / DAY:.2g} days"
+    return f"{seconds:.0f} s"
 
 
 class Progress:
-    """Called with stage, done, total; writes to stderr so that output can be piped."""
+    """Called with stage, done, total: with none done when the stage begins, then after each job."""
 
     def __init__(self) -> None:
         self._tty = sys.stderr.isatty()
@@ -21,6 +43,74 @@ class Progress:
                 end = ""
             else:
                 end = "\n"
-            print(f"\r\x1b[K{stage}: {done}/{total}", end=end, file=sys.stderr, flush=True)
+            print(f"{ERASE}{stage}: {done}/{total}", end=end, file=sys.stderr, flush=True)
+        elif not self._tty and done == 0:
+            print(f"{stage}: {total} to do", file=sys.stderr, flush=True)
         elif not self._tty and done == total:
             print(f"{stage}: {total} done, {now - self._start:.1f} s", file=sys.stderr, flush=True)
+
+
+class Watch:
+    """Says that work in this process goes on, whatever the work is: after `quiet` CPU seconds, and
+    in a pipe each time that it has doubled.
+
+    A thread of its own looks, so that no part of the work can forget to say it. `expect` gives the
+    CPU seconds that are left, where they are known.
+    """
+
+    def __init__(self, work: str, quiet: float = QUIET) -> None:
+        self._work = work
+        self._next = quiet
+        self._tty = sys.stderr.isatty()
+        self._begun = time.process_time()
+        self._whole: float | None = None
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._ended.set()
+        self._thread.join()
+        if self._tty:
+            print(ERASE, end="", file=sys.stderr, flush=True)
+
+    def expect(self, seconds: float) -> None:
+        """So many CPU seconds are left."""
+        self._whole = self._spent() + seconds
+
+    def say(self, text: str) -> None:
+        """A line of its own."""
+        start = ""
+        if self._tty:
+            start = ERASE
+        print(f"{start}{text}", file=sys.stderr, flush=True)
+
+    def _spent(self) -> float:
+        """CPU seconds since the begin."""
+        return time.process_time() - self._begun
+
+    def _look(self) -> None:
+        """Looks until the work has ended."""
+        while not self._ended.wait(LOOK):
+            spent = self._spent()
+            if spent < self._next:
+                continue
+            told = f"{self._work}: {spent:.0f} s of CPU so far"
+            if self._whole is not None and self._whole > spent:
+                told += f", about {rounded(self._whole - spent)} to go"
+            if self._tty:
+                told = ERASE + told
+            else:
+                told += "\n"
+                self._next = 2 * spent
+            # Nobody reads any more: the work goes on and says so itself.
+            with suppress(OSError, ValueError):
+                print(told, end="", file=sys.stderr, flush=True)

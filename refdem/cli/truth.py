@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from refdem.campaign.certified_list import CertifiedCase
+    from refdem.cli.progress import Watch
     from refdem.core.truth import Ball, Truth
 
 DEAR = 10.0
@@ -47,6 +48,7 @@ def command(
 
     Example: refdem truth pendulum --set theta0=2 --at 1,5/2 --json
     """
+    from refdem.cli.progress import Watch
     from refdem.core import discovery
     from refdem.core.parameters import labelled, settings
     from refdem.core.selection import Selection
@@ -67,14 +69,15 @@ def command(
         )
     instance = found.at(**(own | settings(set or [])))
     times = [exact(text) for text in at.split(",") if text.strip()]
-    truth = instance.truth().refined(digits)
-    if times:
-        warn(truth.forecast(max(times), digits))
-    values = [
-        value(None, *item, truth.method, digits) for item in scalars(truth, alone=not times).items()
-    ]
-    for t in times:
-        values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
+    with Watch("proving") as watch:
+        truth = instance.truth().refined(digits)
+        announce(truth, max(times, default=Fraction(0)), digits, watch)
+        values = [
+            value(None, *item, truth.method, digits)
+            for item in scalars(truth, alone=not times).items()
+        ]
+        for t in times:
+            values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
     if "duration" in instance.p:
         unit = "s"
     else:
@@ -169,20 +172,46 @@ def times_of(one: Any) -> str:
     )
 
 
+def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
+    """Says what the values up to t will cost, and says so roughly as soon as anything is known: a
+    forecast of much is much work itself.
+    """
+    from refdem.cli.progress import rounded
+    from refdem.truth.forecast import told_to
+
+    is_told = False
+
+    def hear(seconds: float) -> None:
+        nonlocal is_told
+        watch.expect(seconds)
+        if seconds > DEAR and not is_told:
+            is_told = True
+            watch.say(
+                f"a first forecast of the proof is {rounded(seconds)} of CPU; it is being made"
+                " sharper"
+            )
+
+    with told_to(hear):
+        seconds = truth.forecast(t, digits)
+    watch.expect(seconds)
+    warn(seconds)
+
+
 def warn(seconds: float) -> None:
     """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError
     if nobody can wait for it.
     """
+    from refdem.cli.progress import rounded
     from refdem.truth.forecast import HOPELESS
 
     if seconds > HOPELESS:
         raise UsageError(
-            f"the proof would take about {seconds / HOPELESS:.2g} days of CPU; ask for an earlier"
-            " time, or for fewer digits"
+            f"the proof would take about {rounded(seconds)} of CPU; ask for an earlier time, or"
+            " for fewer digits"
         )
     if seconds > DEAR:
         typer.echo(
-            f"the proof will take about {seconds:.0f} s of CPU; fewer digits or an earlier time"
+            f"the proof will take about {rounded(seconds)} of CPU; fewer digits or an earlier time"
             " take less",
             err=True,
         )

@@ -15,7 +15,7 @@ import numpy as np
 import refdem
 from refdem.campaign import judging, plan, truths, worker
 from refdem.campaign.plan import Task
-from refdem.campaign.schedule import InProcess, Job, Schedule
+from refdem.campaign.schedule import InProcess, Job, Schedule, counted
 from refdem.campaign.specification import Specification
 from refdem.core.case import Instance
 from refdem.core.engine import Engine, Method
@@ -180,12 +180,12 @@ class Stress:
                 job = Job(key, quiet_run, (address, body), self._limit(place.engine))
                 jobs.setdefault(key, job)
         runs: dict[int, dict[Variant, Run]] = {}
-        for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
+        results = schedule.results(list(jobs.values()))
+        for job, result in counted(results, "runs", len(jobs), self.progress):
             for n, variant in variants_by_key[job.key]:
                 place, _ = wave[n]
                 run = _run_of(job.key, requests[n, variant], place.engine, result)
                 runs.setdefault(n, {})[variant] = run
-            self.progress("runs", done, len(jobs))
         for n, (place, task) in enumerate(wave):
             rung = self._rung(place, task, runs.get(n, {}))
             self.rungs.setdefault(place.climb, {})[place.number] = rung

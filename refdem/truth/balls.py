@@ -22,6 +22,12 @@ CONTEXT = RLock()
 python-flint, not of a thread.
 """
 
+FARTHEST = 2**13
+"""Binary exponents within which balls are told: 10^2466 has no use for a larger one, whose decimals
+Python refuses to write, and exp(-1e60), a damped motion long afterwards, would as a fraction take
+all memory.
+"""
+
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
@@ -131,14 +137,38 @@ def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
 
 
 def ball_of(value: arb) -> Ball:
-    """The same ball with exact rational midpoint and radius; ValueError if it is not finite."""
+    """A ball with exact rational midpoint and radius that holds this one, and is the same unless
+    one of them is below 2^-FARTHEST; ValueError if it is not finite, or above 2^FARTHEST.
+    """
     if not value.is_finite():
         raise ValueError(f"{value} is not finite")
-    return Ball(_exact(value.mid()), _exact(value.rad()))
+    mid = value.mid()
+    radius = _not_below(value.rad())
+    if mid != 0 and _size(mid) < -FARTHEST:
+        return Ball(Fraction(0), _not_below(mid) + radius)
+    return Ball(_exact(mid), radius)
+
+
+def _not_below(value: arb) -> Fraction:
+    """An exact number >= |value|, 0 if that is 0: |value| itself where it is not tiny."""
+    if value == 0:
+        return Fraction(0)
+    if _size(value) < -FARTHEST:
+        return Fraction(1, 2**FARTHEST)
+    return abs(_exact(value))
+
+
+def _size(value: arb) -> int:
+    """The least binary exponent with |value| < 2^size, of an exact value."""
+    mantissa, exponent = value.man_exp()
+    return int(exponent) + int(mantissa).bit_length()
 
 
 def _exact(value: arb) -> Fraction:
+    """The exact value; ValueError if it is too large to be written down."""
     mantissa, exponent = value.man_exp()
+    if _size(value) > FARTHEST:
+        raise ValueError(f"a value above 2^{FARTHEST} is too large to be told")
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 

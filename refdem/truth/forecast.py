@@ -1,12 +1,16 @@
 """What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
 pace of the later half of that.
 
-The first pieces say little: a motion that starts with a jerk, or settles, has another pace
-afterwards. What was followed is kept, so that following an eighth of a dear motion costs nothing in
-the end. Work is counted in pieces; a second is what the pieces so far took.
+Following takes long itself where the motion is dear, so that whoever asks within `told_to` hears of
+every forecast on the way, of the rough one after the first piece before all others. The first
+pieces say little: a motion that starts with a jerk, or settles, has another pace afterwards. What
+was followed is kept, so that following an eighth of a dear motion costs nothing in the end. Work is
+counted in pieces; a second is what the pieces so far took.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import log2
@@ -30,11 +34,33 @@ TRIES = 8
 HOPELESS = 86400.0
 """Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp.
 """
+FEW_PIECES = 4
+FAR_BEYOND = 1000
+"""After so few pieces, whose pace may be that of a start with a jerk, a forecast is believed where
+it is beyond HOPELESS by this factor.
+"""
 
 NextBits = Callable[[int, float | None], int | None]
 """The bits after those that did not suffice, from how many are lacking (None: the motion was not
 followed to its end); None if none.
 """
+
+Listener = Callable[[float], None]
+"""Told the CPU seconds that are left, by what is known so far."""
+
+_LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def told_to(listener: Listener) -> Iterator[None]:
+    """What is followed for a forecast meanwhile tells `listener` how much it expects: after one
+    piece, after two, four, eight, and so on.
+    """
+    before = _LISTENER.set(listener)
+    try:
+        yield
+    finally:
+        _LISTENER.reset(before)
 
 
 @dataclass(frozen=True)
@@ -134,6 +160,8 @@ def follow(
     course says is left, in pieces.
     """
     begun = process_time()
+    tell = _LISTENER.get() or (lambda seconds: None)
+    telling = 1
 
     def mark() -> Mark:
         reached, pieces, radius = state()
@@ -147,8 +175,17 @@ def follow(
     while course.marks[-1].time < t and step():
         course.marks.append(mark())
         made = course.marks[-1].pieces - course.marks[0].pieces
-        if made < PIECES:
-            continue
         left = work()
-        if made * SHARE >= left or course.seconds_for(left) > HOPELESS:
+        seconds = course.seconds_for(left)
+        if made >= telling:
+            tell(seconds)
+            telling = 2 * made
+        if is_enough(made, left, seconds):
             break
+
+
+def is_enough(made: int, left: float, seconds: float) -> bool:
+    """Whether what was `made` [pieces] says how much is `left` [pieces, CPU seconds]."""
+    if made < PIECES:
+        return made >= FEW_PIECES and seconds > FAR_BEYOND * HOPELESS
+    return made * SHARE >= left or seconds > HOPELESS

@@ -126,7 +126,7 @@ def test_a_killed_run_goes_on_where_it_was(folder: Path, monkeypatch: pytest.Mon
     work = Certification(folder, Store(folder / "store.sqlite"), 1)
 
     def killed(stage: str, done: int, total: int) -> None:
-        if done == 3:
+        if done == 2:
             raise KeyboardInterrupt
 
     work.progress = killed

@@ -8,15 +8,13 @@ gone; its supervisors (supervisor.py) take that folder away if it is killed.
 import atexit
 import fcntl
 import os
-import shutil
-import stat
-import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+
+from refdem.engines.external.supervisor import remove
 
 PREFIX = "refdem-runs-"
 """Of the folder of a process that holds it."""
@@ -65,26 +63,3 @@ def sweep() -> None:
         if not Path("/proc", maker).exists():
             with suppress(OSError):
                 folder.rmdir()
-
-
-def remove(folder: Path) -> None:
-    """Takes a folder away with all that is in it; what cannot be taken away stays."""
-    try:
-        shutil.rmtree(folder, onerror=_opened_up)
-    except RecursionError:
-        # Folders in folders, thousands deep: rm does not recurse.
-        command = ["rm", "-rf", "--", str(folder)]
-        subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
-
-
-def _opened_up(function: Callable[..., Any], path: str, _: object) -> None:
-    """Tries once more where a program has taken the rights to a folder away."""
-    there = Path(path)
-    with suppress(OSError):
-        for place in (there.parent, there):
-            if place.is_dir() and not place.is_symlink():
-                place.chmod(stat.S_IRWXU)
-        if there.is_dir() and not there.is_symlink():
-            shutil.rmtree(there, ignore_errors=True)
-        else:
-            function(path)

@@ -76,7 +76,8 @@ class Supervised:
     def __init__(self) -> None:
         self.socket, theirs = socket.socketpair()
         # -I and -S: neither the user's settings nor the installed packages are read.
-        command = [sys.executable, "-I", "-S", str(SUPERVISOR), str(home())]
+        own = [str(home()), str(os.getpid())]
+        command = [sys.executable, "-I", "-S", str(SUPERVISOR), *own]
         with theirs:
             self.process = subprocess.Popen(command, stdin=theirs.fileno(), start_new_session=True)
         self.said = self.socket.makefile("rb")

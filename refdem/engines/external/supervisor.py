@@ -1,11 +1,11 @@
 """Runs programs one after another for the process that started it, and ends all that they start.
 
 A script with the standard library alone, started by process.py as `python -I -S supervisor.py
-FOLDER`. Its standard input is a socket: a line of JSON with the descriptors of the program's output
-comes in, a line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so that every process
-that a program has started, in whatever session, is a descendant of it; and when the socket is
-closed, because refdem has ended in whatever way, it ends them and itself. The folder is that of all
-runs of the process, which it takes away if that process was killed.
+FOLDER PROCESS`. Its standard input is a socket: a line of JSON with the descriptors of the
+program's output comes in, a line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so
+that every process that a program has started, in whatever session, is a descendant of it; and when
+the socket is closed, because refdem has ended in whatever way, it ends them and itself. The folder
+is that of all runs of the process, which it takes away if that process was killed.
 """
 
 import contextlib
@@ -17,8 +17,12 @@ import select
 import shutil
 import signal
 import socket
+import stat
+import subprocess
 import sys
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 PR_SET_PDEATHSIG = 1
@@ -298,7 +302,8 @@ def main() -> None:
         # What ends refdem closes the socket.
         signal.signal(number, signal.SIG_IGN)
     control(PR_SET_CHILD_SUBREAPER, 1)
-    parent = os.getppid()
+    # Told, not asked for: whoever started this may be gone by now.
+    parent = int(sys.argv[2])
     supervisor = Supervisor(asked)
     try:
         with contextlib.suppress(OSError, AbandonedError):
@@ -306,7 +311,35 @@ def main() -> None:
     finally:
         end_descendants()
         if not supervisor.is_dismissed and is_orphan(parent):
-            shutil.rmtree(sys.argv[1], ignore_errors=True)
+            remove(Path(sys.argv[1]))
+
+
+def remove(folder: Path) -> None:
+    """Takes a folder away with all that is in it; what cannot be taken away stays."""
+    try:
+        shutil.rmtree(folder, onerror=_opened_up)
+    except RecursionError:
+        # Folders in folders, thousands deep: chmod and rm do not recurse.
+        for command in (["chmod", "-R", "u+rwX"], ["rm", "-rf"]):
+            subprocess.run(
+                [*command, "--", str(folder)],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
+            )
+
+
+def _opened_up(function: Callable[..., Any], path: str, _: object) -> None:
+    """Tries once more where a program has taken the rights to a folder away."""
+    there = Path(path)
+    with contextlib.suppress(OSError):
+        for place in (there.parent, there):
+            if place.is_dir() and not place.is_symlink():
+                place.chmod(stat.S_IRWXU)
+        if there.is_dir() and not there.is_symlink():
+            shutil.rmtree(there, ignore_errors=True)
+        else:
+            function(path)
 
 
 def is_orphan(parent: int) -> bool:

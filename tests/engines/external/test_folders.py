@@ -5,10 +5,21 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from refdem.engines.external import supervisor
 from refdem.engines.external.folders import home
 from refdem.engines.external.process import Supervised
 
+DEEP = 1100
+"""Folders in folders: more than Python recurses."""
+KILLED = """
+import os, signal, socket, subprocess, sys
+ours, its = socket.socketpair()
+command = [sys.executable, "-I", "-S", *sys.argv[1:3], str(os.getpid())]
+subprocess.Popen(command, stdin=its, pass_fds=[int(sys.argv[3])])
+os.kill(os.getpid(), signal.SIGKILL)
+"""
 CODE = (
     "import os, sys; from refdem.engines.external.folders import home, run_folder\n"
     "with run_folder() as folder: print(folder, flush=True); {end}"
@@ -68,3 +79,34 @@ def test_a_supervisor_that_is_sent_away_leaves_the_folder_of_its_process_alone()
     began.close()
     assert began.process.returncode == 0
     assert home().is_dir()
+
+
+def nested(folder: Path, *, is_locked: bool) -> None:
+    """Leaves folders in a folder, deeper than Python recurses; the innermost may be locked."""
+    here = os.open(folder, os.O_RDONLY)
+    for _ in range(DEEP):
+        os.mkdir("deep", dir_fd=here)
+        inner = os.open("deep", os.O_RDONLY, dir_fd=here)
+        os.close(here)
+        here = inner
+    os.close(os.open("file", os.O_WRONLY | os.O_CREAT, dir_fd=here))
+    if is_locked:
+        os.fchmod(here, 0)
+    os.close(here)
+
+
+@pytest.mark.parametrize("is_locked", [False, True])
+def test_the_supervisor_of_a_killed_process_takes_away_folders_however_deep(
+    tmp_path: Path, is_locked: bool
+) -> None:
+    left = tmp_path / "refdem-runs-of-a-killed-process"
+    left.mkdir()
+    nested(left, is_locked=is_locked)
+    heard, held = os.pipe()
+    process = [sys.executable, "-c", KILLED, supervisor.__file__, str(left), str(held)]
+    subprocess.run(process, pass_fds=[held], check=False)
+    os.close(held)
+    # The pipe ends when the supervisor does.
+    with os.fdopen(heard, "rb") as ended:
+        assert ended.read() == b""
+    assert not left.exists()

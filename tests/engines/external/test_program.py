@@ -18,8 +18,8 @@ from refdem.core import discovery
 from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.trajectory import Event, Trajectory
-from refdem.engines.external.folders import remove
 from refdem.engines.external.kept import MOST_BYTES, MOST_FOLDERS
+from refdem.engines.external.supervisor import remove
 from refdem.errors import EngineError, UnsupportedError, UsageError
 from tests.foreign.hostile import modes
 
