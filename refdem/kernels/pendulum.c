@@ -143,11 +143,11 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
         p = dd_neg(p);
     }
     if (b->kind == SWINGING) {
-        b->j = jacobi_prepared(square, rest);
+        b->j = jacobi_prepare(square, rest);
         b->rate = w0;
         b->start = jacobi_inverse(&b->j, dd_div(sine, k), dd_div(p, k), cosine);
     } else {
-        b->j = jacobi_prepared(dd_div(one, square), dd_div(dd_neg(rest), square));
+        b->j = jacobi_prepare(dd_div(one, square), dd_div(dd_neg(rest), square));
         b->rate = dd_mul(k, w0);
         b->start = jacobi_inverse(&b->j, sine, cosine, dd_div(p, k));
     }
