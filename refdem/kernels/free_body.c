@@ -2,14 +2,25 @@
  * function.
  *
  * Euler's equations (C. G. J. Jacobi 1849; Landau and Lifshitz, Mechanics, section 37). Labels 1,
- * 2, 3 by moment of inertia, 3 the axis that omega_body circles: w1 = A1 cn u,   w2 = A2 sn u,   w3
- * = A3 dn u,   u = rate t + start. Attitude (van Zon and Schofield, J. Comput. Phys. 225 (2007)
- * 145), here in swing-twist form, which is nowhere singular, n the direction of L in body axes, e =
- * +-e3 with n.e > 0: q(t) = base exp(e Psi/2) swing(n -> e), Psi' = (2E + L w.e)/(L + l.e) = L/J3 +
- * B rate/(1 + c dn u),   B rate = (2 E J3 - L^2)/(L J3), c = |J3 A3|/L. 1/(1 + c dn) has simple
- * poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with residues that make Psi/2 = turn t -+
- * [arg theta4(pi (u + ia)/(2K), nome^2)], the mean rate `turn` by complete integrals of the first
- * and third kind. A body with two moments alike turns about L and about its axis at constant rates.
+ * 2, 3 by moment of inertia, 3 the axis that omega_body circles:
+ *
+ *   w1 = A1 cn u,   w2 = A2 sn u,   w3 = A3 dn u,   u = rate t + start.
+ *
+ * Attitude (van Zon and Schofield, J. Comput. Phys. 225 (2007) 145), here in swing-twist form,
+ * which is nowhere singular, with n the direction of L in body axes and e = +-e3 such that n.e >
+ * 0:
+ *
+ *   q(t) = base exp(e Psi/2) swing(n -> e),
+ *   Psi' = (2E + L w.e)/(L + l.e) = L/J3 + B rate/(1 + c dn u),
+ *   B rate = (2 E J3 - L^2)/(L J3),   c = |J3 A3|/L.
+ *
+ * 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with residues that
+ * make
+ *
+ *   Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)],
+ *
+ * the mean rate `turn` by complete integrals of the first and third kind. A body with two moments
+ * alike turns about L and about its axis at constant rates.
  */
 #include <assert.h>
 

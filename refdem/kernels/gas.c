@@ -2,20 +2,21 @@
  * planes or in the open.
  *
  * Velocity Verlet (Swope et al. 1982), of the contact law in gas_contact.h:
- *   v += h/2 a,  x += h v,  contacts at x,  v += h/2 a,   spins alike, attitudes q = exp(w t/2) q.
- * What depends on velocities sees those of the end of the step, predicted with the last
- * acceleration. Verlet's list (1967) of pairs closer than
- * a diameter and a skin is rebuilt, from a counting sort of the bodies into cells, before the two
- * fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells.
- * Work is done on a velocity only while a contact lasts, and on an attitude only when its spin
- * changes. Impulses are rounded to a grid on which velocities lie, and given to both bodies of a
- * pair with opposite signs: sums are then exact, and so is total momentum. Positions are kept in
- * the box, with whole boxes counted apart, so that a body's velocity knows nothing of the walls of
- * the box.
  *
- * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and gathers
- * for its own, from all contacts in the order of the list: the result has the same bits for any
- * number of threads.
+ *   v += h/2 a,  x += h v,  contacts at x,  v += h/2 a,   spins alike, attitudes q = exp(w t/2) q.
+ *
+ * What depends on velocities sees those of the end of the step, predicted with the last
+ * acceleration. Verlet's list (1967) of pairs closer than a diameter and a skin is rebuilt, from a
+ * counting sort of the bodies into cells, before the two fastest bodies could have crossed the
+ * skin. Bodies lie in memory in the order of their cells. Work is done on a velocity only while a
+ * contact lasts, and on an attitude only when its spin changes. Impulses are rounded to a grid on
+ * which velocities lie, and given to both bodies of a pair with opposite signs: sums are then
+ * exact, and so is total momentum. Positions are kept in the box, with whole boxes counted apart,
+ * so that a body's velocity knows nothing of the walls of the box.
+ *
+ * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and
+ * gathers for its own, from all contacts in the order of the list: the result has the same bits
+ * for any number of threads.
  *
  * Phases of a step: kick, drift, measure (contacts, and their impulses), gather (the impulses of
  * each body), kick; record at a sample.

@@ -2,12 +2,13 @@
  * obeys m d'' + c d' + k d = 0 from d = 0, d' = V at the touch.
  *
  * With the effective mass m = m1 m2/(m1 + m2), b = c/(2m), w0^2 = k/m and w^2 = w0^2 - b^2:
+ *
  *   d = V exp(-b t) S(t),   d' = V exp(-b t) (S'(t) - b S(t)),
  *   S = sin(w t)/w for w^2 > 0,   sinh(W t)/W for w^2 = -W^2 < 0,   t for w^2 = 0.
+ *
  * The contact ends at d = 0, half a period pi/w after the touch, or, with no_pull, where the force
- * k d
- * + c d' is zero, at twice the time of the largest overlap. Either leaves the speed V exp(-b t_end)
- * (Schwager and Poeschel 2007).
+ * k d + c d' is zero, at twice the time of the largest overlap. Either leaves the speed V exp(-b
+ * t_end) (Schwager and Poeschel 2007).
  */
 #include <assert.h>
 

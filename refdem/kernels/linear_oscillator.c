@@ -1,11 +1,21 @@
 /* A point on a line: linear spring, linear damping, constant and periodic forces, in closed form.
  *
- * About the equilibrium X'' + 2 b X' + w0^2 X = sum f cos(w s + psi), s = t - t0, W^2 = |w0^2 -
- * b^2|. Free motion from X0, V0: X = X0 C + (b X0 + V0) D,   V = V0 C - (w0^2 X0 + b V0) D, C =
- * exp(-b s) cos W s,   D = exp(-b s) sin W s/W     (b < w0; cosh, sinh for b > w0; 1, s for b =
- * w0). Drive, from rest. Where damping is light, with L = -b + i W: X = f/(2 W) Im Z,   V = f/(2 W)
- * Im(L Z),   Z = exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w), K(L, M) = exp(M s) (exp((L - M) s)
- * - 1)/(L - M), which loses nothing at resonance, L = M. Where it is heavy: the steady motion, less
+ * About the equilibrium, with s = t - t0 and W^2 = |w0^2 - b^2|:
+ *
+ *   X'' + 2 b X' + w0^2 X = sum f cos(w s + psi).
+ *
+ * Free motion from X0, V0:
+ *
+ *   X = X0 C + (b X0 + V0) D,   V = V0 C - (w0^2 X0 + b V0) D,
+ *   C = exp(-b s) cos W s,   D = exp(-b s) sin W s/W     for b < w0,
+ *
+ * with cosh and sinh for b > w0, 1 and s for b = w0. A drive, from rest, where damping is light,
+ * with L = -b + i W:
+ *
+ *   X = f/(2 W) Im Z,   V = f/(2 W) Im(L Z),   Z = exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w),
+ *   K(L, M) = exp(M s) (exp((L - M) s) - 1)/(L - M),
+ *
+ * which loses nothing at resonance, where L = M. Where damping is heavy: the steady motion, less
  * the free one that has its state at the start.
  */
 #include <assert.h>

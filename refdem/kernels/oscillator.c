@@ -1,7 +1,9 @@
 /* A point on a linear spring of no natural length, in closed form. In each direction, with w^2 =
- * k/m and the equilibrium xe = anchor + m g/k: x = xe + (x0 - xe) cos w t + (v0/w) sin w t,   v = w
- * ((v0/w) cos w t - (x0 - xe) sin w t). The phase w t is kept in double-double, so that its error
- * does not grow with time.
+ * k/m and the equilibrium xe = anchor + m g/k:
+ *
+ *   x = xe + (x0 - xe) cos w t + (v0/w) sin w t,   v = w ((v0/w) cos w t - (x0 - xe) sin w t).
+ *
+ * The phase w t is kept in double-double, so that its error does not grow with time.
  */
 #include <assert.h>
 

@@ -1,11 +1,14 @@
 /* One step of points and spheres within the modes of their contacts: velocity Verlet, Runge-Kutta,
  * extrapolation.
  *
- * All three are maps step(y, y', h) -> (y, y') of the rates y' = f(y) of particles.h at fixed
- * modes: Verlet:        v += h/2 a,  x += h v,  v += h/2 a                            (order 2)
- *   Runge-Kutta:   y += h/6 (k1 + 2 k2 + 2 k3 + k4)                              (order 4)
- *   extrapolation: the modified midpoint rule with 2, 4, .., 20 parts a step, extrapolated in
- *                  (h/n)^2 to h/n = 0 until it changes by round-off only
+ * All three are maps (y, y') -> (y, y') over h, of the rates y' = f(y) of particles.h at fixed
+ * modes:
+ *
+ *   Verlet         v += h/2 a,  x += h v,  v += h/2 a                   (order 2)
+ *   Runge-Kutta    y += h/6 (k1 + 2 k2 + 2 k3 + k4)                     (order 4)
+ *   extrapolation  the modified midpoint rule with n = 2, 4, .., 20 parts a step, extrapolated in
+ *                  (h/n)^2 to 0 until it changes by round-off only
+ *
  * Every sum is compensated: after its `size` numbers a state has as many that hold what rounding
  * has lost.
  */

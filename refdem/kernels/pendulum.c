@@ -1,12 +1,15 @@
 /* A point on a rigid rod that swings in one plane, in closed form (Whittaker, Analytical Dynamics,
  * section 44; DLMF 22.19.2-5).
  *
- * theta'' = -w0^2 sin theta, w0^2 = g/l. With S = sin(theta/2), C = cos(theta/2), P = theta'/(2 w0)
- * the energy is k^2 = S^2 + P^2, and k < 1, swinging:   S = k sn(u | k^2),    C = dn,   P = k cn,
- * u = w0 t + u0, k > 1, rotating:   S = sn(u | 1/k^2),    C = cn,   P = k dn,   u = k w0 t + u0, k
- * = 1, separatrix: S = tanh u,           C = P = sech u. Then sin theta = 2 S C, cos theta = C^2 -
- * S^2, and the rod pulls with m (l theta'^2 + g cos theta). Without gravity theta = theta0 + theta'
- * t.
+ * theta'' = -w0^2 sin theta, w0^2 = g/l. With S = sin(theta/2), C = cos(theta/2), P = theta'/(2
+ * w0) the energy is k^2 = S^2 + P^2, and
+ *
+ *   k < 1, swinging:    S = k sn(u | k^2),   C = dn,   P = k cn,   u = w0 t + u0,
+ *   k > 1, rotating:    S = sn(u | 1/k^2),   C = cn,   P = k dn,   u = k w0 t + u0,
+ *   k = 1, separatrix:  S = tanh u,          C = P = sech u.
+ *
+ * Then sin theta = 2 S C, cos theta = C^2 - S^2, and the rod pulls with m (l theta'^2 + g cos
+ * theta). Without gravity theta = theta0 + theta' t.
  */
 #include <assert.h>
 

@@ -1,9 +1,12 @@
 /* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (Matuttis and Chen
- * 2014, (1.139)), in closed form, with t since the begin of a phase and s = x - x1 or x - x2 there:
- *   rising,  x1 < x < 0:  x - x1 = A exp(lambda t) + B exp(-lambda t),  A, B = (s +- v/lambda)/2,
- *                         lambda^2 = k1/m;  ends at x = 0 (A > 0) or x = x1 (A < 0);
- *   falling, 0 < x < x2:  x - x2 = R cos(omega t + delta),  R^2 = s^2 + (v/omega)^2,  omega^2 =
- * -k2/m; ends at x = 0 or x = x2; outside:              free flight.
+ * 2014, (1.139)), in closed form, with the time t since the begin of a phase, x and v there, and s
+ * = x - x1 or x - x2:
+ *
+ *   rising,  x1 < x < 0:  x - x1 = A exp(lambda t) + B exp(-lambda t),  lambda^2 = k1/m,
+ *                         A, B = (s +- v/lambda)/2;  ends at x = 0 (A > 0) or x = x1 (A < 0)
+ *   falling, 0 < x < x2:  x - x2 = R cos(omega t + delta),  omega^2 = -k2/m,
+ *                         R^2 = s^2 + (v/omega)^2;  ends at x = 0 or x = x2
+ *   outside:              free flight
  */
 #include <assert.h>
 #include <math.h>

@@ -2,11 +2,13 @@
  * one on the way out, in closed form (Hertz 1882: n = 3/2).
  *
  * With the speed v at the touch, a = 1/(n+1), greatest overlap D = ((n+1) m v^2/(2k))^a, y = d/D
- * and s = d'/v the energy is y^(n+1) + s^2 = 1, and the time, in units of D/v, since the touch T(y)
- * = y 2F1(1/2, a; 1+a; y^(n+1)),    dT/dy = 1/sqrt(1 - y^(n+1)), before the turn   U(s) = 2a s
- * 2F1(1-a, 1/2; 3/2; s^2),   dU/ds = 2a (1 - s^2)^(a-1). Each is inverted by Newton's rule where
- * the argument of its series is the smaller one. From touch to turn it takes T(1) = sqrt(pi)
- * Gamma(1+a)/Gamma(a+1/2).
+ * and s = d'/v the energy is y^(n+1) + s^2 = 1, and the time, in units of D/v,
+ *
+ *   since the touch   T(y) = y 2F1(1/2, a; 1+a; y^(n+1)),    dT/dy = 1/sqrt(1 - y^(n+1)),
+ *   before the turn   U(s) = 2a s 2F1(1-a, 1/2; 3/2; s^2),   dU/ds = 2a (1 - s^2)^(a-1).
+ *
+ * Each is inverted by Newton's rule where the argument of its series is the smaller one. From
+ * touch to turn it takes T(1) = sqrt(pi) Gamma(1+a)/Gamma(a+1/2).
  */
 #include <assert.h>
 

@@ -1,15 +1,20 @@
 /* RATTLE: velocity Verlet for points joined by rods (Andersen, J. Comput. Phys. 52 (1983) 24;
  * Hairer, Lubich, Wanner VII.1.4).
  *
- * With the rods' vectors d_r between their ends and G(d) the matrix of constraint rows, so that (G
- * v)_r = d_r.(v_a - v_b), a step h is kick          v += h/2 a(x0) drift         x += h v hold
- * lengths  x -= M^-1 G(d0)^T lambda, v -= 1/h M^-1 G(d0)^T lambda, with lambda such that |d_r| =
- *                 l_r (Newton to round-off)
+ * With the vector d_r of rod r between its ends a, b and G(d) the matrix with (G v)_r = d_r.(v_a -
+ * v_b), a step h is
+ *
+ *   kick          v += h/2 a(x0)
+ *   drift         x += h v
+ *   hold lengths  x -= M^-1 G(d0)^T lambda,  v -= 1/h M^-1 G(d0)^T lambda,  |d_r| = l_r
  *   kick          v += h/2 a(x)
- *   hold rates    v -= M^-1 G(d)^T mu, with mu such that G(d) v = 0
- * Positions and velocities carry what their sums left over (Kahan), so that round-off does not pile
- * up. The rod force is the exact one of the sampled state: G M^-1 G^T T = G a + |relative
- * velocity|^2, in units of force over length.
+ *   hold rates    v -= M^-1 G(d)^T mu,  G(d) v = 0
+ *
+ * where lambda is found by Newton's rule to round-off, and mu by one linear solve. Positions and
+ * velocities carry what their sums left over (Kahan), so that round-off does not pile up. The rod
+ * force is the exact one of the sampled state, from d.d'' + d'.d' = 0:
+ *
+ *   G M^-1 G^T (T/l) = G a + |v_a - v_b|^2.
  */
 #include <assert.h>
 

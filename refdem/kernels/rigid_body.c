@@ -1,13 +1,16 @@
 /* One free rigid body, step by step: by a splitting into exact rotations, and by the classical
  * Runge-Kutta method, for the angular momentum l in body axes and the attitude q:
+ *
  *   l' = l x w,   q' = q w/2,   w = J^-1 l.
  *
  * The splitting leaves out what commutes with all: with J_m the middle moment,
+ *
  *   H = |l|^2/(2 J_m) + sum of l_i^2/2 (1/J_i - 1/J_m).
- * The first part turns the body about L in space by |L| t/J_m, in
- * one rotation for any time; of the sum two axes are left, and turn in each other's flow: a half
- * step, a whole one, a half (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes
- * would leave an error that grows as J_3/J_1: for a needle, two long turns that nearly cancel.
+ *
+ * The first part turns the body about L in space by |L| t/J_m, in one rotation for any time; of
+ * the sum two axes are left, and turn in each other's flow: a half step, a whole one, a half
+ * (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes would leave an error that
+ * grows as J_3/J_1: for a needle, two long turns that nearly cancel.
  */
 #include <assert.h>
 

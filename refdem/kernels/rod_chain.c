@@ -2,9 +2,11 @@
  * a law of time, in angles (Lagrange; Landau and Lifshitz, Mechanics, sec. 5).
  *
  * Points r_i = pivot + sum over j <= i of l_j (sin th_j, -cos th_j), loads mu_i = m_i + ... + m_N:
+ *
  *   sum_j A_ij th_j'' = mu_i l_i G.(cos th_i, sin th_i) - sum_j B_ij th_j'^2,
  *   A_ij = mu_max(i,j) l_i l_j cos(th_i - th_j),   B_ij = mu_max(i,j) l_i l_j sin(th_i - th_j),
  *   G = gravity - pivot'',   pivot'' = -drive Omega^2 cos(Omega t + phase).
+ *
  * The matrix A is factored once a step; its Taylor coefficients of higher order go to the other
  * side. The pivot does work at the rate F.pivot', F = sum mu_i l_i (sin th_i, -cos th_i)'' - mu_1
  * G. State (2 N + 1): angles since the start [rad], rates [rad/s], work [J].

@@ -1,9 +1,12 @@
 /* Taylor series of order 20: products, values, and their first zeros to the last bit.
  *
- * A series is a[0] + a[1] s + .. + a[20] s^20. That an interval (0, w] has no zero is proven by
- * bounds of the series, never by its ends alone: a(s) >= a0 + sum of min(0, a_n w^n),       > 0:
- * there is no zero; a'(s) <= a1 + sum of max(0, n a_n w^(n-1)),  n >= 2, <= 0: there is one at
- * most. Else the interval is halved.
+ * A series is a(s) = a_0 + a_1 s + .. + a_20 s^20. That an interval (0, w] has no zero is proven
+ * by bounds, never by its ends alone:
+ *
+ *   a(s)  >= a_0 + sum of min(0, a_n w^n) over n >= 1;          above 0 there is no zero;
+ *   a'(s) <= a_1 + sum of max(0, n a_n w^(n-1)) over n >= 2;    not above 0 there is at most one.
+ *
+ * Else the interval is halved.
  */
 #ifndef REFDEM_SERIES_ZEROS_H
 #define REFDEM_SERIES_ZEROS_H

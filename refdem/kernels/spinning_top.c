@@ -1,7 +1,10 @@
 /* A rigid body about a fixed point in uniform gravity (Euler 1758; Landau and Lifshitz, section
- * 36), in body axes: q' = q w/2,   J w' = (J w) x w + arm x f,   f = R(q)^T weight. J: principal
- * moments about the fixed point; arm: from it to the centre of mass. State (7): q = (w, x, y, z), w
- * [rad/s].
+ * 36), in body axes:
+ *
+ *   q' = q w/2,   J w' = (J w) x w + arm x f,   f = R(q)^T weight.
+ *
+ * J: principal moments about the fixed point; arm: from it to the centre of mass. State (7): q =
+ * (w, x, y, z), w [rad/s].
  */
 #include <assert.h>
 

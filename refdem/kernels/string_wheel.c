@@ -2,10 +2,14 @@
  * and down on the other.
  *
  * With the free string r of the pendulum, its angle th from straight down, the speed of the string
- * u = r' - R th' and w = th': (M + m + J/R^2) u' = m r w^2 - M g + m g cos th,   r w' = -(2 u w + R
- * w^2 + g sin th) (Lagrange's equations with the velocity of the pendulum u along the string and r
- * w across it; for R = 0 Swinging Atwood's machine, Tufillaro, Abbott and Griffiths, Am. J. Phys.
- * 52 (1984) 895). State (4): r [m], th [rad], u [m/s], w [rad/s].
+ * u = r' - R th' and w = th':
+ *
+ *   (M + m + J/R^2) u' = m r w^2 - M g + m g cos th,
+ *   r w' = -(2 u w + R w^2 + g sin th)
+ *
+ * (Lagrange's equations with the velocity of the pendulum u along the string and r w across it;
+ * for R = 0 Swinging Atwood's machine, Tufillaro, Abbott and Griffiths, Am. J. Phys. 52 (1984)
+ * 895). State (4): r [m], th [rad], u [m/s], w [rad/s].
  */
 #include <assert.h>
 

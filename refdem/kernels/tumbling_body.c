@@ -2,13 +2,18 @@
  * body axes.
  *
  * With attitude q (rotation matrix R), omega w and velocity V = R^T v in body axes, place r in
- * space: q' = q w/2,   J w' = (J w) x w + sum a x F,   V' = V x w + R^T g + sum F/m,   r' = R V. A
- * corner a (body axes) has, with the plane's normal n in body axes and the point P of the plane:
- *   gap      n.(r + R a - P),       velocity  u = V + w x a,     closing speed  c = -n.u
- *   push     N = -k gap + damping c,          slip      s = u + c n
+ * space:
+ *
+ *   q' = q w/2,   J w' = (J w) x w + sum a x F,   V' = V x w + R^T g + sum F/m,   r' = R V.
+ *
+ * A corner a (body axes) has, with the plane's normal n in body axes and the point P of the plane:
+ *
+ *   gap      n.(r + R a - P),      velocity  u = V + w x a,    closing speed  c = -n.u
+ *   push     N = -k gap + damping c,         slip      s = u + c n
  *   force    F = N n - friction N s/|s|
- * It presses from gap = 0 to N = 0 (cutoff zero_force), and then idles until it leaves the plane or
- * presses again. The last coordinate is the work lost: damping c^2 + friction N |s| while it
+ *
+ * It presses from gap = 0 to N = 0 (cutoff zero_force), and then idles until it leaves the plane
+ * or presses again. The last coordinate is the work lost: damping c^2 + friction N |s| while it
  * presses, k gap c while it idles (what the spring gives back to nobody).
  *
  * Phases: begin, measure, expand, step_size, locate, record, accept, change_mode.
