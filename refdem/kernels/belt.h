@@ -1,12 +1,14 @@
-/* A point on a spring that rubs on a moving belt and is driven: m x'' in F cos(w t + phase) +
- * weight - k x - N mu(|u|) Sgn(u), u = x' - belt.
+/* A point on a spring that rubs on a moving belt and is driven:
+ *   m x'' in P(t, x) - N mu(|u|) Sgn(u),   P = F cos(w t + phase) + weight - k x,   u = x' - belt,
+ *   mu(s) = (mu0 - mu1) q(s) + mu1 + lambda1 s^2 (or lambda1 s),   q(s) = 1/(1 + lambda0 s).
  *
- * mu(s) = (mu0 - mu1)/(1 + lambda0 s) + mu1 + lambda1 s^2, or lambda1 s in its last term. While it
- * slips: Taylor series of order 20 by the recurrences of products and of the quotient (Jorba and
- * Zou 2005, proposition 1), the step such that they end at round-off. Events are zeros of these
- * series to the last bit: a stretch without one is told by bounds of the series, never by its ends
- * alone. While it sticks the pull P = F cos + weight - k x is monotone between turning points known
- * in closed form. A slip begins with u = 0 and, after sticking, u' = 0, exactly.
+ * While it slips: Taylor series of order 20 in x and s = |u|, by the recurrences of products and of
+ * the quotient (Jorba and Zou 2005, proposition 1), the step such that they end at round-off. It
+ * stops at the first zero of the series of |u|, to the last bit (series_zeros.h). While it sticks,
+ * |P| <= N mu0; P is monotone between turning points known in closed form, where the release is
+ * found. A slip begins with u = 0 and, after sticking, u' = 0, exactly.
+ *
+ * Phases: begin, expand, step_size, locate, accept, change_mode; samples are read in stick_slip.c.
  */
 #ifndef REFDEM_BELT_H
 #define REFDEM_BELT_H
@@ -15,301 +17,73 @@
 #include "kernels.h"
 #include "series_zeros.h"
 
-enum { STICKS = 0, STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
+/* Events: it comes to stick, or is released. And turning points of the pull that are looked at. */
+enum { STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
 
 typedef refdem_belt belt;
 
-/* A stretch: series of x, of |u|, of the work done against friction and drive; where it ends, and
- * by which event. */
+/* A segment of the motion: series of x, of |u|, of the work done against friction and drive and of
+ * the friction's slope N mu'(|u|); how long it lasts [s], and the event at its end, 0 for none. */
 typedef struct {
     double x[ORDER + 1], w[ORDER + 1], work[ORDER + 1], rate[ORDER + 1], end;
-    int event, leads;
-} piece;
+    int event;
+} segment;
 
-/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a
- * slip began. tangent: x, u. swing: amplitude w^n/n! of the drive. */
+/* The motion now: time [s], x [m] and work [J] in double-double, w = |u| [m/s]; side is the sign of
+ * u, 0 while it sticks; zero_order is the order of the zero of u with which a slip began.
+ * has_tangent: a tangent (dx, du) is carried along. drive_terms: the coefficients F w^n/n! of the
+ * drive. */
 typedef struct {
     dd now, x, work;
-    double w, tangent[2], swing[ORDER];
-    int side, fresh, follows;
+    double w, tangent[2], drive_terms[ORDER];
+    int side, zero_order, has_tangent;
 } motion;
 
-/* A sum in double-double and a small change of it. */
-static inline dd grown(dd from, double by)
+/* from + by in double-double, |by| small against from. */
+static inline dd add_small(dd from, double by)
 {
     dd sum = two_sum(from.hi, by);
     return quick_two_sum(sum.hi, sum.lo + from.lo);
 }
 
-/* The drive [N] and its phase's cosine and sine at `since` after now. */
-static inline double drive(const belt *p, dd now, double since, double *restrict slope)
-{
-    double c, s;
-    turned(dd_add(dd_scale(dd_add(now, dd_of(since)), p->frequency), dd_of(p->phase)), &c, &s);
-    *slope = -p->amplitude * p->frequency * s;
-    return p->amplitude * c;
-}
-
-/* Taylor coefficients of the drive about now. */
-static inline void driven(const belt *p, const motion *m, double *restrict force)
-{
-    double c, s;
-    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
-    double turn[LANES] = {c, -s, -c, s};
-    for (int n = 0; n < ORDER; n += LANES)
-        for (int i = 0; i < LANES; i++)
-            force[n + i] = m->swing[n + i] * turn[i];
-}
-
-/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. What a
- * coefficient waits for is kept short. */
-static inline void expand(const belt *p, const motion *m, int with_work, piece *restrict y)
-{
-    double force[ORDER], q[ORDER];
-    double side = m->side;
-    double drop = p->normal_force * (p->mu0 - p->mu1);
-    double curve = p->normal_force * p->lambda1;
-    growing share, bent, power;
-    cleared(&share);
-    cleared(&bent);
-    if (with_work)
-        cleared(&power);
-    driven(p, m, force);
-    y->x[0] = m->x.hi;
-    y->w[0] = m->w;
-    y->work[0] = 0.0;
-    double first = 1.0 / (1.0 + p->lambda0 * m->w);
-    double fall = -first * p->lambda0;
-    double ease = 1.0 / p->mass;
-#pragma GCC unroll 32
-    for (int n = 0; n < ORDER; n++) {
-        double w = y->w[n];
-        double part = PART[n + 1];
-        /* What is constant in time has a coefficient of order 0 only. */
-        double belt = 0.0;
-        double weight = 0.0;
-        double even = 0.0;
-        if (n == 0) {
-            belt = p->belt;
-            weight = p->weight;
-            even = p->normal_force * p->mu1;
-        }
-        double v = side * w + belt;
-        double bend = w;
-        if (!p->linear)
-            bend = coefficient(&bent, w, w, n);
-        double pull = force[n] + weight - p->stiffness * y->x[n];
-        q[n] = first;
-        if (n > 0)
-            q[n] = fma(w, fall * first, fall * share.sum[n]);
-        y->x[n + 1] = v * part;
-        y->w[n + 1]
-            = fma(-drop * ease * part, q[n], ease * part * (side * pull - even - curve * bend));
-        if (n == 0 && m->fresh == 2) /* after sticking u' begins at 0, exactly */
-            y->w[1] = 0.0;
-        grow(&share, w, q[n], n);
-        if (!p->linear)
-            grow(&bent, w, w, n);
-        if (with_work) {
-            double lost = side * (fma(drop, q[n], curve * bend) + even) - force[n];
-            y->work[n + 1] = coefficient(&power, lost, v, n) * part;
-            grow(&power, lost, v, n);
-        }
-    }
-    if (!m->follows)
-        return;
-    /* N mu'(s) = N (lambda1 2 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
-    for (int n = 0; n < ORDER; n++) {
-        double slope = 2.0 * y->w[n];
-        if (p->linear)
-            slope = n == 0;
-        double falling = (p->mu0 - p->mu1) * p->lambda0 * square(q, n);
-        y->rate[n] = p->normal_force * (p->lambda1 * slope - falling);
-    }
-}
-
-/* The longest step for which the last terms stay at a quarter of an ulp of the motion's own sizes:
- * what is cut off is far below. */
-static inline double step_of(const belt *p, const piece *y)
-{
-    double rate = sqrt(p->stiffness / p->mass);
-    double reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
-    double a = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / rate) / reach;
-    double b = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / rate) / reach;
-    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER);
-    double k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
-    return fmin(fmin(h, k), 2.0 / rate);
-}
-
-/* The first zero of |u| in a slip: of the series without the zero with which it began. The step
- * ends early where that tells sooner. */
-static inline double stop_of(const motion *m, const piece *y, double *restrict h)
-{
-    double a[ORDER + 1];
-    without_zeros(y->w, m->fresh, a);
-    return first_zero_soon(a, h);
-}
-
 /* 1 or -1: the sign of a pull, and so the side to which it lets go. */
-static inline int side_of(double pull)
+static inline int sign_of(double pull)
 {
     if (pull > 0.0)
         return 1;
     return -1;
 }
 
+/* The drive F cos(w t + phase) [N] and its slope [N/s] at `since` after now. */
+static inline double drive_at(const belt *p, dd now, double since, double *restrict slope)
+{
+    double cosine, sine;
+    turned(dd_add(dd_scale(dd_add(now, dd_of(since)), p->frequency), dd_of(p->phase)), &cosine,
+           &sine);
+    *slope = -p->amplitude * p->frequency * sine;
+    return p->amplitude * cosine;
+}
+
+/* The pull P(t, x) [N] and its slope while x moves with the belt, at `since` after now. */
 static inline double pull_at(const belt *p, const motion *m, double since, double *restrict slope)
 {
-    double force = drive(p, m->now, since, slope);
+    double force = drive_at(p, m->now, since, slope);
     *slope -= p->stiffness * p->belt;
     return force + p->weight - p->stiffness * (m->x.hi + (m->x.lo + p->belt * since));
 }
 
-/* When |P| passes the limit between two times between which P is monotone. */
-static inline double passing(const belt *p, const motion *m, double limit, double low, double high)
-{
-    double slope;
-    double side = side_of(pull_at(p, m, high, &slope));
-    bracket b = bracketed(low, high);
-    for (int i = 0; i < 1200 && open_still(&b); i++) {
-        double f = limit - side * pull_at(p, m, b.at, &slope);
-        double rate = -side * slope;
-        if (i % 8 == 7) /* a half now and then, where Newton's steps creep */
-            rate = 0.0;
-        narrowed(&b, f, rate);
-    }
-    return b.high;
-}
-
-/* When it is released, since now; infinity if it sticks for ever. */
-static inline double release_of(const belt *p, const motion *m)
-{
-    double limit = p->normal_force * p->mu0;
-    double slope;
-    double lead = p->stiffness * p->belt;
-    double swing = fabs(p->amplitude * p->frequency);
-    double first = pull_at(p, m, 0.0, &slope);
-    double low = 0.0;
-    if (fabs(first) >= limit && first * slope > 0.0)
-        return 0.0;
-    if (swing <= fabs(lead)) { /* the pull is monotone */
-        if (lead == 0.0)       /* and does not change at all */
-            return INFINITY;
-        double ramp = 2.0 * (limit + fabs(p->amplitude)) / fabs(lead);
-        double longest = ramp + 1.0 / fmax(p->frequency, 1.0);
-        return passing(p, m, limit, 0.0, longest);
-    }
-    /* P' = 0 where sin(phase) = -k belt/(F w). */
-    double c, s;
-    double angle = asin(-lead / (p->amplitude * p->frequency));
-    double turn = 2.0 * DD_PI.hi;
-    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
-    double begin = atan2(s, c);
-    double next[2] = {angle - begin, DD_PI.hi - angle - begin};
-    for (int i = 0; i < 2; i++)
-        next[i] -= turn * floor(next[i] / turn);
-    for (int64_t k = 0; k < MOST_PIECES; k++) {
-        /* Two turning points a turn of the drive. */
-        double within = fmin(next[0], next[1]);
-        if (k % 2 == 1)
-            within = fmax(next[0], next[1]);
-        double phase = within + turn * (double)(k / 2);
-        double high = phase / p->frequency;
-        if (fabs(pull_at(p, m, high, &slope)) > limit)
-            return passing(p, m, limit, low, high);
-        if (lead == 0.0 && k > 2)
-            return INFINITY;
-        low = high;
-    }
-    return INFINITY;
-}
-
-/* The next stretch of the motion. */
-static inline void next_piece(const belt *p, const motion *m, int with_work, piece *restrict y)
-{
-    if (m->side == 0) {
-        memset(y->x, 0, sizeof y->x);
-        memset(y->w, 0, sizeof y->w);
-        memset(y->work, 0, sizeof y->work);
-        memset(y->rate, 0, sizeof y->rate);
-        y->x[0] = m->x.hi;
-        y->x[1] = p->belt;
-        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi);
-        y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
-        y->end = release_of(p, m);
-        y->event = LEAVES;
-        return;
-    }
-    expand(p, m, with_work, y);
-    double h = step_of(p, y);
-    double stop = stop_of(m, y, &h);
-    y->event = 0;
-    y->end = h;
-    if (stop > 0.0) {
-        y->event = STOPS;
-        y->end = stop;
-    }
-}
-
-/* The tangent carried along a slip: dx' = du, m du' = -k dx - N mu'(|u|) du. */
-static inline void carried(const belt *p, motion *m, const piece *y)
-{
-    double a[ORDER + 1], b[ORDER + 1];
-    a[0] = m->tangent[0];
-    b[0] = m->tangent[1];
-    for (int n = 0; n < ORDER; n++) {
-        a[n + 1] = b[n] * PART[n + 1];
-        b[n + 1] = -(p->stiffness * a[n] + product(y->rate, b, n)) * PART[n + 1] / p->mass;
-    }
-    m->tangent[0] = value(a, y->end);
-    m->tangent[1] = value(b, y->end);
-}
-
-/* Moves to the end of a stretch and through its event; returns STICKS + 1 if it comes to stick,
- * LEAVES if it leaves, else 0. */
-static inline int pass(const belt *p, motion *m, const piece *y)
-{
-    if (m->follows && m->side)
-        carried(p, m, y);
-    m->x = grown(m->x, gained(y->x, y->end));
-    m->work = grown(m->work, gained(y->work, y->end));
-    m->w = 0.0; /* exactly, at an event */
-    if (!y->event)
-        m->w = value(y->w, y->end);
-    m->now = dd_add(m->now, dd_of(y->end));
-    m->fresh = 0;
-    if (!y->event)
-        return 0;
-    double slope;
-    double limit = p->normal_force * p->mu0;
-    double pull = pull_at(p, m, 0.0, &slope);
-    int before = m->side;
-    if (y->event == LEAVES) {
-        m->side = side_of(pull);
-        m->fresh = 2;
-        return LEAVES;
-    }
-    if (fabs(pull) <= limit) {
-        m->side = 0;
-        m->tangent[1] = 0.0;
-        return STOPS;
-    }
-    m->side = side_of(pull);
-    m->fresh = 1;
-    m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);
-    return 0;
-}
-
-static inline motion begun(const belt *p, double x0, double v0, double t0)
+/* The motion at the start, from x0 [m] and v0 [m/s] at t0 [s]; at rest on the belt it sticks unless
+ * |P| > N mu0. */
+static inline motion begin(const belt *p, double x0, double v0, double t0)
 {
     motion m = {.now = dd_of(t0),
                 .x = dd_of(x0),
                 .work = dd_of(0.0),
                 .w = fabs(v0 - p->belt),
                 .tangent = {1.0, 0.0}};
-    m.swing[0] = p->amplitude;
+    m.drive_terms[0] = p->amplitude;
     for (int n = 1; n < ORDER; n++)
-        m.swing[n] = m.swing[n - 1] * p->frequency * PART[n];
+        m.drive_terms[n] = m.drive_terms[n - 1] * p->frequency * INVERSE[n];
     m.side = 0;
     if (v0 > p->belt)
         m.side = 1;
@@ -318,10 +92,266 @@ static inline motion begun(const belt *p, double x0, double v0, double t0)
     double slope;
     double pull = pull_at(p, &m, 0.0, &slope);
     if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0) {
-        m.side = side_of(pull);
-        m.fresh = 1;
+        m.side = sign_of(pull);
+        m.zero_order = 1;
     }
     return m;
+}
+
+/* Taylor coefficients of the drive about now: the n-th derivative of cos is cos, -sin, -cos, sin.
+ */
+static inline void expand_drive(const belt *p, const motion *m, double *restrict force)
+{
+    double c, s;
+    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
+    double turn[LANES] = {c, -s, -c, s};
+    for (int n = 0; n < ORDER; n += LANES)
+        for (int i = 0; i < LANES; i++)
+            force[n + i] = m->drive_terms[n + i] * turn[i];
+}
+
+/* The series of a slip to m->side. With s = |u| = side u:
+ *   x' = side s + belt,   m s' = side P - N (mu0 - mu1) q - N mu1 - N lambda1 s^2,
+ *   q (1 + lambda0 s) = 1,  so that  q_n = -q_0 lambda0 (sum over k >= 1 of s_k q_(n-k)),
+ * and the power lost is (side N mu - F cos) x'. Each coefficient of s is written so that it waits
+ * for as few operations of the one before as can be: that chain is what an expansion costs. */
+static inline void expand_slip(const belt *p, const motion *m, int with_work, segment *restrict y)
+{
+    double force[ORDER], q[ORDER];
+    double side = m->side;
+    double n_falling = p->normal_force * (p->mu0 - p->mu1);
+    double n_lambda1 = p->normal_force * p->lambda1;
+    running_product w_q, w_w, power_v;
+    clear(&w_q);
+    clear(&w_w);
+    if (with_work)
+        clear(&power_v);
+    expand_drive(p, m, force);
+    y->x[0] = m->x.hi;
+    y->w[0] = m->w;
+    y->work[0] = 0.0;
+    double q_0 = 1.0 / (1.0 + p->lambda0 * m->w);
+    double minus_q0_lambda0 = -q_0 * p->lambda0;
+    double inverse_mass = 1.0 / p->mass;
+#pragma GCC unroll 32
+    for (int n = 0; n < ORDER; n++) {
+        double w = y->w[n];
+        double inverse = INVERSE[n + 1];
+        /* What is constant in time has a coefficient of order 0 only. */
+        double belt_speed = 0.0;
+        double weight = 0.0;
+        double n_mu1 = 0.0;
+        if (n == 0) {
+            belt_speed = p->belt;
+            weight = p->weight;
+            n_mu1 = p->normal_force * p->mu1;
+        }
+        double v = side * w + belt_speed;
+        double w2 = w;
+        if (!p->linear)
+            w2 = coefficient(&w_w, w, w, n);
+        double pull = force[n] + weight - p->stiffness * y->x[n];
+        q[n] = q_0;
+        if (n > 0)
+            q[n] = fma(w, minus_q0_lambda0 * q_0, minus_q0_lambda0 * w_q.sum[n]);
+        y->x[n + 1] = v * inverse;
+        y->w[n + 1] = fma(-n_falling * inverse_mass * inverse, q[n],
+                          inverse_mass * inverse * (side * pull - n_mu1 - n_lambda1 * w2));
+        if (n == 0 && m->zero_order == 2) /* released from sticking: u' begins at 0, exactly */
+            y->w[1] = 0.0;
+        take_in(&w_q, w, q[n], n);
+        if (!p->linear)
+            take_in(&w_w, w, w, n);
+        if (with_work) {
+            double power_lost = side * (fma(n_falling, q[n], n_lambda1 * w2) + n_mu1) - force[n];
+            y->work[n + 1] = coefficient(&power_v, power_lost, v, n) * inverse;
+            take_in(&power_v, power_lost, v, n);
+        }
+    }
+    if (!m->has_tangent) /* no tangent asks for the friction's slope */
+        return;
+    /* N mu'(s) = N (2 lambda1 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
+    for (int n = 0; n < ORDER; n++) {
+        double growing_slope = 2.0 * y->w[n];
+        if (p->linear)
+            growing_slope = n == 0;
+        double falling_slope = (p->mu0 - p->mu1) * p->lambda0 * square(q, n);
+        y->rate[n] = p->normal_force * (p->lambda1 * growing_slope - falling_slope);
+    }
+}
+
+/* The series of a stick: x moves with the belt, x = x0 + belt s, and the work against the holding
+ * force, less that of the drive, has the rate belt (weight - k x). */
+static inline void expand_stick(const belt *p, const motion *m, segment *restrict y)
+{
+    memset(y->x, 0, sizeof y->x);
+    memset(y->w, 0, sizeof y->w);
+    memset(y->work, 0, sizeof y->work);
+    memset(y->rate, 0, sizeof y->rate);
+    y->x[0] = m->x.hi;
+    y->x[1] = p->belt;
+    y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi);
+    y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
+}
+
+/* The longest step h for which the last two terms, a_n h^n, stay at 2^-54, a quarter of an ulp, of
+ * the motion's own length: h = (2^-54/a_n)^(1/n). What is cut off is far below. */
+static inline double step_size(const belt *p, const segment *y)
+{
+    double frequency = sqrt(p->stiffness / p->mass);
+    double length = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / frequency;
+    double last = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / frequency) / length;
+    double last_but_one = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / frequency) / length;
+    double step_last = exp2((-54.0 - log2(fmax(last, 1e-300))) / ORDER);
+    double step_last_but_one = exp2((-54.0 - log2(fmax(last_but_one, 1e-300))) / (ORDER - 1));
+    return fmin(fmin(step_last, step_last_but_one), 2.0 / frequency);
+}
+
+/* When the slip stops, the first zero of |u| besides the one with which it began; -1 if it does not
+ * within h, which may be shortened where that decides the question sooner. */
+static inline double stop_time(const motion *m, const segment *y, double *restrict h)
+{
+    double a[ORDER + 1];
+    divide_by_power(y->w, m->zero_order, a);
+    return first_zero_soon(a, h);
+}
+
+/* When |P| passes the limit N mu0, between two times between which P is monotone. */
+static inline double limit_time(const belt *p, const motion *m, double limit, double low,
+                                double high)
+{
+    double slope;
+    double side = sign_of(pull_at(p, m, high, &slope));
+    bracket b = bracketed(low, high);
+    for (int i = 0; i < 1200 && is_open(&b); i++) {
+        double left = limit - side * pull_at(p, m, b.at, &slope);
+        double left_rate = -side * slope;
+        if (i % 8 == 7) /* every eighth step is a bisection, in case Newton's steps creep */
+            left_rate = 0.0;
+        narrow(&b, left, left_rate);
+    }
+    return b.high;
+}
+
+/* When it is released [s] after now; infinity if it sticks for ever. P' = -F w sin(w t + phase) - k
+ * belt. */
+static inline double release_time(const belt *p, const motion *m)
+{
+    double limit = p->normal_force * p->mu0;
+    double slope;
+    double belt_rate = p->stiffness * p->belt;
+    double swing = fabs(p->amplitude * p->frequency);
+    double pull_now = pull_at(p, m, 0.0, &slope);
+    double low = 0.0;
+    if (fabs(pull_now) >= limit && pull_now * slope > 0.0) /* at the limit, and growing */
+        return 0.0;
+    if (swing <= fabs(belt_rate)) { /* the pull is monotone */
+        if (belt_rate == 0.0)       /* and does not change at all */
+            return INFINITY;
+        /* P has certainly changed by more than twice the limit and the drive by then. */
+        double ramp = 2.0 * (limit + fabs(p->amplitude)) / fabs(belt_rate);
+        double longest = ramp + 1.0 / fmax(p->frequency, 1.0);
+        return limit_time(p, m, limit, 0.0, longest);
+    }
+    /* P' = 0 where sin(w t + phase) = -k belt/(F w): at two phases of every period. */
+    double c, s;
+    double arcsine = asin(-belt_rate / (p->amplitude * p->frequency));
+    double period = 2.0 * DD_PI.hi;
+    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
+    double phase_now = atan2(s, c);
+    double turning_phase[2] = {arcsine - phase_now, DD_PI.hi - arcsine - phase_now};
+    for (int i = 0; i < 2; i++)
+        turning_phase[i] -= period * floor(turning_phase[i] / period);
+    for (int64_t k = 0; k < MOST_PIECES; k++) {
+        /* Two turning points a turn of the drive. */
+        double within = fmin(turning_phase[0], turning_phase[1]);
+        if (k % 2 == 1)
+            within = fmax(turning_phase[0], turning_phase[1]);
+        double phase_there = within + period * (double)(k / 2);
+        double high = phase_there / p->frequency;
+        if (fabs(pull_at(p, m, high, &slope)) > limit)
+            return limit_time(p, m, limit, low, high);
+        if (belt_rate == 0.0 && k > 2) /* the belt stands still: every period is the same */
+            return INFINITY;
+        low = high;
+    }
+    return INFINITY;
+}
+
+/* The next segment of the motion: its series, then its end, the first event or the step. */
+static inline void next_segment(const belt *p, const motion *m, int with_work, segment *restrict y)
+{
+    if (m->side == 0) { /* it sticks until it is released */
+        expand_stick(p, m, y);
+        y->end = release_time(p, m);
+        y->event = LEAVES;
+        return;
+    }
+    expand_slip(p, m, with_work, y);
+    double h = step_size(p, y);
+    double stop = stop_time(m, y, &h);
+    y->event = 0;
+    y->end = h;
+    if (stop > 0.0) {
+        y->event = STOPS;
+        y->end = stop;
+    }
+}
+
+/* Carries the tangent (dx, du) through a slip: dx' = du, m du' = -k dx - N mu'(|u|) du. */
+static inline void carry_tangent(const belt *p, motion *m, const segment *y)
+{
+    double dx[ORDER + 1], du[ORDER + 1];
+    dx[0] = m->tangent[0];
+    du[0] = m->tangent[1];
+    for (int n = 0; n < ORDER; n++) {
+        dx[n + 1] = du[n] * INVERSE[n + 1];
+        du[n + 1] = -(p->stiffness * dx[n] + product(y->rate, du, n)) * INVERSE[n + 1] / p->mass;
+    }
+    m->tangent[0] = value(dx, y->end);
+    m->tangent[1] = value(du, y->end);
+}
+
+/* The end of the segment becomes the state. */
+static inline void accept(const belt *p, motion *m, const segment *y)
+{
+    if (m->has_tangent && m->side)
+        carry_tangent(p, m, y);
+    m->x = add_small(m->x, gained(y->x, y->end));
+    m->work = add_small(m->work, gained(y->work, y->end));
+    m->w = 0.0; /* exactly, at an event */
+    if (!y->event)
+        m->w = value(y->w, y->end);
+    m->now = dd_add(m->now, dd_of(y->end));
+    m->zero_order = 0;
+}
+
+/* Goes through the event that ended the segment. Returns STOPS if the point comes to stick, LEAVES
+ * if it is released, 0 if there was none or the slip goes on to the other side. */
+static inline int change_mode(const belt *p, motion *m, const segment *y)
+{
+    if (!y->event) /* a step without an event */
+        return 0;
+    double slope;
+    double limit = p->normal_force * p->mu0;
+    double pull = pull_at(p, m, 0.0, &slope);
+    int before = m->side;
+    if (y->event == LEAVES) {
+        m->side = sign_of(pull);
+        m->zero_order = 2;
+        return LEAVES;
+    }
+    if (fabs(pull) <= limit) { /* the limit of static friction holds it: it moves with the belt */
+        m->side = 0;
+        m->tangent[1] = 0.0;
+        return STOPS;
+    }
+    /* It slips on to the other side. u' jumps at the event, by which du scales with the ratio of
+     * the accelerations after and before it. */
+    m->side = sign_of(pull);
+    m->zero_order = 1;
+    m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);
+    return 0;
 }
 
 #endif

@@ -1,4 +1,14 @@
-/* The modes of a contact: what holds a pair in its mode, and what it changes to. */
+/* The modes of a contact: what holds a pair in its mode, and the mode that follows.
+ *
+ * A guard is a function of the state that is positive as long as the pair stays in its mode; its
+ * first zero is the event. With the strain d/R and the force F/(k R), by mode:
+ *   APART    GAP: -d/R
+ *   PARTED   GAP: d/R, PULL: -F (it presses again)
+ *   pressing GAP: d/R, or F/(k R) where the contact ends with its force
+ *   FREE     PULL: -F;  SLIP  PULL: F (friction ends and begins with the sign of the force)
+ *   STICK    HOLD: mu F - |f|, what is left of the limit of the force that holds
+ *   SLIP     HOLD: u.s - mu F'/k_t, by how much the slip outruns the spring's limit
+ */
 #ifndef REFDEM_CONTACT_MODES_H
 #define REFDEM_CONTACT_MODES_H
 
@@ -6,8 +16,9 @@
 
 enum { GAP, PULL, HOLD, GUARDS };
 
-/* A slip is at an end where it is below this part of the least one. */
-static const double HARDLY = 1e11;
+/* The unit of the guard of a slip, in slip floors (particles.h): it makes 1e-11 R times the pair's
+ * frequency into R times it, so that the slack of a guard is a rounding of the slip. */
+static const double SLIP_UNIT = 1e11;
 
 /* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot
  * that would pull. */
@@ -16,59 +27,61 @@ static inline int ends_with_force(const refdem_particles *p)
     return p->no_pull && p->damping > 0.0;
 }
 
-/* What the spring of a pair that sticks may still be stretched by, as a force over that of a strain
- * of 1. */
-static inline double hold_left(const runner *r, int64_t k, const meeting *m,
-                               const double *restrict y, const double *restrict dy)
+/* mu F - |f| of a pair that sticks, over the normal limit mu k R of a strain of 1: f = k_t s, or
+ * without a spring the force that stands in the place of its rate. */
+static inline double stick_guard(const runner *r, int64_t k, const contact *m,
+                                 const double *restrict y, const double *restrict dy)
 {
     const refdem_particles *p = r->p;
-    double held;
+    double holding_force;
     if (p->tangential_stiffness > 0.0)
-        held = grip(p, m) * size(y + history_at(p) + 3 * k);
-    else /* the force that holds stands in the place of the spring's rate */
-        held = size(dy + history_at(p) + 3 * k);
-    return (m->limit - held) / (p->friction * p->stiffness * p->radius[m->i]);
+        holding_force = tangential_stiffness(p, m) * size(y + history_at(p) + 3 * k);
+    else /* no spring: dy has the holding force itself (particles.h, tangential_force) */
+        holding_force = size(dy + history_at(p) + 3 * k);
+    return (m->limit - holding_force) / (p->friction * p->stiffness * p->radius[m->i]);
 }
 
-/* How fast the longest stretch of a pair that slips grows [m/s]: mu F'/k_t. */
-static inline double limit_growth(const refdem_particles *p, const meeting *m,
+/* Rate mu F'/k_t [m/s] at which the stretch of a spring at its limit grows, with F' = k d' + c d'',
+ * d'' = (v_i - v_j).n' + (a_i - a_j).n. */
+static inline double limit_growth(const refdem_particles *p, const contact *m,
                                   const double *restrict dy)
 {
     const double *a = dy + 3 * p->bodies;
-    double bend = dot(m->w, m->turn);
+    double overlap_acceleration = dot(m->velocity, m->normal_rate);
     for (int c = 0; c < 3; c++) {
-        double other = 0.0;
+        double a_j = 0.0;
         if (m->j >= 0)
-            other = a[3 * m->j + c];
-        bend += (a[3 * m->i + c] - other) * m->n[c];
+            a_j = a[3 * m->j + c];
+        overlap_acceleration += (a[3 * m->i + c] - a_j) * m->n[c];
     }
-    double force_rate = p->stiffness * m->rate + p->damping * bend;
+    double force_rate = p->stiffness * m->rate + p->damping * overlap_acceleration;
     return p->friction / p->tangential_stiffness * force_rate;
 }
 
-/* What is left of a slip along its direction before the spring would hold, in least slips. */
-static inline double slip_left(const runner *r, int64_t k, const meeting *m,
-                               const double *restrict y, const double *restrict dy)
+/* By how much the slip along the spring outruns the growth of its limit, u.s - mu F'/k_t: where it
+ * no longer does, the spring holds. In units of SLIP_UNIT slip floors. */
+static inline double slip_guard(const runner *r, int64_t k, const contact *m,
+                                const double *restrict y, const double *restrict dy)
 {
     const refdem_particles *p = r->p;
-    double along = dot(m->slip, y + history_at(p) + 3 * k);
+    double slip_along = dot(m->slip, y + history_at(p) + 3 * k);
     double growth = 0.0;
     if (p->tangential_stiffness > 0.0)
-        growth = limit_growth(p, m, dy); /* no jump where the force ends: no stick there */
-    return (along - growth) / (HARDLY * least_slip(p, m));
+        growth = limit_growth(p, m, dy); /* falls as the force ends: no stick there */
+    return (slip_along - growth) / (SLIP_UNIT * slip_floor(p, m));
 }
 
-/* What must stay above zero for pair k to stay in its mode, in units of its own size; INFINITY if
- * the mode does not ask. */
+/* The guard of that kind of pair k in state y with rates dy, dimensionless; INFINITY if the mode
+ * has none of that kind. */
 static inline double guard(const runner *r, int64_t k, int kind, const double *restrict y,
                            const double *restrict dy)
 {
     const refdem_particles *p = r->p;
     int64_t mode = r->mode[k];
-    meeting m = meet(p, k, y);
+    contact m = measure(p, k, y);
     double radius = p->radius[m.i];
     double strain = m.overlap / radius;
-    double force = m.normal / (p->stiffness * radius);
+    double force = m.force / (p->stiffness * radius);
     if (mode == APART) { /* until they touch */
         if (kind == GAP)
             return -strain;
@@ -86,10 +99,10 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
             return force;
         return strain;
     }
-    if (p->friction == 0.0)
+    if (p->friction == 0.0) /* nothing else can change while it presses */
         return INFINITY;
     if (kind == PULL) { /* friction ends, and begins again, with the sign of the force */
-        if (p->no_pull || p->damping == 0.0)
+        if (p->no_pull || p->damping == 0.0) /* no force ever pulls */
             return INFINITY;
         if (mode == FREE)
             return -force;
@@ -97,69 +110,71 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
             return force;
         return INFINITY;
     }
-    if (mode == FREE)
+    if (mode == FREE) /* no friction to stick or slip by */
         return INFINITY;
     if (mode == STICK)
-        return hold_left(r, k, &m, y, dy);
-    return slip_left(r, k, &m, y, dy);
+        return stick_guard(r, k, &m, y, dy);
+    return slip_guard(r, k, &m, y, dy);
 }
 
-/* The mode of a pair that begins to press, and its spring. */
-static inline int64_t pressing(const refdem_particles *p, int64_t k, double *restrict y)
+/* The mode of a pair that begins to press; sets its spring in y: slack, or the unit vector of the
+ * slip where it slides at once. */
+static inline int64_t begin_pressing(const refdem_particles *p, int64_t k, double *restrict y)
 {
     if (p->friction == 0.0)
         return FREE;
-    meeting m = meet(p, k, y);
+    contact m = measure(p, k, y);
     double *s = y + history_at(p) + 3 * k;
-    double fast = size(m.slip);
-    double stiffness = p->tangential_stiffness;
-    double least = 1e-13 * p->stiffness * p->radius[m.i];
-    int slides = fast > least_slip(p, &m);
-    if (stiffness > 0.0) {
-        /* A spring slides at once only if it would grow faster than its limit does. */
-        int is_unloaded = fabs(m.normal) <= least;
-        slides = is_unloaded && fast * stiffness > p->friction * p->stiffness * m.rate;
+    double slip_speed = size(m.slip);
+    double k_t = p->tangential_stiffness;
+    double force_floor = 1e-13 * p->stiffness * p->radius[m.i];
+    int slides = slip_speed > slip_floor(p, &m);
+    if (k_t > 0.0) {
+        /* A slack spring slides at once only if k_t |u| > mu F' = mu k d', at zero force. */
+        int is_unloaded = fabs(m.force) <= force_floor;
+        slides = is_unloaded && slip_speed * k_t > p->friction * p->stiffness * m.rate;
     }
     for (int c = 0; c < 3; c++) {
         if (slides)
-            s[c] = m.slip[c] / fast;
+            s[c] = m.slip[c] / slip_speed;
         else
             s[c] = 0.0;
     }
-    if (m.normal < -least) /* a force that pulls does not rub */
+    if (m.force < -force_floor) /* a force that pulls does not rub */
         return FREE;
     if (slides)
         return SLIP;
     return STICK;
 }
 
-/* The direction of a slip that begins: that of the spring, or against the force that held. */
-static inline void let_go(const refdem_particles *p, int64_t k, double *restrict s,
-                          const double *restrict dy)
+/* Makes the spring s of a slip that begins a unit vector: its own direction, or without a spring
+ * that against the force that held, in dy. */
+static inline void begin_slip(const refdem_particles *p, int64_t k, double *restrict s,
+                              const double *restrict dy)
 {
-    const double *pull = s;
-    double sense = 1.0;
+    const double *vector = s;
+    double sign = 1.0;
     if (!(p->tangential_stiffness > 0.0)) {
-        pull = dy + history_at(p) + 3 * k;
-        sense = -1.0;
+        vector = dy + history_at(p) + 3 * k;
+        sign = -1.0;
     }
-    double length = size(pull);
+    double length = size(vector);
     for (int c = 0; c < 3; c++) {
         if (length > 0.0)
-            s[c] = sense * pull[c] / length;
+            s[c] = sign * vector[c] / length;
         else
             s[c] = 0.0;
     }
 }
 
-/* The mode of pair k after it has left its own through one of the guards. */
+/* The mode of pair k after it has left its own through the guard of that kind; sets its spring. */
 static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *restrict y,
                                 const double *restrict dy)
 {
     const refdem_particles *p = r->p;
     int64_t mode = r->mode[k];
     if (mode == APART || (mode == PARTED && kind == PULL))
-        return pressing(p, k, y);
+        return begin_pressing(p, k, y);
     if (mode == PARTED)
         return APART;
     if (kind == GAP) {
@@ -170,34 +185,36 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
     if (kind == PULL) {
         if (mode >= SLIP) /* what pulls does not rub */
             return FREE;
-        return pressing(p, k, y);
+        return begin_pressing(p, k, y);
     }
     double *s = y + history_at(p) + 3 * k;
     if (mode >= SLIP) {
-        /* The spring is as long as its limit; without one nothing is stretched. */
-        meeting m = meet(p, k, y);
+        /* s was the unit vector of a spring at its limit: it becomes that spring again. Without a
+         * spring nothing is stretched. */
+        contact m = measure(p, k, y);
         for (int c = 0; c < 3; c++) {
             if (p->tangential_stiffness > 0.0)
-                s[c] *= longest(p, &m);
+                s[c] *= stretch_limit(p, &m);
             else
                 s[c] = 0.0;
         }
         return STICK;
     }
-    let_go(p, k, s, dy);
+    begin_slip(p, k, s, dy); /* the limit is reached */
     return SLIP;
 }
 
-/* The mode of pair k at the start: overlapping or touching and not about to part. */
+/* The mode of pair k at the start of a run with steps h: it presses if it overlaps, or touches and
+ * is not about to part in the direction of time. */
 static inline int64_t first_mode(const refdem_particles *p, int64_t k, double h, double *restrict y)
 {
-    meeting m = meet(p, k, y);
+    contact m = measure(p, k, y);
     double touch = 1e-15 * p->radius[m.i];
     if (m.overlap < -touch || (m.overlap <= touch && m.rate * h <= 0.0))
         return APART;
-    if (ends_with_force(p) && m.normal <= 0.0)
+    if (ends_with_force(p) && m.force <= 0.0)
         return PARTED;
-    return pressing(p, k, y);
+    return begin_pressing(p, k, y);
 }
 
 #endif

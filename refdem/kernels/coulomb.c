@@ -1,24 +1,30 @@
-/* The mass on a spring that rubs: m x'' + f Sgn(x') + k x = m g, in exact pieces.
+/* The mass on a spring with dry friction: m x'' + f Sgn(x') + k x = m g, in exact half cycles.
  *
- * About the equilibrium, with s = f/k and w^2 = k/m: from a turning point Y it swings about sgn(Y)
- * s to the next one, whose size is |Y| - 2 s, half a period pi/w later; it stays for ever at the
- * first turning point with |Y| <= s (Sgn(0) = [-1, 1]). Turning points and times are kept as hi +
- * lo, so that neither sums up rounding.
+ * About the equilibrium m g/k, with s = f/k and w^2 = k/m:
+ *   from a turning point Y    x = sgn(Y) (s + (|Y| - s) cos w t),   half a period pi/w long,
+ *   the next turning point    -sgn(Y) (|Y| - 2 s),
+ *   it stays for ever at the first one with |Y| <= s (Sgn(0) = [-1, 1]).
+ * A start with v != 0 swings first about -sgn(v) s, with the amplitude R = sqrt((x + sgn(v) s)^2 +
+ * (v/w)^2), to its first turning point. Turning points and times are kept as hi + lo, so that
+ * neither sums up rounding.
  */
+#include <assert.h>
+
 #include "elliptic.h"
 #include "kernels.h"
 
+/* The motion about the equilibrium. */
 typedef struct {
-    dd rate, shift;    /* w, s */
-    dd first, opening; /* size of the first turning point, and the time after which it is reached */
-    double side, heading;  /* its sign; direction before it, 0 if it is the start */
-    dd centre, reach, lag; /* before it: centre, amplitude, phase left */
+    dd rate, shift;        /* w [rad/s], s [m] */
+    dd first, opening;     /* size |Y| of the first turning point [m], and its time [s] */
+    double side, heading;  /* its sign; sign of v before it, 0 if it is the start */
+    dd centre, reach, lag; /* before it: centre -sgn(v) s, amplitude R, and phase left [rad] */
     int64_t halves;        /* half cycles after it */
-    dd half;               /* how long one takes */
-} rubbing;
+    dd half;               /* pi/w [s] */
+} pieces;
 
-/* Least n >= 0 with |Y| - 2 n s <= s: closed, also where |Y| and s are known only to the rounding
- * of what they came from. */
+/* Half cycles until it stays: the least n >= 0 with |Y| - 2 n s <= s. Equality counts, up to 2^-51
+ * |Y|, since |Y| and s are known only to rounding. */
 static int64_t half_cycles(dd first, dd shift)
 {
     double n = ceil(0.5 * (first.hi / shift.hi - 1.0)) - 1.0;
@@ -27,20 +33,21 @@ static int64_t half_cycles(dd first, dd shift)
             return (int64_t)n;
 }
 
-static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
+/* The motion from x [m], off the equilibrium, and v [m/s]. */
+static pieces prepare(dd mass, dd stiffness, dd friction, dd x, double v)
 {
-    rubbing b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
+    pieces b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
     b.heading = (v > 0.0) - (v < 0.0);
-    if (b.heading == 0.0) {
+    if (b.heading == 0.0) { /* at rest: the start is the first turning point */
         b.first = dd_abs(x);
         b.opening = dd_of(0.0);
         b.side = copysign(1.0, x.hi);
-    } else {
-        dd swing = dd_abs(dd_div(dd_of(v), b.rate));
+    } else { /* R cos lag = x + sgn(v) s and R sin lag = v/w, along v */
+        dd v_over_w = dd_abs(dd_div(dd_of(v), b.rate));
         b.centre = dd_scale(b.shift, -b.heading);
-        dd away = dd_scale(dd_sub(x, b.centre), b.heading);
-        b.reach = dd_sqrt(dd_add(dd_square(away), dd_square(swing)));
-        b.lag = angle_of(swing, away);
+        dd along_v = dd_scale(dd_sub(x, b.centre), b.heading);
+        b.reach = dd_sqrt(dd_add(dd_square(along_v), dd_square(v_over_w)));
+        b.lag = angle_of(v_over_w, along_v);
         b.opening = dd_div(b.lag, b.rate);
         dd turning = dd_add(b.centre, dd_scale(b.reach, b.heading));
         b.first = dd_abs(turning);
@@ -51,70 +58,76 @@ static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
     return b;
 }
 
-/* Size of turning point n, negative if it lies on the side it came from. */
-static double turning_point(const rubbing *b, int64_t n)
+/* Size |Y| - 2 n s [m] of turning point n; negative if it lies on the side that the half cycle came
+ * from. */
+static double turning_point(const pieces *b, int64_t n)
 {
     return dd_round(dd_sub(b->first, dd_scale(b->shift, 2.0 * (double)n)));
 }
 
-/* Place, velocity and way gone since the start x, at the time `since` the start. */
-static void at(const rubbing *b, dd since, dd x, double *restrict place, double *restrict speed,
-               double *restrict way)
+/* Place [m] off the equilibrium, velocity [m/s], and length of the path [m] from the start x, at
+ * the time `since` the start. The path is that to the first turning point, 2 (|Y| - s) - .. = 2 n
+ * (|Y| - s n) over n half cycles, and (|Y| - 2 n s - s) (1 - cos) in the current one. */
+static void state_at(const pieces *b, dd since, dd x, double *restrict place,
+                     double *restrict speed, double *restrict path)
 {
-    double c, s;
+    double cosine, sine;
     double shift = dd_round(b->shift);
     double first = turning_point(b, 0);
-    dd late = dd_sub(since, b->opening);
-    if (b->heading != 0.0 && late.hi < 0.0) {
-        double reach = dd_round(b->reach);
-        turned(dd_mul(b->rate, late), &c, &s);
-        *place = fma(b->heading * reach, c, dd_round(b->centre));
-        *speed = -b->heading * reach * b->rate.hi * s;
-        *way = fabs(*place - dd_round(x));
+    dd since_first = dd_sub(since, b->opening);
+    if (b->heading != 0.0 && since_first.hi < 0.0) { /* before the first turning point */
+        double amplitude = dd_round(b->reach);
+        turned(dd_mul(b->rate, since_first), &cosine, &sine);
+        *place = fma(b->heading * amplitude, cosine, dd_round(b->centre));
+        *speed = -b->heading * amplitude * b->rate.hi * sine;
+        *path = fabs(*place - dd_round(x));
         return;
     }
     dd half = b->half;
-    double n = fmax(0.0, floor(late.hi / half.hi));
-    if (dd_sub(late, dd_scale(half, n + 1.0)).hi >= 0.0)
+    /* Half cycles that are over; the quotient may be off by one. */
+    double n = fmax(0.0, floor(since_first.hi / half.hi));
+    if (dd_sub(since_first, dd_scale(half, n + 1.0)).hi >= 0.0)
         n += 1.0;
-    if (n > 0.0 && dd_sub(late, dd_scale(half, n)).hi < 0.0)
+    if (n > 0.0 && dd_sub(since_first, dd_scale(half, n)).hi < 0.0)
         n -= 1.0;
-    double opening = 0.0; /* the way to the first turning point */
+    double path_before = 0.0; /* path to the first turning point */
     if (b->heading != 0.0)
-        opening = fabs(b->side * first - dd_round(x));
-    if (n >= (double)b->halves) {
+        path_before = fabs(b->side * first - dd_round(x));
+    if (n >= (double)b->halves) { /* it has stopped */
         n = (double)b->halves;
         *place = b->side * turning_point(b, b->halves);
         if (b->halves % 2 == 1)
             *place = -*place;
         *speed = 0.0;
-        *way = opening + 2.0 * n * (first - shift * n);
+        *path = path_before + 2.0 * n * (first - shift * n);
         return;
     }
-    double side = b->side;
+    double sign = b->side;
     if (fmod(n, 2.0) != 0.0) /* every other half cycle goes the other way */
-        side = -side;
-    double size = turning_point(b, (int64_t)n);
-    double reach = size - shift;
-    turned(dd_mul(b->rate, dd_sub(late, dd_scale(half, n))), &c, &s);
-    *place = side * fma(reach, c, shift);
-    *speed = -side * reach * b->rate.hi * s;
-    *way = opening + 2.0 * n * (first - shift * n) + reach * (1.0 - c);
+        sign = -sign;
+    double turning = turning_point(b, (int64_t)n);
+    double amplitude = turning - shift;
+    turned(dd_mul(b->rate, dd_sub(since_first, dd_scale(half, n))), &cosine, &sine);
+    *place = sign * fma(amplitude, cosine, shift);
+    *speed = -sign * amplitude * b->rate.hi * sine;
+    *path = path_before + 2.0 * n * (first - shift * n) + amplitude * (1.0 - cosine);
 }
 
-/* A motion, ready to be asked; the state holds at t0. */
+/* A prepared run: motion, equilibrium and start off it [m], friction force f [N], and the arguments
+ * of refdem_coulomb_prepare. */
 typedef struct {
-    rubbing b;
+    pieces b;
     dd middle, x, friction;
     double x0, v0, t0;
     int64_t samples;
     const double *t;
     double *out;
-} rubbed;
+} run;
 
+/* Doubles that a prepared run takes. */
 int64_t refdem_coulomb_size(void)
 {
-    return (sizeof(rubbed) + sizeof(double) - 1) / sizeof(double);
+    return (sizeof(run) + sizeof(double) - 1) / sizeof(double);
 }
 
 REFDEM_EVERY_CPU
@@ -122,13 +135,14 @@ int refdem_coulomb_prepare(double mass, double stiffness, double friction, doubl
                            double gravity, double x0, double v0, double t0, int64_t samples,
                            const double *t, double *stop, double *out, double *motion)
 {
-    rubbed *r = (rubbed *)motion;
+    assert(samples >= 0 && t && stop && out && motion);
+    run *r = (run *)motion;
     dd m = dd_of(mass);
     dd k = dd_of(stiffness);
     r->friction = two_product(friction, normal_force);
     r->middle = dd_div(dd_scale(m, gravity), k);
     r->x = dd_sub(dd_of(x0), r->middle);
-    r->b = prepared(m, k, r->friction, r->x, v0);
+    r->b = prepare(m, k, r->friction, r->x, v0);
     r->x0 = x0;
     r->v0 = v0;
     r->t0 = t0;
@@ -143,17 +157,19 @@ int refdem_coulomb_prepare(double mass, double stiffness, double friction, doubl
 REFDEM_EVERY_CPU
 int refdem_coulomb_run(const double *motion)
 {
-    const rubbed *r = (const rubbed *)motion;
+    assert(motion);
+    const run *r = (const run *)motion;
     const double *t = r->t;
     for (int64_t row = 0; row < r->samples; row++) {
         double place;
         double *to = r->out + 3 * row;
-        at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
+        state_at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
         to[0] = dd_round(dd_add(r->middle, dd_of(place)));
         if (t[row] == r->t0) { /* the start as it was given */
             to[0] = r->x0;
             to[1] = r->v0;
         }
+        /* Work against friction: f times the length of the path. */
         to[2] *= dd_round(r->friction);
     }
     return 0;
@@ -163,7 +179,7 @@ int refdem_coulomb(double mass, double stiffness, double friction, double normal
                    double gravity, double x0, double v0, double t0, int64_t samples,
                    const double *t, double *stop, double *out)
 {
-    rubbed r;
+    run r;
     refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, samples, t,
                            stop, out, (double *)&r);
     return refdem_coulomb_run((const double *)&r);

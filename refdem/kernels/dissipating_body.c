@@ -1,16 +1,20 @@
-/* A body with damping inside: its angular momentum stays in space while its energy goes.
+/* A body with damping inside: its angular momentum stays in space while its energy goes (Bloch,
+ * Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double bracket).
  *
- * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:  L' = L x W,  q' = q
- * W/2 (Bloch, Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double
- * bracket).
+ * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:
+ *   L' = L x W,   q' = q W/2.
+ * State (7): L [kg m^2/s], q = (w, x, y, z).
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "taylor.h"
 
 typedef struct {
-    double inverse[3], damping;
+    double inverse_inertia[3], damping; /* 1/J [1/(kg m^2)]; c [s/(kg m^2)] */
 } damped;
 
+/* Coefficients 1 to TERMS of the state by these equations. */
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const damped *p = system;
@@ -22,7 +26,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
     (void)time;
     for (int k = 0; k < TERMS; k++) {
         for (int i = 0; i < 3; i++)
-            omega[i][k] = y[i][k] * p->inverse[i];
+            omega[i][k] = y[i][k] * p->inverse_inertia[i];
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
             int l = (i + 2) % 3;
@@ -50,6 +54,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
 int refdem_dissipating_body(const double *inertia, double damping, int64_t samples, const double *t,
                             double *out)
 {
+    assert(inertia && samples >= 1 && t && out); /* (3), (samples), (samples, 7) doubles */
     damped p = {{1.0 / inertia[0], 1.0 / inertia[1], 1.0 / inertia[2]}, damping};
     series y[7];
     return taylor_run(expand, &p, 7, y, samples, t, out);

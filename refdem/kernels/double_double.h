@@ -20,6 +20,7 @@ static inline dd dd_of(double a)
     return (dd){a, 0.0};
 }
 
+/* a + b = hi + lo exactly (Knuth). */
 static inline dd two_sum(double a, double b)
 {
     double s = a + b;
@@ -27,12 +28,14 @@ static inline dd two_sum(double a, double b)
     return (dd){s, (a - (s - v)) + (b - v)};
 }
 
+/* The same for |a| >= |b| (Dekker). */
 static inline dd quick_two_sum(double a, double b)
 {
     double s = a + b;
     return (dd){s, b - (s - a)};
 }
 
+/* a b = hi + lo exactly. */
 static inline dd two_product(double a, double b)
 {
     double p = a * b;
@@ -69,6 +72,7 @@ static inline dd dd_scale(dd a, double b)
     return quick_two_sum(p.hi, fma(a.lo, b, p.lo));
 }
 
+/* Three quotients of what is left, each of the leading parts. */
 static inline dd dd_div(dd a, dd b)
 {
     double first = a.hi / b.hi;
@@ -79,6 +83,7 @@ static inline dd dd_div(dd a, dd b)
     return dd_add(q, dd_of(rest.hi / b.hi));
 }
 
+/* Two Newton steps r += (a - r^2)/(2 r) from the rounded root; 0 for a <= 0. */
 static inline dd dd_sqrt(dd a)
 {
     if (a.hi <= 0.0)
@@ -97,7 +102,9 @@ static inline dd dd_square(dd a)
 
 static inline dd dd_abs(dd a)
 {
-    return a.hi < 0.0 ? dd_neg(a) : a;
+    if (a.hi < 0.0)
+        return dd_neg(a);
+    return a;
 }
 
 static inline dd dd_dot(const dd *restrict a, const dd *restrict b)
@@ -110,7 +117,8 @@ static inline double dd_round(dd a)
     return a.hi + a.lo;
 }
 
-/* a - n period in [-period/2, period/2], and n modulo 2. */
+/* a - n period in [-period/2, period/2], n the whole number nearest to a/period, and n modulo 2 in
+ * `odd`. */
 static inline dd dd_reduced(dd a, dd period, int *odd)
 {
     double n = nearbyint(a.hi / period.hi);
@@ -118,7 +126,8 @@ static inline dd dd_reduced(dd a, dd period, int *odd)
     return dd_sub(a, dd_scale(period, n));
 }
 
-/* cos and sin of an angle [rad] of any size, to an ulp or two. */
+/* cos and sin of an angle [rad] of any size, to an ulp or two: reduced by 2 pi to hi + lo, then
+ * cos(hi + lo) = cos hi - lo sin hi, sin(hi + lo) = sin hi + lo cos hi. */
 static inline void turned(dd angle, double *restrict c, double *restrict s)
 {
     int odd;

@@ -11,7 +11,8 @@
 
 #include "simd.h"
 
-/* K(m) = (pi/2) / agm(1, sqrt(1 - m)) for the complementary parameter m1 = 1 - m > 0. */
+/* K(m) = (pi/2)/agm(1, sqrt(m1)) for the complementary parameter m1 = 1 - m > 0; agm: a, b -> (a +
+ * b)/2, sqrt(a b). */
 static inline dd quarter_period(dd m1)
 {
     dd a = dd_of(1.0);
@@ -24,8 +25,9 @@ static inline dd quarter_period(dd m1)
     return dd_div(DD_PI, dd_add(a, b));
 }
 
-/* Bulirsch: integral over 0..pi/2 of dx / ((cos^2 + p sin^2) sqrt(cos^2 + m1 sin^2)), p > 0, m1 >
- * 0. */
+/* Bulirsch's cel(sqrt(m1), p, 1, 1): the integral over 0..pi/2 of dx/((cos^2 x + p sin^2 x)
+ * sqrt(cos^2 x + m1 sin^2 x)), p > 0, m1 > 0, by his transformation (the names are those of his
+ * program). */
 static inline dd complete_third(dd m1, dd p)
 {
     dd kc = dd_sqrt(m1);
@@ -51,7 +53,9 @@ static inline dd complete_third(dd m1, dd p)
     }
 }
 
-/* Carlson's R_F(x, y, z), at most one of them zero. */
+/* Carlson's R_F(x, y, z) = 1/2 integral over 0..inf of dt/sqrt((t + x)(t + y)(t + z)), at most one
+ * of them zero: x -> (x + s)/4 with s = sqrt(x y) + sqrt(x z) + sqrt(y z) until they are alike,
+ * then the series in the symmetric functions e2, e3 of what they differ by (DLMF 19.36.1). */
 static inline dd carlson_rf(dd x, dd y, dd z)
 {
     dd mean, dx, dy, dz;
@@ -82,13 +86,13 @@ static inline dd carlson_rf(dd x, dd y, dd z)
     return dd_div(sum, dd_sqrt(mean));
 }
 
-/* The angle (-pi, pi] [rad] whose sine and cosine these are: s R_F(c^2, 1, 1) and its continuation.
- */
+/* The angle in (-pi, pi] [rad] whose sine and cosine are proportional to s and c: |s| R_F(c^2, 1,
+ * 1) for an acute one, continued to the other quadrants; 0 for s = c = 0. */
 static inline dd angle_of(dd s, dd c)
 {
     dd one = dd_of(1.0);
     dd size = dd_sqrt(dd_add(dd_square(s), dd_square(c)));
-    if (size.hi == 0.0)
+    if (size.hi == 0.0) /* no direction */
         return dd_of(0.0);
     s = dd_div(s, size);
     c = dd_div(c, size);
@@ -106,29 +110,34 @@ static inline dd angle_of(dd s, dd c)
     return acute;
 }
 
-/* What the Jacobi functions of one parameter need. Circular series for m <= 1/2, hyperbolic for m >
- * 1/2, tanh and sech at 1. */
+/* Series of the Jacobi functions: circular for m <= 1/2, hyperbolic for m > 1/2, tanh and sech at m
+ * = 1. */
 enum { CIRCULAR, HYPERBOLIC, SEPARATRIX };
-enum { TERMS = 4 };
+enum { TERMS = 4 }; /* nome <= exp(-pi): nome^(n^2) is below an ulp from n = 4 on */
+
+/* What the Jacobi functions of one parameter need. */
 
 typedef struct {
-    int kind;
+    int kind;              /* of series */
     dd m1, quarter, other; /* 1 - m, K(m), K(1 - m) */
     double log_nome;       /* of the nome that is used */
     double square[TERMS];  /* nome^(n^2) */
     double oblong[TERMS];  /* nome^(n (n + 1)) */
-    double sn, cn, dn;     /* factors */
+    double sn, cn, dn;     /* factors of the quotients of theta functions (DLMF 22.2.4-6) */
     double theta[4][4]; /* circular: theta1 / sin x, theta2 / cos x, theta3, theta4 as polynomials
                            in sin^2 x, with the factors */
 } jacobi;
 
-/* Points u = 2K (f + n), by columns; `first` and `second`: cos and sin of 2 pi f if circular; if
- * hyperbolic exp(-|xi|) and sqrt(nome) exp(|xi|), xi = pi K f / K', both at most 1. */
+/* Points u = 2K (f + n), n whole, by columns: f in -1/2..1/2, sn, cn, dn, and what theta functions
+ * of the same point need: cos and sin of 2 pi f if circular; exp(-|xi|) and sqrt(nome) exp(|xi|),
+ * xi = pi K f/K', both at most 1, if hyperbolic. */
 typedef struct {
     double f[BLOCK], sn[BLOCK], cn[BLOCK], dn[BLOCK], first[BLOCK], second[BLOCK];
 } jacobi_points;
 
-/* Multiple angles (DLMF 20.2.1-4 with 4.21.28): rows n, columns powers of sin^2 x. */
+/* theta1 = 2 sum (-1)^n q^((n+1/2)^2) sin((2n+1) x) and so on (DLMF 20.2.1-4), as polynomials in
+ * sin^2 x: sines, cosines and doubles have the multiple angles sin((2n+1) x)/sin x, cos((2n+1)
+ * x)/cos x, cos(2n x) by rows n and powers (4.21.28). */
 static inline void theta_polynomials(jacobi *j)
 {
     static const double sines[4][4] = {{1}, {3, -4}, {5, -20, 16}, {7, -56, 112, -64}};
@@ -146,7 +155,9 @@ static inline void theta_polynomials(jacobi *j)
         }
 }
 
-static inline jacobi jacobi_prepared(dd m, dd m1)
+/* The series of a parameter m and m1 = 1 - m >= 0: nome exp(-pi K'/K), or exp(-pi K/K') of m1 where
+ * m > 1/2, its powers, and the values at 0 of theta3, theta4 and theta2. */
+static inline jacobi jacobi_prepare(dd m, dd m1)
 {
     jacobi j = {.kind = SEPARATRIX, .m1 = m1};
     if (m1.hi <= 0.0)
@@ -167,9 +178,9 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
     double nome = exp(j.log_nome);
     double power = 1.0;
     double odd = nome;
-    double plus = 1.0;
-    double minus = 1.0;
-    double twos = 1.0;
+    double theta3_0 = 1.0;
+    double theta4_0 = 1.0;
+    double theta2_0 = 1.0;
     j.square[0] = 1.0;
     j.oblong[0] = 1.0;
     for (int n = 1; n < TERMS; n++) {
@@ -177,51 +188,54 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
         j.square[n] = j.square[n - 1] * odd;
         odd *= nome * nome;
         j.oblong[n] = j.square[n] * power;
-        plus += 2.0 * j.square[n];
+        theta3_0 += 2.0 * j.square[n];
         if (n % 2 == 1)
-            minus -= 2.0 * j.square[n];
+            theta4_0 -= 2.0 * j.square[n];
         else
-            minus += 2.0 * j.square[n];
-        twos += j.oblong[n];
+            theta4_0 += 2.0 * j.square[n];
+        theta2_0 += j.oblong[n];
     }
     if (j.kind == CIRCULAR) {
-        j.sn = plus / twos;
-        j.cn = minus / twos;
-        j.dn = minus / plus;
+        j.sn = theta3_0 / theta2_0;
+        j.cn = theta4_0 / theta2_0;
+        j.dn = theta4_0 / theta3_0;
         theta_polynomials(&j);
     } else {
-        j.sn = plus / minus;
-        j.cn = twos / minus;
-        j.dn = twos / plus;
+        j.sn = theta3_0 / theta4_0;
+        j.cn = theta2_0 / theta4_0;
+        j.dn = theta2_0 / theta3_0;
     }
     return j;
 }
 
+/* a[0] + a[1] x + a[2] x^2 + a[3] x^3. */
 static inline double cubic(const double *restrict a, double x)
 {
     return fma(x, fma(x, fma(x, a[3], a[2]), a[1]), a[0]);
 }
 
-/* DLMF 22.2.4-6 with 20.2.1-4. */
+/* sn = sn_0 theta1/theta4, cn = cn_0 theta2/theta4, dn = dn_0 theta3/theta4 at x = pi f
+ * (DLMF 22.2.4-6); sn and cn change sign with n, which comes in p->sn. */
 static inline void circular_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
     for (int k = 0; k < count; k++) {
-        double s, c;
-        sine_cosine_pi(p->f[k], &s, &c);
-        double square = s * s;
-        double per = 1.0 / cubic(j->theta[3], square);
+        double sine, cosine;
+        sine_cosine_pi(p->f[k], &sine, &cosine);
+        double square = sine * sine;
+        double inverse_theta4 = 1.0 / cubic(j->theta[3], square);
         double sign = p->sn[k];
-        p->sn[k] = sign * s * cubic(j->theta[0], square) * per;
-        p->cn[k] = sign * c * cubic(j->theta[1], square) * per;
-        p->dn[k] = cubic(j->theta[2], square) * per;
+        p->sn[k] = sign * sine * cubic(j->theta[0], square) * inverse_theta4;
+        p->cn[k] = sign * cosine * cubic(j->theta[1], square) * inverse_theta4;
+        p->dn[k] = cubic(j->theta[2], square) * inverse_theta4;
         p->first[k] = fma(-2.0, square, 1.0);
-        p->second[k] = 2.0 * s * c;
+        p->second[k] = 2.0 * sine * cosine;
     }
 }
 
-/* The same of m1 at i u (DLMF 22.6.1): sn = -i sc(iu|m1), cn = nc, dn = dc; every exponential is
- * scaled to be at most 1. Sums over nome^(n^2) x^n and nome^(n(n+1)) x^(n+1), in their even and odd
- * parts. */
+/* The same of m1 at i u (DLMF 22.6.1): sn(u|m) = -i sc(iu|m1), cn = nc, dn = dc, theta functions of
+ * an imaginary argument. Every exponential is scaled to be at most 1: sums over nome^(n^2) x^n and
+ * nome^(n(n+1)) x^(n+1) for x = low = decay^2 and x = high = growth^2, in their even and odd parts,
+ * give theta1 to theta4 up to a common factor. */
 static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
     double root = exp(0.5 * j->log_nome);
@@ -241,22 +255,22 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
         double less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
         double more_high = high * fma(high2, j->oblong[2], 1.0);
         double less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
-        double one = (even_high - more_low) + (less_low - odd_high);
-        double two = (even_high + more_low) + (odd_high + less_low);
-        double three = (even_low + more_high) + (odd_low + less_high);
-        double four = (even_low - more_high) + (less_high - odd_low);
-        double per = 1.0 / two;
-        double twice = 2.0 * decay * per;
-        p->sn[k] = copysign(j->sn * one * per, p->f[k]) * sign;
-        p->cn[k] = j->cn * four * twice * sign;
-        p->dn[k] = j->dn * three * twice;
+        double theta1 = (even_high - more_low) + (less_low - odd_high);
+        double theta2 = (even_high + more_low) + (odd_high + less_low);
+        double theta3 = (even_low + more_high) + (odd_low + less_high);
+        double theta4 = (even_low - more_high) + (less_high - odd_low);
+        double inverse_theta2 = 1.0 / theta2;
+        double twice = 2.0 * decay * inverse_theta2;
+        p->sn[k] = copysign(j->sn * theta1 * inverse_theta2, p->f[k]) * sign;
+        p->cn[k] = j->cn * theta4 * twice * sign;
+        p->dn[k] = j->dn * theta3 * twice;
         p->first[k] = decay;
         p->second[k] = growth;
     }
 }
 
-/* sn, cn, dn at start + rate (t - t0), count <= BLOCK, absolute errors a few ulp of 1 however large
- * that is; `phase` counts in 2K, on the separatrix in 1. */
+/* sn, cn, dn at u = start + rate (t - t0) for count <= BLOCK times t [s], with absolute errors of a
+ * few ulp of 1 however large u is; `phase` counts u in 2K, on the separatrix in 1. */
 static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, int count,
                              const double *restrict t, jacobi_points *restrict p)
 {
@@ -277,7 +291,7 @@ static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, i
         hyperbolic_series(j, count, p);
 }
 
-/* Of a phase in u. */
+/* The phase u = rate t + start in periods of sn: in 2K, on the separatrix in 1. */
 static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
 {
     dd period = dd_scale(j->quarter, 2.0);
@@ -286,8 +300,9 @@ static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
     return (turns){dd_div(rate, period), dd_div(start, period)};
 }
 
-/* The u in (-2K, 2K] with these sn, cn, dn (dn > 0): sn R_F(cn^2, dn^2, 1), measured from K where
- * that is nearer. */
+/* The u in (-2K, 2K] with these sn, cn, dn (dn > 0): |sn| R_F(cn^2, dn^2, 1) in the first quarter
+ * (DLMF 22.15, 19.25), measured from K, by K - cd-1, where that is nearer; continued by symmetry.
+ * On the separatrix sn = tanh u, so that sinh u = sn/cn. */
 static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
 {
     dd one = dd_of(1.0);

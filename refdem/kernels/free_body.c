@@ -1,16 +1,29 @@
 /* One free rigid body in closed form: omega_body by Jacobi functions, attitude by one theta
  * function.
  *
- * Euler's equations: C. G. J. Jacobi (1849); Landau and Lifshitz, Mechanics, section 37. Labels 1,
- * 2, 3 by moment of inertia, 3 the axis that omega_body circles: w1 = A1 cn u, w2 = A2 sn u, w3 =
- * A3 dn u, u = rate t + start. Attitude: van Zon and Schofield, J. Comput. Phys. 225 (2007) 145,
- * here in swing-twist form, which is nowhere singular: q(t) = base exp(e Psi / 2)
- * quaternion_swing(n -> e), n the direction of L in body axes, e = +-e3 with n.e > 0, and Psi' =
- * (2E + L w.e) / (L + l.e) = L/J3 + B rate / (1 + c dn u), B rate = (2 E J3 - L^2)/(L J3), c = |J3
- * A3|/L. 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with
- * residues that make Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)], the mean rate by
- * complete integrals of the first and third kind.
+ * Euler's equations (C. G. J. Jacobi 1849; Landau and Lifshitz, Mechanics, section 37). Labels 1,
+ * 2, 3 by moment of inertia, 3 the axis that omega_body circles:
+ *
+ *   w1 = A1 cn u,   w2 = A2 sn u,   w3 = A3 dn u,   u = rate t + start.
+ *
+ * Attitude (van Zon and Schofield, J. Comput. Phys. 225 (2007) 145), here in swing-twist form,
+ * which is nowhere singular, with n the direction of L in body axes and e = +-e3 such that n.e >
+ * 0:
+ *
+ *   q(t) = base exp(e Psi/2) swing(n -> e),
+ *   Psi' = (2E + L w.e)/(L + l.e) = L/J3 + B rate/(1 + c dn u),
+ *   B rate = (2 E J3 - L^2)/(L J3),   c = |J3 A3|/L.
+ *
+ * 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with residues that
+ * make
+ *
+ *   Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)],
+ *
+ * the mean rate `turn` by complete integrals of the first and third kind. A body with two moments
+ * alike turns about L and about its axis at constant rates.
  */
+#include <assert.h>
+
 #include "free_body_start.h"
 #include "kernels.h"
 
@@ -19,14 +32,17 @@ typedef struct {
     double q[4][BLOCK], w[3][BLOCK];
 } states;
 
-/* base, the turn about b->along, the tilt back: count <= BLOCK times. */
-static inline void tumbling_at(const free_body *restrict b, int count, const double *restrict t,
-                               states *restrict out)
+/* The states at count <= BLOCK times t [s]: q = (turn + twist e) swing(n -> e) before the product
+ * by base, of any length, and omega_body. turn and twist are cos and sin of Psi/2: its mean part in
+ * half turns, reduced to its fraction, times the unit complex number of theta over that of the
+ * start. */
+static inline void tumbling_state_at(const free_body *restrict b, int count,
+                                     const double *restrict t, states *restrict out)
 {
     jacobi_points p;
-    double x[BLOCK], y[BLOCK];
+    double theta_re[BLOCK], theta_im[BLOCK];
     jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
-    theta_direction(b, count, &p, x, y);
+    theta_direction(b, count, &p, theta_re, theta_im);
     double e = b->along[b->axis[2]];
     double hand = -e;
     if ((b->axis[1] + 3 - b->axis[0]) % 3 == 1) /* the axes are in cyclic order */
@@ -37,17 +53,17 @@ static inline void tumbling_at(const free_body *restrict b, int count, const dou
         period = 1.0;
     double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
-        double sign, c, s;
-        double part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
-        part = fma(slope, p.f[k] - b->f0, part);
-        double whole = nearest(part);
+        double sign, cosine, sine;
+        double half_turns = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
+        half_turns = fma(slope, p.f[k] - b->f0, half_turns);
+        double whole = nearest(half_turns);
         double odd = whole - 2.0 * nearest(0.5 * whole);
-        sine_cosine_pi(part - whole, &s, &c);
+        sine_cosine_pi(half_turns - whole, &sine, &cosine);
         sign = fma(-2.0 * fabs(odd), sign, sign);
-        double re = fma(x[k], b->cos0, y[k] * b->sin0);
-        double im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
-        double turn = sign * fma(c, re, -(s * im));
-        double twist = sign * fma(s, re, c * im);
+        double re = fma(theta_re[k], b->cos0, theta_im[k] * b->sin0);
+        double im = -order * fma(theta_im[k], b->cos0, -(theta_re[k] * b->sin0));
+        double turn = sign * fma(cosine, re, -(sine * im));
+        double twist = sign * fma(sine, re, cosine * im);
         double n1 = b->direction[0] * p.cn[k];
         double n2 = b->direction[1] * p.sn[k];
         double a = fma(e, b->direction[2] * p.dn[k], 1.0);
@@ -66,33 +82,38 @@ static inline void tumbling_at(const free_body *restrict b, int count, const dou
     }
 }
 
-/* Steady or symmetric bodies. */
-static void turning_at(const free_body *b, dd time, double *restrict q, double *restrict omega)
+/* Attitude and omega of steady or symmetric bodies at `time` after the start: base, the turn about
+ * b->along, and for a symmetric body the spin about its axis; omega_body turns back about that
+ * axis. */
+static void turning_state_at(const free_body *b, dd time, double *restrict q,
+                             double *restrict omega)
 {
-    double c, s, way[4], w[3];
-    turned(dd_mul(b->turn, time), &c, &s);
-    double turn[4] = {c, s * b->along[0], s * b->along[1], s * b->along[2]};
-    quaternion_product(b->base, turn, b->kind == STEADY ? q : way);
-    if (b->kind == STEADY) {
+    double cosine, sine, turned_base[4], omega_body[3];
+    turned(dd_mul(b->turn, time), &cosine, &sine);
+    double turn[4] = {cosine, sine * b->along[0], sine * b->along[1], sine * b->along[2]};
+    if (b->kind == STEADY) { /* omega stays as given */
+        quaternion_product(b->base, turn, q);
         quaternion_normalised(q);
         return;
     }
-    double still[3];
-    rounded(b->w, 3, still);
-    turned(dd_scale(dd_mul(b->rate, time), 0.5), &c, &s);
-    double spin[4] = {c, 0.0, 0.0, 0.0};
-    double back[4] = {c, 0.0, 0.0, 0.0};
-    spin[1 + b->axis[2]] = s;
-    back[1 + b->axis[2]] = -s;
-    quaternion_product(way, spin, q);
+    quaternion_product(b->base, turn, turned_base);
+    double omega_body_start[3];
+    rounded(b->w, 3, omega_body_start);
+    turned(dd_scale(dd_mul(b->rate, time), 0.5), &cosine, &sine);
+    double spin[4] = {cosine, 0.0, 0.0, 0.0};
+    double back[4] = {cosine, 0.0, 0.0, 0.0};
+    spin[1 + b->axis[2]] = sine;
+    back[1 + b->axis[2]] = -sine;
+    quaternion_product(turned_base, spin, q);
     quaternion_normalised(q);
-    quaternion_rotated(back, still, w);
-    quaternion_rotated(q, w, omega);
+    quaternion_rotated(back, omega_body_start, omega_body);
+    quaternion_rotated(q, omega_body, omega);
 }
 
-/* Unit attitudes and omega in space axes. */
-static inline void turned_out(const free_body *restrict b, int count, const states *restrict from,
-                              double *restrict attitude, double *restrict omega)
+/* Attitudes base q, normalised, and omega in space axes, q w q* = w + 2 q0 (u x w) + 2 u x (u x w),
+ * for count states. */
+static inline void to_space(const free_body *restrict b, int count, const states *restrict from,
+                            double *restrict attitude, double *restrict omega)
 {
     const double *w[3];
     for (int i = 0; i < 3; i++)
@@ -124,6 +145,7 @@ static inline void turned_out(const free_body *restrict b, int count, const stat
     }
 }
 
+/* Doubles that a prepared motion takes. */
 int64_t refdem_free_body_size(void)
 {
     return (sizeof(free_body) + sizeof(double) - 1) / sizeof(double);
@@ -134,6 +156,8 @@ int refdem_free_body_prepare(const double *inertia, const double *attitude, cons
                              double t0, int64_t samples, const double *t, double *out_attitude,
                              double *out_omega, double *motion)
 {
+    assert(inertia && attitude && omega && motion);
+    assert(samples == 0 || (t && out_attitude && out_omega)); /* (samples), (.., 4), (.., 3) */
     free_body *b = (free_body *)motion;
     *b = (free_body){.kind = STEADY,
                      .t0 = t0,
@@ -150,19 +174,21 @@ int refdem_free_body_prepare(const double *inertia, const double *attitude, cons
 REFDEM_EVERY_CPU
 int refdem_free_body_run(const double *motion)
 {
+    assert(motion);
     const free_body *b = (const free_body *)motion;
     for (int64_t first = 0; first < b->samples && b->kind == TUMBLING; first += BLOCK) {
         int count = BLOCK;
         if (b->samples - first < BLOCK) /* the last ones */
             count = (int)(b->samples - first);
         states found;
-        tumbling_at(b, count, b->t + first, &found);
-        turned_out(b, count, &found, b->out_attitude + 4 * first, b->out_omega + 3 * first);
+        tumbling_state_at(b, count, b->t + first, &found);
+        to_space(b, count, &found, b->out_attitude + 4 * first, b->out_omega + 3 * first);
     }
     for (int64_t k = 0; k < b->samples; k++) {
-        int is_start = b->t[k] == b->t0;
+        int is_start = b->t[k] == b->t0; /* the start is as it was given */
         if (b->kind != TUMBLING && !is_start)
-            turning_at(b, two_sum(b->t[k], -b->t0), b->out_attitude + 4 * k, b->out_omega + 3 * k);
+            turning_state_at(b, two_sum(b->t[k], -b->t0), b->out_attitude + 4 * k,
+                             b->out_omega + 3 * k);
         if (is_start)
             memcpy(b->out_attitude + 4 * k, b->attitude, sizeof b->attitude);
         if (is_start || b->kind == STEADY)

@@ -1,4 +1,5 @@
-/* What a free body's motion is made of, from its start: see free_body.c for the formulas. */
+/* The constants of a free body's motion, from its start (`prepare`): see free_body.c for the
+ * formulas. */
 #ifndef REFDEM_FREE_BODY_START_H
 #define REFDEM_FREE_BODY_START_H
 
@@ -7,6 +8,7 @@
 #include "elliptic.h"
 #include "quaternion.h"
 
+/* Kinds: omega stays; two moments alike; three moments that differ. */
 enum { STEADY, SYMMETRIC, TUMBLING };
 enum { THETA_TERMS = 5 };
 
@@ -24,29 +26,30 @@ typedef struct {
     double base[4], along[3];     /* attitude before the turn, and its unit axis */
     double size[3], direction[3]; /* amplitudes of omega_body and of n, by label */
     double order;                 /* +1 if J3 is the largest moment, -1 if the smallest */
-    double phase_shift,
-        slope; /* of theta: tan(a/2), or how a enters; linear part of its argument */
+    double phase_shift;           /* of theta: how a enters it, or tan(a/2) */
+    double slope;                 /* of theta: linear part of its argument */
     double rise[2][THETA_TERMS], fall[2][THETA_TERMS]; /* its coefficients, real and imaginary */
     double cos0, sin0, f0;                             /* its argument at the start */
     jacobi j;
 } free_body;
 
+/* n numbers in double-double, rounded. */
 static void rounded(const dd *restrict from, int n, double *restrict to)
 {
     for (int i = 0; i < n; i++)
         to[i] = dd_round(from[i]);
 }
 
-/* omega stays: q(t) = q0 exp(omega_body t / 2). */
+/* omega stays: q(t) = q0 exp(omega_body t/2), a turn at the rate |omega| about omega_body. */
 static void prepare_steady(free_body *b)
 {
-    dd size = dd_sqrt(dd_dot(b->w, b->w));
+    dd speed = dd_sqrt(dd_dot(b->w, b->w));
     b->kind = STEADY;
-    b->turn = dd_scale(size, 0.5);
+    b->turn = dd_scale(speed, 0.5);
     for (int i = 0; i < 3; i++) {
         b->along[i] = 0.0; /* at rest there is no axis */
-        if (size.hi > 0.0)
-            b->along[i] = dd_round(dd_div(b->w[i], size));
+        if (speed.hi > 0.0)
+            b->along[i] = dd_round(dd_div(b->w[i], speed));
     }
 }
 
@@ -54,20 +57,22 @@ static void prepare_steady(free_body *b)
  * axes at the start. */
 static void prepare_symmetric(free_body *b, const double *restrict inertia)
 {
-    dd l[3], size;
-    dd across = dd_of(inertia[b->axis[0]]);
+    dd l[3], momentum;
+    dd j1 = dd_of(inertia[b->axis[0]]);
     for (int i = 0; i < 3; i++)
         l[i] = dd_scale(b->w[i], inertia[i]);
-    size = dd_sqrt(dd_dot(l, l));
+    momentum = dd_sqrt(dd_dot(l, l));
     b->kind = SYMMETRIC;
-    b->turn = dd_scale(dd_div(size, across), 0.5);
-    b->rate = dd_mul(b->w[b->axis[2]], dd_div(two_sum(across.hi, -inertia[b->axis[2]]), across));
+    b->turn = dd_scale(dd_div(momentum, j1), 0.5);
+    b->rate = dd_mul(b->w[b->axis[2]], dd_div(two_sum(j1.hi, -inertia[b->axis[2]]), j1));
     for (int i = 0; i < 3; i++)
-        b->along[i] = dd_round(dd_div(l[i], size));
+        b->along[i] = dd_round(dd_div(l[i], momentum));
 }
 
-/* Coefficients of theta4 of nome^2 at pi (u + ia)/(2K), up to a positive factor; of theta2 after z
- * -> z/tau where m > 1/2. */
+/* Coefficients of theta4(pi (u + ia)/(2K), nome^2) as a series in 2 n pi f, up to a positive
+ * factor: terms
+ * (-1)^n nome^(2 n^2) (exp(2 n s) + exp(-2 n s)) with the shift s = pi a/(2K); where m > 1/2 those
+ * of theta2 after z -> z/tau, whose argument has a part linear in u besides, the slope. */
 static void prepare_theta(free_body *b, double a, double c)
 {
     const jacobi *j = &b->j;
@@ -107,14 +112,15 @@ static void prepare_theta(free_body *b, double a, double c)
     }
 }
 
+/* a[0] + .. + a[4] x^4. */
 static inline double quartic(const double *restrict a, double x)
 {
     return fma(x, fma(x, fma(x, fma(x, a[4], a[3]), a[2]), a[1]), a[0]);
 }
 
-/* Its direction in the complex plane, of any length (DLMF 20.2.4; 20.2.2 with 20.7.33); on the
- * separatrix that of 1 + i tan(a/2) tanh(u/2). The first three terms of the circular series are all
- * that binary64 can hold. */
+/* The direction (x, y) of that theta function in the complex plane at count points, of any length
+ * (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of 1 + i tan(a/2) tanh(u/2). The first
+ * three terms of the circular series are all that binary64 can hold. */
 static inline void theta_direction(const free_body *restrict b, int count,
                                    const jacobi_points *restrict p, double *restrict x,
                                    double *restrict y)
@@ -141,8 +147,9 @@ static inline void theta_direction(const free_body *restrict b, int count,
         }
 }
 
-/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2; 1 - c^2 = n1^2, 1 - c^2
- * m1 = n2^2 (amplitudes). */
+/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2. With the amplitudes n1^2
+ * = 1 - c^2, n2^2 = 1 - c^2 m1, n3 = c: <1/(1 + c dn)> = (cel(m1, p)/n1^2 - n3 (pi/2)/(n1 n2))/K.
+ */
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
     dd across = dd_mul(n[0], n[1]);
@@ -156,17 +163,20 @@ static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restr
     return dd_scale(dd_add(dd_div(l, j3), mean), 0.5);
 }
 
-/* Moments and their differences by label. */
+/* Moments J1, J2, J3 and their differences J3 - J2, J3 - J1, J2 - J1, by label [kg m^2]. */
 typedef struct {
     dd j[3], d32, d31, d21;
 } moments;
 
-/* The parameter m and 1 - m, amplitudes a of omega_body and n of the direction of L; X = 2 E J3 -
- * L^2, without cancellation. */
+/* The Jacobi functions and their rate, the amplitudes a of omega_body and n = J a/L of the
+ * direction of L, and X = 2 E J3 - L^2 = J1 (J3 - J1) w1^2 + J2 (J3 - J2) w2^2, without
+ * cancellation; returns L. Amplitudes: a1^2 = w1^2 + flat w2^2, a2^2 = w2^2 + w1^2/flat, a3^2 =
+ * w3^2 + steep w2^2, flat = J2 (J3 - J2)/(J1 (J3 - J1)), steep = J2 (J2 - J1)/(J3 (J3 - J1)); m =
+ * (J2 - J1) X/((J3 - J2) Y), Y = L^2 - 2 E J1. */
 static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *restrict a,
                      dd *restrict n, dd *restrict x)
 {
-    dd square[3], l[3], size;
+    dd square[3], l[3], momentum;
     for (int i = 0; i < 3; i++) {
         square[i] = dd_square(w[i]);
         l[i] = dd_mul(w[i], k->j[i]);
@@ -182,16 +192,17 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
     a[0] = dd_sqrt(dd_add(square[0], dd_mul(flat, square[1])));
     a[1] = dd_sqrt(dd_add(square[1], dd_div(square[0], flat)));
     a[2] = dd_sqrt(dd_add(square[2], dd_mul(steep, square[1])));
-    size = dd_sqrt(dd_dot(l, l));
+    momentum = dd_sqrt(dd_dot(l, l));
     for (int i = 0; i < 3; i++)
-        n[i] = dd_div(dd_mul(k->j[i], a[i]), size);
-    dd below = dd_mul(k->d32, y);
-    b->rate = dd_sqrt(dd_div(below, dd_mul(k->j[0], dd_mul(k->j[1], k->j[2]))));
-    b->j = jacobi_prepared(dd_div(dd_mul(k->d21, *x), below), dd_div(dd_mul(k->d31, z), below));
-    return size;
+        n[i] = dd_div(dd_mul(k->j[i], a[i]), momentum);
+    dd denominator = dd_mul(k->d32, y);
+    b->rate = dd_sqrt(dd_div(denominator, dd_mul(k->j[0], dd_mul(k->j[1], k->j[2]))));
+    b->j = jacobi_prepare(dd_div(dd_mul(k->d21, *x), denominator),
+                          dd_div(dd_mul(k->d31, z), denominator));
+    return momentum;
 }
 
-/* Signs of the amplitudes, and u at the start. */
+/* Signs of the amplitudes, and u at the start from sn = w2/a2, cn = w1/a1, dn = w3/a3. */
 static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, const dd *restrict n)
 {
     double parity = -1.0;
@@ -207,12 +218,14 @@ static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, co
         w[i] = dd_scale(dd_div(w[i], a[i]), sign[i]);
     }
     b->start = jacobi_inverse(&b->j, w[1], w[0], w[2]);
-    b->along[b->axis[0]] = b->along[b->axis[1]] = 0.0;
+    b->along[b->axis[0]] = 0.0;
+    b->along[b->axis[1]] = 0.0;
     b->along[b->axis[2]] = sign[2];
 }
 
-/* What the motion is counted from: with turn and tilt at the start taken away, `base` is the given
- * attitude. */
+/* The attitude `base` from which turn and tilt are counted: the given one with turn and tilt of the
+ * start taken away; `frame` is the matrix of the product base q for q with its vector part by
+ * label. */
 static void prepare_frame(free_body *b)
 {
     jacobi_points p;
@@ -233,14 +246,19 @@ static void prepare_frame(free_body *b)
     quaternion_normalised(b->base);
     for (int k = 0; k < 4; k++) {
         double unit[4] = {0};
-        unit[k ? 1 + b->axis[k - 1] : 0] = 1.0;
+        int component = 0; /* the scalar part, then the labels 1, 2, 3 */
+        if (k > 0)
+            component = 1 + b->axis[k - 1];
+        unit[component] = 1.0;
         quaternion_product(b->base, unit, column);
         for (int i = 0; i < 4; i++)
             b->frame[i][k] = column[i];
     }
 }
 
-/* Three moments that differ: Jacobi functions for omega, theta series for the turn about L. */
+/* Three moments that differ: Jacobi functions for omega, theta series for the turn about L. The
+ * poles +- ia: dn(ia) = 1/c, so that a = F(arcsin .. | ..) = R_F(J3 (J2 - J1)/(J2 (J3 - J1)), dn^2,
+ * 1)/sqrt(p). */
 static void prepare_tumbling(free_body *b, const double *restrict inertia)
 {
     moments k;
@@ -269,6 +287,7 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     prepare_frame(b);
 }
 
+/* Swaps two numbers. */
 static void exchange(int *a, int *b)
 {
     int kept = *a;
@@ -276,8 +295,9 @@ static void exchange(int *a, int *b)
     *b = kept;
 }
 
-/* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2)
- * w3^2 the body is on, or the axis of symmetry. */
+/* Gives the axes their labels: 2 the middle moment; 3 the axis that omega_body circles, the one on
+ * whose side of the separatrix J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 the body is, or the axis of
+ * symmetry. */
 static void label(free_body *b, const double *restrict inertia)
 {
     int *axis = b->axis;
@@ -296,8 +316,8 @@ static void label(free_body *b, const double *restrict inertia)
         exchange(&axis[0], &axis[2]);
 }
 
-/* Steady: about a principal axis, or so close to a stable one that the tilt, 1e-30, is beyond all
- * digits. */
+/* The constants of the motion from attitude and omega (space axes). Steady: about a principal axis,
+ * or so close to a stable one that the tilt, 1e-30, is beyond all digits. */
 static void prepare(free_body *b, const double *restrict inertia, const double *restrict attitude,
                     const double *restrict omega)
 {

@@ -1,109 +1,124 @@
 /* A gas of equal spheres under a linear contact law with friction, in a periodic box, between
  * planes or in the open.
  *
- * Velocity Verlet (Swope et al. 1982), synchronous; what depends on velocities sees those of the
- * end of the step, predicted with the last acceleration. Verlet's list (1967) of pairs closer than
- * a diameter and a skin is rebuilt, from a counting sort of the bodies into cells, before the two
- * fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells.
- * Work is done on a velocity only while a contact lasts, and on an attitude only when its spin
- * changes. Impulses are rounded to a grid on which velocities lie, and given to both bodies of a
- * pair with opposite signs: sums are then exact, and so is total momentum. Positions are kept in
- * the box, with whole boxes counted apart, so that a body's velocity knows nothing of the walls of
- * the box.
+ * Velocity Verlet (Swope et al. 1982), of the contact law in gas_contact.h:
  *
- * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and gathers
- * for its own, from all contacts in the order of the list: the result has the same bits for any
- * number of threads.
+ *   v += h/2 a,  x += h v,  contacts at x,  v += h/2 a,   spins alike, attitudes q = exp(w t/2) q.
+ *
+ * What depends on velocities sees those of the end of the step, predicted with the last
+ * acceleration. Verlet's list (1967) of pairs closer than a diameter and a skin is rebuilt, from a
+ * counting sort of the bodies into cells, before the two fastest bodies could have crossed the
+ * skin. Bodies lie in memory in the order of their cells. Work is done on a velocity only while a
+ * contact lasts, and on an attitude only when its spin changes. Impulses are rounded to a grid on
+ * which velocities lie, and given to both bodies of a pair with opposite signs: sums are then
+ * exact, and so is total momentum. Positions are kept in the box, with whole boxes counted apart,
+ * so that a body's velocity knows nothing of the walls of the box.
+ *
+ * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and
+ * gathers for its own, from all contacts in the order of the list: the result has the same bits
+ * for any number of threads.
+ *
+ * Phases of a step: kick, drift, measure (contacts, and their impulses), gather (the impulses of
+ * each body), kick; record at a sample.
  */
 #include <assert.h>
 
 #include "gas_contact.h"
 #include "gas_list.h"
 
-/* Times the fastest body at the start: faster ones are still right, but no longer on the grid. */
+/* Speeds that the grid of velocities reaches, over that of the fastest body at the start: faster
+ * ones are still right, but no longer on the grid. */
 #define GRID 8.0
 
 int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
 {
+    assert(p && threads >= 1 && threads <= MOST_THREADS);
     gas g;
-    return laid_out(&g, p, threads, NULL);
+    return lay_out(&g, p, threads, NULL);
 }
 
-/* Contacts of the share's listed pairs, with what they do to velocities. */
-static void touch(gas *g, share *t, int rank, double time)
+/* Finds the contacts among the share's listed pairs at `time` [s] since the start, with their
+ * impulses. Contacts of this step and of the one before are kept on two sides, which change places.
+ */
+static void measure(gas *g, share *t, int rank, double time)
 {
-    int64_t base = rank * g->p->most_contacts;
+    int64_t first_number = rank * g->p->most_contacts;
     const contact *before = g->contact[t->side];
     t->side ^= 1;
-    contact *now = g->contact[t->side] + base;
+    contact *now = g->contact[t->side] + first_number;
     t->contacts = 0;
     t->crossing = 0;
     for (int64_t m = 0; m < t->pairs; m++) {
         double n[3];
-        double deep = overlap(g, t->a[m], t->b[m], t->image[m], n);
-        int32_t was = t->was[m];
-        if (!(deep > 0.0)) {
-            if (was)
+        double d = overlap(g, t->a[m], t->b[m], t->image[m], n);
+        int32_t number_before = t->was[m];
+        if (!(d > 0.0)) {
+            if (number_before)
                 t->was[m] = 0;
             continue;
         }
-        if (t->contacts == g->p->most_contacts) {
+        if (t->contacts == g->p->most_contacts) { /* the caller has to give more room */
             t->failed = NO_ROOM;
             return;
         }
         contact *c = now + t->contacts;
         c->a = t->a[m];
         c->b = t->b[m];
-        c->deep = deep;
-        moved(c->n, n);
-        if (!was && t->events < g->most) {
+        c->overlap = d;
+        copy3(c->n, n);
+        if (!number_before && t->events < g->most) { /* it begins */
             t->event[2 * t->events] = time;
             t->event[2 * t->events + 1] = (double)g->now.label[c->a];
         }
-        t->events += !was;
+        t->events += !number_before;
         if (g->p->friction > 0.0) {
-            /* Below 0: a pair that has changed its order since. */
-            const contact *same = NULL;
-            double sense = 1.0;
-            if (was > 0)
-                same = before + was - 1;
-            if (was < 0) {
-                same = before - was - 1;
-                sense = -1.0;
+            /* The spring of the contact before; below 0: of (b, a), whose vectors have the other
+             * sign. */
+            const contact *contact_before = NULL;
+            double sign = 1.0;
+            if (number_before > 0)
+                contact_before = before + number_before - 1;
+            if (number_before < 0) {
+                contact_before = before - number_before - 1;
+                sign = -1.0;
             }
-            stretch(g, c, same, sense, time != 0.0);
+            move_spring(g, c, contact_before, sign, time != 0.0);
         }
-        press(g, c);
+        add_forces(g, c);
+        /* The other body is another thread's, which looks for its impulses in this list. */
         if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
             t->out[t->crossing++] = (int32_t)t->contacts;
         t->contacts++;
-        t->was[m] = (int32_t)(base + t->contacts);
+        t->was[m] = (int32_t)(first_number + t->contacts);
     }
 }
 
-static inline void given(gas *g, share *t, int64_t i, double sign, const contact *c)
+/* Adds sign times the contact's impulse, and its change of spin, to body i; the first of a step
+ * clears what the body had, and marks it as one to be kicked. */
+static inline void add_impulse(gas *g, share *t, int64_t i, double sign, const contact *c)
 {
-    double *kick = g->now.kick + 3 * i;
-    double *turn = g->now.turn + 3 * i;
-    int rubs = g->p->friction > 0.0;
+    double *impulse = g->now.kick + 3 * i;
+    double *spin_change = g->now.turn + 3 * i;
+    int has_friction = g->p->friction > 0.0;
     if (!g->now.mark[i]) {
         g->now.mark[i] = 1;
         t->marked[t->touched++] = (int32_t)i;
-        memset(kick, 0, 3 * sizeof *kick);
+        memset(impulse, 0, 3 * sizeof *impulse);
         if (g->p->turning)
-            memset(turn, 0, 3 * sizeof *turn);
+            memset(spin_change, 0, 3 * sizeof *spin_change);
     }
     for (int k = 0; k < 3; k++)
-        kick[k] += sign * c->push[k];
-    if (!rubs)
+        impulse[k] += sign * c->impulse[k];
+    if (!has_friction)
         return;
     for (int k = 0; k < 3; k++)
-        turn[k] += c->twist[k];
+        spin_change[k] += c->spin_change[k];
 }
 
-/* The kicks of the share's own bodies, from all contacts in the order of the list, and the work of
- * its own contacts. */
-static void gathered(gas *g, share *t, int rank)
+/* Sums the impulses of the share's own bodies, over all contacts in the order of the list: the same
+ * order, and so the same bits, for any number of threads. And the work h power lost by the share's
+ * own contacts, kept by body. */
+static void gather(gas *g, share *t, int rank)
 {
     for (int64_t k = 0; k < t->touched; k++) {
         int64_t i = t->marked[k];
@@ -118,41 +133,44 @@ static void gathered(gas *g, share *t, int rank)
         const contact *found = g->contact[t->side] + s * g->p->most_contacts;
         for (int64_t k = 0; s == rank && k < t->contacts; k++) {
             const contact *c = found + k;
-            given(g, t, c->a, 1.0, c);
+            add_impulse(g, t, c->a, 1.0, c);
             if (c->b >= t->from && c->b < t->to)
-                given(g, t, c->b, -1.0, c);
+                add_impulse(g, t, c->b, -1.0, c);
             g->lost[g->now.label[c->a]] += g->h * c->power;
         }
         for (int64_t k = 0; s != rank && k < other->crossing; k++) {
             const contact *c = found + other->out[k];
             if (c->b >= t->from && c->b < t->to)
-                given(g, t, c->b, -1.0, c);
+                add_impulse(g, t, c->b, -1.0, c);
         }
     }
 }
 
-/* q (4) turned by the rotation vector w time, exactly, and put back to unit length by one step of
- * Newton's. */
-static void turned(const double *w, double time, const double *q, double *out)
+/* out = exp(w time/2) q: the attitude q (4) turned by the rotation vector w time, exactly, with the
+ * half angle a = |w| time/2 and exp(..) = (cos a, (sin a/a) w time/2); then one step of Newton's
+ * for |q| = 1, q *= 3/2 - |q|^2/2. */
+static void rotate(const double *w, double time, const double *q, double *out)
 {
     double angle = 0.5 * time * sqrt(dot(w, w));
-    double part = 0.5 * time; /* sin(angle)/angle tends to 1 */
+    double factor = 0.5 * time; /* sin(angle)/angle tends to 1 */
     if (angle != 0.0)
-        part = 0.5 * time * sin(angle) / angle;
-    double c = cos(angle);
-    double v[3] = {part * w[0], part * w[1], part * w[2]};
-    double across[3], found[4];
-    cross(v, q + 1, across);
-    found[0] = c * q[0] - dot(v, q + 1);
+        factor = 0.5 * time * sin(angle) / angle;
+    double cosine = cos(angle);
+    double vector[3] = {factor * w[0], factor * w[1], factor * w[2]};
+    double crossed[3], after[4];
+    cross(vector, q + 1, crossed);
+    after[0] = cosine * q[0] - dot(vector, q + 1);
     for (int k = 0; k < 3; k++)
-        found[1 + k] = c * q[1 + k] + q[0] * v[k] + across[k];
+        after[1 + k] = cosine * q[1 + k] + q[0] * vector[k] + crossed[k];
     double unit = 1.0; /* what does not turn keeps its bits */
     if (angle != 0.0)
-        unit = 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1));
+        unit = 1.5 - 0.5 * (after[0] * after[0] + dot(after + 1, after + 1));
     for (int k = 0; k < 4; k++)
-        out[k] = found[k] * unit;
+        out[k] = after[k] * unit;
 }
 
+/* Half a step of velocities and spins of the share's bodies in contact, after `taken` steps. An
+ * attitude is turned only here, up to the moment at which its spin changes. */
 static void kick(gas *g, share *t, int64_t taken)
 {
     double most = t->fastest * t->fastest;
@@ -166,7 +184,7 @@ static void kick(gas *g, share *t, int64_t taken)
             continue;
         double *w = g->now.w + 3 * i;
         if (g->since[label] != taken)
-            turned(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
+            rotate(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
                    g->attitude + 4 * label);
         g->since[label] = (int32_t)taken;
         add_scaled(w, 1.0, g->now.turn + 3 * i);
@@ -174,6 +192,7 @@ static void kick(gas *g, share *t, int64_t taken)
     t->fastest = sqrt(most);
 }
 
+/* x += h v of the share's bodies. */
 static void drift(const gas *g, const share *t)
 {
     double h = g->h;
@@ -183,24 +202,25 @@ static void drift(const gas *g, const share *t)
         x[i] += h * v[i];
 }
 
-/* The share's bodies at sample s; once for all, contacts and work: lost, less half a step of power
- * and what tangential springs hold. */
-static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
+/* Writes the share's bodies at sample s, after `taken` steps; rank 0 also the channels: number of
+ * contacts, and the work lost by the trapezoidal rule, which has counted the last power once too
+ * often by half, less what tangential springs hold, from its value at the start. */
+static void record(gas *g, share *t, int rank, int64_t s, int64_t taken)
 {
     for (int64_t i = t->from; i < t->to; i++) {
         int64_t label = g->now.label[i];
         int64_t row = s * g->n + label;
         for (int c = 0; c < 3; c++)
             g->out_x[3 * row + c] = g->now.x[3 * i + c] + g->p->size * g->now.boxes[3 * i + c];
-        moved(g->out_v + 3 * row, g->now.v + 3 * i);
-        if (!g->p->turning)
+        copy3(g->out_v + 3 * row, g->now.v + 3 * i);
+        if (!g->p->turning) /* no spins, no attitudes */
             continue;
-        moved(g->out_w + 3 * row, g->now.w + 3 * i);
-        turned(g->now.w + 3 * i, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
+        copy3(g->out_w + 3 * row, g->now.w + 3 * i);
+        rotate(g->now.w + 3 * i, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
                g->out_q + 4 * row);
     }
-    together(&g->team);
-    if (rank > 0)
+    wait_for_all(&g->team);
+    if (rank > 0) /* channels are written once, in the order of the bodies */
         return;
     double *channel = g->channel + 2 * s;
     double work = 0.0;
@@ -212,14 +232,14 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
         const contact *end = c + g->share[k].contacts;
         channel[0] += (double)g->share[k].contacts;
         for (; c < end; c++)
-            work -= 0.5 * g->h * c->power + stored(g, c);
+            work -= 0.5 * g->h * c->power + spring_energy(g, c);
     }
     if (s == 0)
         g->first_work = work;
     channel[1] = work - g->first_work;
 }
 
-/* How some share has failed, the worst of all; 0 if none has. */
+/* The failure of a share, the one with the largest number; 0 if none has failed. */
 static int has_failed(const gas *g)
 {
     int failed = 0;
@@ -230,6 +250,7 @@ static int has_failed(const gas *g)
     return failed;
 }
 
+/* Largest speed of any body [m/s]. */
 static double fastest(const gas *g)
 {
     double most = 0.0;
@@ -238,53 +259,53 @@ static double fastest(const gas *g)
     return most;
 }
 
-/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share has
- * failed. */
-static int met(gas *g, share *t, int rank, int64_t taken)
+/* Contacts after `taken` steps, and the impulses of the bodies. Returns 1 if a share has failed. */
+static int measure_and_gather(gas *g, share *t, int rank, int64_t taken)
 {
-    touch(g, t, rank, (double)taken * g->h);
-    together(&g->team);
+    measure(g, t, rank, (double)taken * g->h);
+    wait_for_all(&g->team);
     if (has_failed(g))
         return 1;
-    gathered(g, t, rank);
+    gather(g, t, rank);
     return 0;
 }
 
-/* One thread's part of the whole run. */
-static void gone_through(void *shared, int rank)
+/* One thread's part of the whole run, as member `rank` of the team. */
+static void run_share(void *shared, int rank)
 {
     gas *g = shared;
     share *t = g->share + rank;
-    rebuilt(g, t, rank);
-    if (met(g, t, rank, 0))
+    rebuild(g, t, rank);
+    if (measure_and_gather(g, t, rank, 0))
         return;
     t->events = 0; /* what touches at the start does not begin to */
-    recorded(g, t, rank, 0, 0);
+    record(g, t, rank, 0, 0);
     for (int64_t taken = 1, s = 1; s < g->samples; s++) {
         for (int64_t last = s * g->stride; taken <= last; taken++) {
             kick(g, t, taken - 1);
             drift(g, t);
-            together(&g->team);
+            wait_for_all(&g->team);
+            /* Two bodies may have come closer by twice the way of the fastest one. */
             t->way += fabs(g->h) * fastest(g);
             if (2.0 * t->way > g->skin)
-                rebuilt(g, t, rank);
-            if (met(g, t, rank, taken))
+                rebuild(g, t, rank);
+            if (measure_and_gather(g, t, rank, taken))
                 return;
             kick(g, t, taken);
         }
-        recorded(g, t, rank, s, taken - 1);
+        record(g, t, rank, s, taken - 1);
     }
 }
 
-/* Columns in the order given; the start is row 0 of what comes out. */
-static void begun(gas *g, double step)
+/* The start, row 0 of the outputs, into columns in the order given; skin, reach and grid. */
+static void begin(gas *g, double step)
 {
     const refdem_gas *p = g->p;
     int64_t n = g->n;
-    double room = SKIN * p->diameter;
-    if (p->size > 0.0) /* a body meets one image of another at a time */
-        room = 0.5 * p->size - p->diameter;
-    double most = 0.0;
+    double most_skin = SKIN * p->diameter;
+    if (p->size > 0.0) /* reach below half a box: a body meets one image of another at a time */
+        most_skin = 0.5 * p->size - p->diameter;
+    double fastest = 0.0;
     size_t three = (size_t)(3 * n) * sizeof(double);
     memcpy(g->now.x, g->out_x, three);
     memcpy(g->now.v, g->out_v, three);
@@ -300,17 +321,18 @@ static void begun(gas *g, double step)
     memset(g->lost, 0, (size_t)n * sizeof(double));
     for (int64_t i = 0; i < n; i++) {
         g->now.label[i] = (int32_t)i;
-        most = fmax(most, dot(g->now.v + 3 * i, g->now.v + 3 * i));
+        fastest = fmax(fastest, dot(g->now.v + 3 * i, g->now.v + 3 * i));
     }
-    most = sqrt(most);
-    g->skin = fmin(SKIN * p->diameter, 0.9 * room);
+    fastest = sqrt(fastest);
+    g->skin = fmin(SKIN * p->diameter, 0.9 * most_skin);
     g->reach = p->diameter + g->skin;
     g->h = step;
-    /* 1.5 2^52 times a grid of 2^-53 of the next power of two. */
+    /* To add 1.5 2^52 grids and take them away again rounds to the grid, here 2^-53 times the power
+     * of two above GRID times the fastest speed. */
     g->round = 0.0;
-    if (most > 0.0)
-        g->round = ldexp(0.75, ilogb(GRID * most) + 1);
-    images_placed(g);
+    if (fastest > 0.0)
+        g->round = ldexp(0.75, ilogb(GRID * fastest) + 1);
+    place_images(g);
 }
 
 int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
@@ -318,7 +340,8 @@ int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_
                        double *channel, double *position, double *velocity, double *omega,
                        double *attitude)
 {
-    assert(threads >= 1 && threads <= MOST_THREADS && samples >= 1 && stride >= 1);
+    assert(p && p->bodies >= 1 && (p->planes == 0 || p->plane));
+    assert(threads >= 1 && threads <= MOST_THREADS && samples >= 1 && stride >= 1 && most >= 0);
     assert(room && events && event && channel); /* `room` has refdem_gas_room bytes */
     assert(position && velocity);
     assert(!p->turning || (omega && attitude));
@@ -327,11 +350,11 @@ int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_
     g.out_v = velocity;
     g.out_w = omega;
     g.out_q = attitude;
-    laid_out(&g, p, threads, room);
-    begun(&g, step);
+    lay_out(&g, p, threads, room);
+    begin(&g, step);
     for (int64_t k = 0; k < threads; k++)
         g.share[k].event = event + 2 * most * k;
-    if (at_work(&g.team, (int)threads, gone_through, &g))
+    if (run_team(&g.team, (int)threads, run_share, &g))
         return 2;
     for (int64_t k = 0; k < threads; k++)
         events[k] = g.share[k].events;

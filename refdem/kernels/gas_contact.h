@@ -1,9 +1,12 @@
-/* The contact of two equal spheres, or of one with a plane: linear spring and dashpot, tangential
- * spring, Coulomb's limit.
- *
- * Cundall and Strack 1979; signs and levers are those of particles.h. The tangential spring grows
- * by the slip of both halves of a step, each with its own geometry, and turns with the normal in
- * between; where it would exceed friction times the normal force it is cut.
+/* The contact of two equal spheres a and b, or of one with a plane: linear spring and dashpot,
+ * tangential spring, Coulomb's limit (Cundall and Strack 1979; signs and levers as in particles.h).
+ *   overlap      d = diameter - |x_b - x_a|,   d' = (v_a - v_b).n,   n from a to b
+ *   force        F = k d + c d',   on a: -F n - k_t s,   |k_t s| <= mu F
+ *   slip         u = v_a - v_b - d' n + l (w_a + w_b) x n,   l = diameter/2 - branch d
+ *   spring       s' = u: it grows by the slip of both halves of a step, each with its own geometry,
+ *                and turns with the normal in between; beyond its limit it is cut
+ * A step of velocity Verlet changes velocities by h/2 force/m at its begin and at its end: that
+ * half is the impulse (per mass) of a contact, and h/2 torque/J its change of spin.
  */
 #ifndef REFDEM_GAS_CONTACT_H
 #define REFDEM_GAS_CONTACT_H
@@ -28,148 +31,157 @@ static inline void add_scaled(double *a, double factor, const double *b)
         a[c] += factor * b[c];
 }
 
-/* Overlap of a listed pair, positive if it touches, and then the normal from a to b in n (3). */
+/* Overlap [m] of a listed pair, positive if it touches, and then the normal from a to b in n (3);
+ * of spheres that do not touch 0, which saves the root. `image`: the image of the box that b is in.
+ */
 static inline double overlap(const gas *g, int64_t a, int64_t b, int image, double *n)
 {
     const double *x = g->now.x + 3 * a;
-    const double d = g->p->diameter;
+    const double diameter = g->p->diameter;
     if (b < 0) {
-        const double *q = g->p->plane + 6 * (-1 - b);
-        double away = 0.0;
+        const double *plane = g->p->plane + 6 * (-1 - b);
+        double distance = 0.0;
         for (int c = 0; c < 3; c++) {
-            away += (x[c] - q[c]) * q[3 + c];
-            n[c] = -q[3 + c];
+            distance += (x[c] - plane[c]) * plane[3 + c];
+            n[c] = -plane[3 + c];
         }
-        return 0.5 * d - away;
+        return 0.5 * diameter - distance;
     }
     const double *y = g->now.x + 3 * b;
-    const double *s = g->shift[image];
+    const double *shift = g->shift[image];
     for (int c = 0; c < 3; c++)
-        n[c] = (y[c] - x[c]) + s[c];
+        n[c] = (y[c] - x[c]) + shift[c];
     double square = dot(n, n);
-    if (!(square < d * d))
+    if (!(square < diameter * diameter))
         return 0.0;
-    double r = sqrt(square);
+    double distance_b = sqrt(square);
     for (int c = 0; c < 3; c++)
-        n[c] /= r;
-    return d - r;
+        n[c] /= distance_b;
+    return diameter - distance_b;
 }
 
-/* A velocity or a spin as it is, or later, as the last forces predict it. */
-static inline double expected(const double *now, const double *change, int64_t at, int later)
+/* A component of a velocity or spin as it is, or, if `later`, as the last forces predict it for the
+ * end of the step. The sum with 0.0 in the first case keeps both branches alike: -0.0 becomes 0.0.
+ */
+static inline double predicted(const double *now, const double *change, int64_t at, int later)
 {
     if (later)
         return now[at] + change[at];
     return now[at] + 0.0;
 }
 
-/* Velocity of a against b at the ends of their levers, without what is along the normal; `later`:
- * as the last forces predict it for the end of the step. Returns the rate of the overlap. */
-static inline double slips(const gas *g, const contact *c, const double *n, double deep, int later,
-                           double *slip)
+/* The slip u (3) of a contact with the normal n and the overlap `deep`, from velocities as they are
+ * or `later`, as predicted for the end of the step. Returns the rate d' of the overlap. Without
+ * friction only d' is needed. */
+static inline double slip_of(const gas *g, const contact *c, const double *n, double deep,
+                             int later, double *slip)
 {
     int64_t a = 3 * (int64_t)c->a;
     int64_t b = 3 * (int64_t)c->b;
     double arm = 0.5 * g->p->diameter - g->p->branch * deep;
-    double spin[3], turned[3];
+    double spin[3], spin_slip[3];
     for (int k = 0; k < 3; k++) {
-        slip[k] = expected(g->now.v, g->now.kick, a + k, later);
+        slip[k] = predicted(g->now.v, g->now.kick, a + k, later);
         if (c->b >= 0) /* a plane rests */
-            slip[k] -= expected(g->now.v, g->now.kick, b + k, later);
+            slip[k] -= predicted(g->now.v, g->now.kick, b + k, later);
     }
     double rate = dot(slip, n);
-    if (!(g->p->friction > 0.0))
+    if (!(g->p->friction > 0.0)) /* the slip is not asked for */
         return rate;
     for (int k = 0; k < 3; k++) {
-        spin[k] = expected(g->now.w, g->now.turn, a + k, later);
+        spin[k] = predicted(g->now.w, g->now.turn, a + k, later);
         if (c->b >= 0)
-            spin[k] += expected(g->now.w, g->now.turn, b + k, later);
+            spin[k] += predicted(g->now.w, g->now.turn, b + k, later);
         spin[k] *= arm;
     }
-    cross(spin, n, turned);
+    cross(spin, n, spin_slip);
     for (int k = 0; k < 3; k++)
-        slip[k] += turned[k] - rate * n[k];
+        slip[k] += spin_slip[k] - rate * n[k];
     return rate;
 }
 
-/* The tangential spring over the step: from that of the contact before, or from the moment at which
- * a new one has begun; at the start of a run it is slack. */
-static inline void stretch(const gas *g, contact *c, const contact *before, double sense,
-                           int has_moved)
+/* The tangential spring s over the step: from that of the contact `before`, with `sense` -1 if it
+ * was of (b, a), by h/2 u at the old normal n0, the turn s -= (n.s)/(1 + n0.n) (n0 + n) to the new
+ * one, and h/2 u there; a new contact has stretched it since it began; at the start of a run
+ * (has_moved 0) it is slack. */
+static inline void move_spring(const gas *g, contact *c, const contact *before, double sign,
+                               int has_moved)
 {
     double slip[3];
-    double half = 0.5 * g->h;
+    double half_step = 0.5 * g->h;
     if (before == NULL) {
-        double rate = slips(g, c, c->n, c->deep, 0, slip);
-        double since = g->h;
-        memset(c->bend, 0, sizeof c->bend);
+        double rate = slip_of(g, c, c->n, c->overlap, 0, slip);
+        double duration = g->h;
+        memset(c->spring, 0, sizeof c->spring);
         if (!has_moved)
             return;
         /* The overlap has grown at its rate since it began, but not for longer than a step. */
-        if (rate * g->h > 0.0 && fabs(c->deep / rate) < fabs(g->h))
-            since = c->deep / rate;
-        add_scaled(c->bend, since, slip);
+        if (rate * g->h > 0.0 && fabs(c->overlap / rate) < fabs(g->h))
+            duration = c->overlap / rate;
+        add_scaled(c->spring, duration, slip);
         return;
     }
-    double old[3], both[3];
+    double normal_before[3], bisector[3];
     for (int k = 0; k < 3; k++) {
-        old[k] = sense * before->n[k];
-        c->bend[k] = sense * before->bend[k];
-        both[k] = old[k] + c->n[k];
+        normal_before[k] = sign * before->n[k];
+        c->spring[k] = sign * before->spring[k];
+        bisector[k] = normal_before[k] + c->n[k];
     }
-    slips(g, c, old, before->deep, 0, slip);
-    add_scaled(c->bend, half, slip);
-    add_scaled(c->bend, -dot(c->n, c->bend) / (1.0 + dot(old, c->n)), both);
-    slips(g, c, c->n, c->deep, 0, slip);
-    add_scaled(c->bend, half, slip);
+    slip_of(g, c, normal_before, before->overlap, 0, slip);
+    add_scaled(c->spring, half_step, slip);
+    add_scaled(c->spring, -dot(c->n, c->spring) / (1.0 + dot(normal_before, c->n)), bisector);
+    slip_of(g, c, c->n, c->overlap, 0, slip);
+    add_scaled(c->spring, half_step, slip);
 }
 
-/* Half a step's change of velocity, on the grid, and of spin; the power of damping and of friction.
- */
-static inline void press(const gas *g, contact *c)
+/* The impulse h/2 force/m of a on the grid of velocities, the change h/2 l (n x f)/J of both spins,
+ * and the power lost by damping, c d'^2, and by friction, -f.u. Where the force would pull and the
+ * law has no pull, the dashpot gives way: the force is zero. */
+static inline void add_forces(const gas *g, contact *c)
 {
     const refdem_gas *p = g->p;
     double slip[3];
-    double rate = slips(g, c, c->n, c->deep, 1, slip);
-    double pull = p->damping * rate;
-    double normal = p->stiffness * c->deep + pull;
-    double ease = 0.5 * g->h / p->mass;
+    double rate = slip_of(g, c, c->n, c->overlap, 1, slip);
+    double damping_force = p->damping * rate;
+    double normal = p->stiffness * c->overlap + damping_force;
+    double half_step_per_mass = 0.5 * g->h / p->mass;
     double force[3];
     if (p->no_pull && normal < 0.0) {
-        pull -= normal;
+        damping_force -= normal;
         normal = 0.0;
     }
-    c->power = pull * rate;
+    c->power = damping_force * rate;
     for (int k = 0; k < 3; k++)
         force[k] = -normal * c->n[k];
     if (p->friction > 0.0) {
         double limit = p->friction * fmax(normal, 0.0);
-        double held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
-        double kept = 1.0;
-        if (held > limit) /* it slides: the spring is cut to its limit */
-            kept = limit / held;
-        double rub[3];
-        double arm = 0.5 * p->diameter - p->branch * c->deep;
+        double spring_force = p->tangential_stiffness * sqrt(dot(c->spring, c->spring));
+        double part_kept = 1.0;
+        if (spring_force > limit) /* it slides: the spring is cut to its limit */
+            part_kept = limit / spring_force;
+        double friction[3];
+        double arm = 0.5 * p->diameter - p->branch * c->overlap;
         for (int k = 0; k < 3; k++) {
-            c->bend[k] *= kept;
-            rub[k] = -p->tangential_stiffness * c->bend[k];
-            force[k] += rub[k];
+            c->spring[k] *= part_kept;
+            friction[k] = -p->tangential_stiffness * c->spring[k];
+            force[k] += friction[k];
         }
-        c->power -= dot(rub, slip);
-        cross(c->n, rub, c->twist);
+        c->power -= dot(friction, slip);
+        cross(c->n, friction, c->spin_change);
         for (int k = 0; k < 3; k++)
-            c->twist[k] *= arm * 0.5 * g->h / p->inertia;
+            c->spin_change[k] *= arm * 0.5 * g->h / p->inertia;
     }
+    /* Rounded to the grid, so that what a gains b loses, exactly. */
     for (int k = 0; k < 3; k++)
-        c->push[k] = (ease * force[k] + g->round) - g->round;
+        c->impulse[k] = (half_step_per_mass * force[k] + g->round) - g->round;
 }
 
-/* Energy that a contact's tangential spring holds. */
-static inline double stored(const gas *g, const contact *c)
+/* Energy k_t s^2/2 [J] that a contact's tangential spring holds. */
+static inline double spring_energy(const gas *g, const contact *c)
 {
     if (!(g->p->friction > 0.0))
         return 0.0;
-    return 0.5 * g->p->tangential_stiffness * dot(c->bend, c->bend);
+    return 0.5 * g->p->tangential_stiffness * dot(c->spring, c->spring);
 }
 
 #endif

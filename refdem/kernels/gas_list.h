@@ -26,13 +26,14 @@ static inline double nearest(double d, double size)
     return d;
 }
 
-/* Image of the box that is x, y, z = -1, 0 or 1 boxes away. */
+/* Number of the image of the box that is x, y, z = -1, 0 or 1 boxes away. */
 static inline int image_of(int x, int y, int z)
 {
     return ((x + 3) % 3) + 3 * ((y + 3) % 3) + 9 * ((z + 3) % 3);
 }
 
-static void images_placed(gas *g)
+/* The shift [m] of every image, by its number. */
+static void place_images(gas *g)
 {
     static const int boxes[3] = {0, 1, -1};
     for (int k = 0; k < IMAGES; k++) {
@@ -45,7 +46,7 @@ static void images_placed(gas *g)
 /* Moves whole boxes from the share's positions to their count, and finds its extent. In a motion
  * that diverges a body may be farther away than can be counted, or its position be no number: the
  * share says so, and the body is put at 0, where the search for neighbours can bear it. */
-static void wrapped(gas *g, share *t)
+static void wrap(gas *g, share *t)
 {
     double size = g->p->size;
     double *x = g->now.x;
@@ -78,16 +79,18 @@ static void wrapped(gas *g, share *t)
     }
 }
 
-/* Cells at least `reach` wide, not many more of them than bodies; 1 where the nearest images would
- * meet a cell twice. */
-static void measured(gas *g)
+/* Numbers and sizes of the cells: at least `reach` wide, not many more of them than bodies; one for
+ * all in a periodic box that would have fewer than 3 along an edge, where a neighbouring cell would
+ * be met twice. */
+static void set_cells(gas *g)
 {
-    int64_t most = 1;
-    while ((most + 1) * (most + 1) * (most + 1) <= most_cells(g->p) && most < LONGEST)
-        most++;
+    int64_t most_along = 1;
+    while ((most_along + 1) * (most_along + 1) * (most_along + 1) <= most_cells(g->p)
+           && most_along < LONGEST)
+        most_along++;
     for (int c = 0; c < 3; c++) {
         double low = 0.0;
-        double wide = g->p->size;
+        double width = g->p->size;
         if (!(g->p->size > 0.0)) { /* no box: the extent of all shares */
             low = g->share[0].low[c];
             double high = g->share[0].high[c];
@@ -95,12 +98,12 @@ static void measured(gas *g)
                 low = fmin(low, g->share[k].low[c]);
                 high = fmax(high, g->share[k].high[c]);
             }
-            wide = high - low;
+            width = high - low;
         }
-        double fit = floor(wide / g->reach);
+        double fitting = floor(width / g->reach);
         g->low[c] = low;
-        g->cells[c] = (int64_t)fmax(1.0, fmin(fit, (double)most));
-        g->side[c] = (double)g->cells[c] / fmax(wide, g->reach);
+        g->cells[c] = (int64_t)fmax(1.0, fmin(fitting, (double)most_along));
+        g->side[c] = (double)g->cells[c] / fmax(width, g->reach);
     }
     if (!(g->p->size > 0.0))
         return;
@@ -116,7 +119,7 @@ static void measured(gas *g)
 }
 
 /* A cell's number along an edge, kept inside it. */
-static inline int64_t within(int64_t at, int64_t cells)
+static inline int64_t clamped(int64_t at, int64_t cells)
 {
     if (at < 0)
         return 0;
@@ -125,20 +128,21 @@ static inline int64_t within(int64_t at, int64_t cells)
     return at;
 }
 
+/* The cell of a place; numbers run along x first. */
 static inline int64_t cell_of(const gas *g, const double *x)
 {
     int64_t at[3];
     for (int c = 0; c < 3; c++) {
         at[c] = 0;
         if (g->cells[c] > 1)
-            at[c] = within((int64_t)((x[c] - g->low[c]) * g->side[c]), g->cells[c]);
+            at[c] = clamped((int64_t)((x[c] - g->low[c]) * g->side[c]), g->cells[c]);
     }
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
 
 /* Where the bodies of every cell and thread begin: a sum over cells, then over threads, each thread
  * for its share of the cells. */
-static void counted(gas *g, share *t, int rank)
+static void count_cells(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
     int64_t from = share_of(g, all, rank);
@@ -148,43 +152,44 @@ static void counted(gas *g, share *t, int rank)
         for (int64_t c = from; c < to; c++)
             sum += g->share[k].count[c];
     t->cells = sum;
-    together(&g->team);
+    wait_for_all(&g->team);
     sum = 0;
     for (int k = 0; k < rank; k++)
         sum += g->share[k].cells;
     for (int64_t c = from; c < to; c++) {
         g->start[c] = (int32_t)sum;
         for (int64_t k = 0; k < g->threads; k++) {
-            int32_t held = g->share[k].count[c];
+            int32_t bodies = g->share[k].count[c];
             g->share[k].count[c] = (int32_t)sum;
-            sum += held;
+            sum += bodies;
         }
     }
     if (rank == 0)
         g->start[all] = (int32_t)g->n;
-    together(&g->team);
+    wait_for_all(&g->team);
 }
 
-static inline void moved(double *to, const double *from)
+/* Copies a vector. */
+static inline void copy3(double *to, const double *from)
 {
     memcpy(to, from, 3 * sizeof(double));
 }
 
 /* The share's part of the sorted columns; its fastest body and those that are to be kicked. */
-static void permuted(gas *g, share *t)
+static void permute(gas *g, share *t)
 {
     const columns *old = &g->now;
     columns *new = &g->next;
-    double most = 0.0;
+    double fastest = 0.0;
     t->touched = 0;
     for (int64_t i = t->from; i < t->to; i++) {
         int64_t j = g->order[i];
-        moved(new->x + 3 * i, old->x + 3 * j);
-        moved(new->v + 3 * i, old->v + 3 * j);
-        moved(new->kick + 3 * i, old->kick + 3 * j);
+        copy3(new->x + 3 * i, old->x + 3 * j);
+        copy3(new->v + 3 * i, old->v + 3 * j);
+        copy3(new->kick + 3 * i, old->kick + 3 * j);
         if (g->p->turning) {
-            moved(new->w + 3 * i, old->w + 3 * j);
-            moved(new->turn + 3 * i, old->turn + 3 * j);
+            copy3(new->w + 3 * i, old->w + 3 * j);
+            copy3(new->turn + 3 * i, old->turn + 3 * j);
         }
         memcpy(new->boxes + 3 * i, old->boxes + 3 * j, 3 * sizeof(int32_t));
         new->label[i] = old->label[j];
@@ -193,14 +198,14 @@ static void permuted(gas *g, share *t)
         if (new->mark[i])
             t->marked[t->touched++] = (int32_t)i;
         const double *v = new->v + 3 * i;
-        most = fmax(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        fastest = fmax(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
-    t->fastest = sqrt(most);
+    t->fastest = sqrt(fastest);
 }
 
 /* Counting sort: the bodies in the order of their cells, and of their places before within a cell.
  */
-static void sorted(gas *g, share *t, int rank)
+static void sort(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
     memset(t->count, 0, (size_t)all * sizeof(int32_t));
@@ -208,13 +213,13 @@ static void sorted(gas *g, share *t, int rank)
         g->cell[i] = (int32_t)cell_of(g, g->now.x + 3 * i);
         t->count[g->cell[i]]++;
     }
-    together(&g->team);
-    counted(g, t, rank);
+    wait_for_all(&g->team);
+    count_cells(g, t, rank);
     for (int64_t i = t->from; i < t->to; i++)
         g->order[t->count[g->cell[i]]++] = (int32_t)i;
-    together(&g->team);
-    permuted(g, t);
-    together(&g->team);
+    wait_for_all(&g->team);
+    permute(g, t);
+    wait_for_all(&g->team);
     if (rank == 0) {
         columns swap = g->now;
         g->now = g->next;
@@ -226,12 +231,11 @@ static void sorted(gas *g, share *t, int rank)
         if (own[k].b >= 0) /* planes keep their numbers */
             own[k].b = g->gone[own[k].b];
     }
-    together(&g->team);
+    wait_for_all(&g->team);
 }
 
-/* Pairs of body i with those from `from` up to `to` in an image, as far as they are within reach.
- */
-static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
+/* Lists the pairs of body i with the bodies `from` up to `to` in an image that are within reach. */
+static inline void list_pairs(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
 {
     const double *x = g->now.x + 3 * i;
     const double *s = g->shift[image];
@@ -253,71 +257,77 @@ static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to,
     }
 }
 
-/* Pairs of body i with every later one, by their nearest images: for boxes of few cells. */
-static void all_listed(gas *g, share *t, int64_t i)
+/* Lists the pairs of body i with every later one, by their nearest images: for boxes of one cell.
+ */
+static void list_all(gas *g, share *t, int64_t i)
 {
     double size = g->p->size;
     for (int64_t j = i + 1; j < g->n; j++) {
-        int away[3] = {0, 0, 0};
+        int boxes[3] = {0, 0, 0};
         for (int c = 0; c < 3 && size > 0.0; c++) {
             double d = g->now.x[3 * j + c] - g->now.x[3 * i + c];
             if (nearest(d, size) < d)
-                away[c] = -1;
+                boxes[c] = -1;
             else if (nearest(d, size) > d)
-                away[c] = 1;
+                boxes[c] = 1;
         }
-        listed(g, t, i, j, j + 1, image_of(away[0], away[1], away[2]));
+        list_pairs(g, t, i, j, j + 1, image_of(boxes[0], boxes[1], boxes[2]));
     }
 }
 
-/* The cells x - 1, x, x + 1 of a row; of the own row, those bodies that come after i. */
-static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int own, int y, int z)
+/* Lists pairs of body i with the cells x - 1, x, x + 1 of the row that begins at cell `base`, in
+ * the image (y, z) of it; of its own row those bodies that come after i, so that a pair is listed
+ * once. */
+static void list_row(gas *g, share *t, int64_t i, int64_t x, int64_t base, int is_own, int y, int z)
 {
     int64_t n = g->cells[0];
-    int64_t high = within(x + 1, n);
-    int64_t begin = g->start[base + within(x - 1, n)];
-    if (own) /* bodies lie in the order of their cells */
+    int64_t high = clamped(x + 1, n);
+    int64_t begin = g->start[base + clamped(x - 1, n)];
+    if (is_own) /* bodies lie in the order of their cells */
         begin = i + 1;
-    listed(g, t, i, begin, g->start[base + high + 1], image_of(0, y, z));
-    if (!(g->p->size > 0.0))
+    list_pairs(g, t, i, begin, g->start[base + high + 1], image_of(0, y, z));
+    if (!(g->p->size > 0.0)) /* beyond the edge there is nothing */
         return;
-    if (x == 0 && !own)
-        listed(g, t, i, g->start[base + n - 1], g->start[base + n], image_of(-1, y, z));
+    if (x == 0 && !is_own)
+        list_pairs(g, t, i, g->start[base + n - 1], g->start[base + n], image_of(-1, y, z));
     if (x == n - 1)
-        listed(g, t, i, g->start[base], g->start[base + 1], image_of(1, y, z));
+        list_pairs(g, t, i, g->start[base], g->start[base + 1], image_of(1, y, z));
 }
 
-/* The own row and the four of eight around it that are on the upper side. */
-static void neighbours_listed(gas *g, share *t, int64_t i)
+/* Lists pairs of body i with its own row of cells and the four of eight around it on the upper
+ * side: the other four list them from their side. */
+static void list_neighbours(gas *g, share *t, int64_t i)
 {
     static const int rows[5][2] = {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}};
     int64_t *n = g->cells;
-    int64_t at = cell_of(g, g->now.x + 3 * i);
-    int64_t x = at % n[0];
-    int64_t y = at / n[0] % n[1];
-    int64_t z = at / n[0] / n[1];
+    int64_t cell = cell_of(g, g->now.x + 3 * i);
+    int64_t x = cell % n[0];
+    int64_t y = cell / n[0] % n[1];
+    int64_t z = cell / n[0] / n[1];
     for (int k = 0; k < 5; k++) {
-        int64_t to[2] = {y + rows[k][0], z + rows[k][1]};
-        int over[2] = {0, 0};
+        int64_t row[2] = {y + rows[k][0], z + rows[k][1]};
+        int beyond[2] = {0, 0};
         for (int c = 0; c < 2; c++) {
-            if (to[c] < 0)
-                over[c] = -1;
-            else if (to[c] >= n[c + 1])
-                over[c] = 1;
-            to[c] -= over[c] * n[c + 1];
+            if (row[c] < 0)
+                beyond[c] = -1;
+            else if (row[c] >= n[c + 1])
+                beyond[c] = 1;
+            row[c] -= beyond[c] * n[c + 1];
         }
-        if (g->p->size > 0.0 || (!over[0] && !over[1]))
-            row_listed(g, t, i, x, (to[1] * n[1] + to[0]) * n[0], k == 0, over[0], over[1]);
+        if (g->p->size > 0.0 || (!beyond[0] && !beyond[1]))
+            list_row(g, t, i, x, (row[1] * n[1] + row[0]) * n[0], k == 0, beyond[0], beyond[1]);
     }
 }
 
-static void planes_listed(gas *g, share *t, int64_t i)
+/* Lists the planes within reach of body i. */
+static void list_planes(gas *g, share *t, int64_t i)
 {
     const double *x = g->now.x + 3 * i;
     for (int64_t k = 0; k < g->p->planes; k++) {
-        const double *q = g->p->plane + 6 * k;
-        double away = (x[0] - q[0]) * q[3] + (x[1] - q[1]) * q[4] + (x[2] - q[2]) * q[5];
-        if (!(away < g->reach - 0.5 * g->p->diameter))
+        const double *plane = g->p->plane + 6 * k;
+        double distance = (x[0] - plane[0]) * plane[3] + (x[1] - plane[1]) * plane[4]
+                          + (x[2] - plane[2]) * plane[5];
+        if (!(distance < g->reach - 0.5 * g->p->diameter))
             continue;
         if (t->pairs == g->p->most_pairs) {
             t->failed = NO_ROOM;
@@ -330,8 +340,8 @@ static void planes_listed(gas *g, share *t, int64_t i)
     }
 }
 
-/* The number of the listed pair (a, b) of this share, -1 if it has none. */
-static int64_t place_of(const share *t, int64_t a, int64_t b)
+/* The number of the listed pair (a, b) of this share; -1 if it is not listed here. */
+static int64_t pair_number(const share *t, int64_t a, int64_t b)
 {
     if (a < t->from || a >= t->to)
         return -1;
@@ -341,48 +351,49 @@ static int64_t place_of(const share *t, int64_t a, int64_t b)
     return -1;
 }
 
-/* The list knows its contacts of the step before by number: k + 1, or -(k + 1) where a pair has
- * changed its order. */
-static void found_again(gas *g, share *t)
+/* Gives the pairs of a new list their contacts of the step before, by number: k + 1, or -(k + 1)
+ * where the bodies have changed their order. */
+static void find_contacts_again(gas *g, share *t)
 {
     for (int64_t s = 0; s < g->threads; s++)
         for (int64_t k = s * g->p->most_contacts;
              k < s * g->p->most_contacts + g->share[s].contacts; k++) {
             const contact *c = g->contact[t->side] + k;
-            int64_t same = place_of(t, c->a, c->b);
-            int64_t turned = -1;
-            if (same < 0 && c->b >= 0)
-                turned = place_of(t, c->b, c->a);
-            if (same >= 0)
-                t->was[same] = (int32_t)(k + 1);
-            if (turned >= 0)
-                t->was[turned] = -(int32_t)(k + 1);
+            int64_t pair = pair_number(t, c->a, c->b);
+            int64_t pair_turned = -1;
+            if (pair < 0 && c->b >= 0)
+                pair_turned = pair_number(t, c->b, c->a);
+            if (pair >= 0)
+                t->was[pair] = (int32_t)(k + 1);
+            if (pair_turned >= 0)
+                t->was[pair_turned] = -(int32_t)(k + 1);
         }
 }
 
-/* The list anew. A share without room for its pairs says that it has failed. */
-static void rebuilt(gas *g, share *t, int rank)
+/* Makes the list anew: wrap, cells, sort, pairs, contacts. A share without room for its pairs says
+ * that it has failed. */
+static void rebuild(gas *g, share *t, int rank)
 {
-    wrapped(g, t);
-    together(&g->team);
+    wrap(g, t);
+    wait_for_all(&g->team);
     if (rank == 0)
-        measured(g);
-    together(&g->team);
-    sorted(g, t, rank);
+        set_cells(g);
+    wait_for_all(&g->team);
+    sort(g, t, rank);
     t->pairs = 0;
     t->way = 0.0;
     for (int64_t i = t->from; i < t->to && !t->failed; i++) {
         t->first[i - t->from] = (int32_t)t->pairs;
         if (g->cells[0] * g->cells[1] * g->cells[2] == 1)
-            all_listed(g, t, i);
+            list_all(g, t, i);
         else
-            neighbours_listed(g, t, i);
-        planes_listed(g, t, i);
+            list_neighbours(g, t, i);
+        list_planes(g, t, i);
     }
     t->first[t->to - t->from] = (int32_t)t->pairs;
     if (!t->failed)
-        found_again(g, t);
-    together(&g->team);
+        find_contacts_again(g, t);
+    wait_for_all(&g->team);
 }
 
 #endif

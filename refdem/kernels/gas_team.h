@@ -13,11 +13,13 @@
 #define PATIENCE 4096 /* looks at a barrier before the core is given to others: about 10 us */
 #define MOST_THREADS 64
 
+/* Members; those that have arrived at the barrier, barriers passed; 1 to begin, -1 to go home. */
 typedef struct {
     int members;
     atomic_int arrived, round, go;
 } team;
 
+/* Tells the processor that this thread waits in a loop. */
 static inline void pause_a_moment(void)
 {
 #if defined(__x86_64__) || defined(__i386__)
@@ -25,8 +27,9 @@ static inline void pause_a_moment(void)
 #endif
 }
 
-/* All members are here before any goes on. */
-static void together(team *t)
+/* A barrier: all members are here before any goes on. The last one to arrive lets the others go by
+ * a new round; release and acquire make what each wrote before visible to all after it. */
+static void wait_for_all(team *t)
 {
     if (t->members == 1)
         return;
@@ -44,6 +47,7 @@ static void together(team *t)
     }
 }
 
+/* What a thread is started with. */
 typedef struct {
     team *team;
     void (*work)(void *shared, int rank);
@@ -51,7 +55,8 @@ typedef struct {
     int rank;
 } duty;
 
-static void *on_duty(void *given)
+/* A thread waits until all are had, then does its work, or goes home if one is missing. */
+static void *member_thread(void *given)
 {
     duty *d = given;
     int go;
@@ -64,7 +69,7 @@ static void *on_duty(void *given)
 
 /* work(shared, rank) on every member, rank 0 on the caller's own thread. Returns 0, or 1 if a
  * thread could not be had: nothing is done. */
-static int at_work(team *t, int members, void (*work)(void *shared, int rank), void *shared)
+static int run_team(team *t, int members, void (*work)(void *shared, int rank), void *shared)
 {
     pthread_t thread[MOST_THREADS];
     duty given[MOST_THREADS];
@@ -75,7 +80,7 @@ static int at_work(team *t, int members, void (*work)(void *shared, int rank), v
     atomic_init(&t->go, 0);
     for (; had < members; had++) {
         given[had] = (duty){t, work, shared, had};
-        if (pthread_create(&thread[had], NULL, on_duty, &given[had]))
+        if (pthread_create(&thread[had], NULL, member_thread, &given[had]))
             break;
     }
     int go = -1; /* all go home if one is missing */

@@ -1,26 +1,33 @@
-/* A point in Newton's central field, bound orbits, in closed form.
+/* A point in Newton's central field, bound orbits, in closed form (Danby, Fundamentals of Celestial
+ * Mechanics, 6.2-6.8).
  *
- * alpha = 1/a = 2/r - v^2/gm, n = sqrt(gm alpha^3), e cos E0 = 1 - r alpha, e sin E0 = (r.v)
- * sqrt(alpha/gm); Kepler's equation M = E - e sin E; r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q
- * (Danby, Fundamentals of Celestial Mechanics, 6.2-6.8). The mean anomaly counts from periapsis in
- * double-double: near it M is small, and so is its error.
+ * From the start, with alpha = 1/a = 2/r - v^2/gm:
+ *   mean motion n = sqrt(gm alpha^3),  e cos E0 = 1 - r alpha,  e sin E0 = (r.v) sqrt(alpha/gm),
+ *   1 - e^2 = (r^2 v^2 - (r.v)^2) alpha/gm,  M0 = E0 - e sin E0.
+ * At time t: M = M0 + n (t - t0), Kepler's equation M = E - e sin E, and, along the unit vectors P
+ * towards periapsis and Q a quarter turn on,
+ *   r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q,
+ *   v = n a/(1 - e cos E) (sqrt(1 - e^2) cos E Q - sin E P).
+ * The mean anomaly counts from periapsis in double-double: near it M is small, and so is its error.
  */
+#include <assert.h>
+
 #include "elliptic.h"
 #include "kernels.h"
 
 typedef struct {
-    dd rate, start;       /* n and M at the start */
-    double e, less, flat; /* e, 1 - e, sqrt(1 - e^2) */
-    double a, speed;      /* a, n a */
-    double p[3], q[3];    /* towards periapsis; a quarter turn on */
+    dd rate, start; /* n [rad/s] and M0 [rad] */
+    double e, one_minus_e, root_one_minus_e2;
+    double a, speed;   /* a [m], n a [m/s] */
+    double p[3], q[3]; /* P, Q */
     double t0, position[3], velocity[3];
     int64_t samples;
     const double *t;
     double *out_position, *out_velocity;
 } orbit;
 
-/* E - sin E, without cancellation for small E; s = sin E. */
-static double excess(double x, double s)
+/* x - sin x, s = sin x; for |x| <= 1 by its series x^3/3! - x^5/5! + .., without cancellation. */
+static double minus_sine(double x, double s)
 {
     if (fabs(x) > 1.0)
         return x - s;
@@ -34,34 +41,37 @@ static double excess(double x, double s)
     return sum;
 }
 
-/* Cos and sin of E for M in -pi..pi: Danby's start and quartic steps (6.6.7), the last one on the
- * residual with M's low part. */
-static void eccentric(const orbit *o, dd mean, double *restrict c, double *restrict s)
+/* cos E and sin E for M in -pi..pi. Kepler's equation as f(E) = (1 - e) E + e (E - sin E) - M = 0,
+ * which does not cancel near periapsis; from Danby's start E = M + 0.85 e sgn M by his quartic
+ * steps (6.6.7), and one last Newton step, with M's low part, applied to cosine and sine. */
+static void solve_kepler(const orbit *o, dd mean, double *restrict c, double *restrict s)
 {
     double m = mean.hi;
-    double x = m + copysign(0.85 * o->e, m);
-    if (fabs(m) < 0.1 * o->less) /* near the pericentre M = (1 - e) E */
-        x = m / o->less;
+    double anomaly = m + copysign(0.85 * o->e, m);
+    if (fabs(m) < 0.1 * o->one_minus_e) /* near the pericentre M = (1 - e) E */
+        anomaly = m / o->one_minus_e;
     double change = 1.0;
-    for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(x); i++) {
-        double s0 = sin(x);
-        double f = o->less * x + o->e * excess(x, s0) - m;
-        double sine = o->e * s0;
-        double cosine = o->e * cos(x);
-        double slope = 1.0 - cosine;
-        double first = -f / slope;
-        double second = -f / (slope + 0.5 * first * sine);
-        change = -f / (slope + 0.5 * second * sine + second * second * cosine / 6.0);
-        x += change;
+    for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(anomaly); i++) {
+        double s0 = sin(anomaly);
+        double f = o->one_minus_e * anomaly + o->e * minus_sine(anomaly, s0) - m;
+        double e_sin = o->e * s0;
+        double e_cos = o->e * cos(anomaly);
+        double slope = 1.0 - e_cos;
+        double newton = -f / slope;
+        double halley = -f / (slope + 0.5 * newton * e_sin);
+        change = -f / (slope + 0.5 * halley * e_sin + halley * halley * e_cos / 6.0);
+        anomaly += change;
     }
-    double s0 = sin(x);
-    double c0 = cos(x);
-    double low = (m - (o->less * x + o->e * excess(x, s0)) + mean.lo) / (1.0 - o->e * c0);
-    *c = fma(-low, s0, c0);
-    *s = fma(low, c0, s0);
+    double s0 = sin(anomaly);
+    double c0 = cos(anomaly);
+    double correction = (m - (o->one_minus_e * anomaly + o->e * minus_sine(anomaly, s0)) + mean.lo)
+                        / (1.0 - o->e * c0);
+    *c = fma(-correction, s0, c0);
+    *s = fma(correction, c0, s0);
 }
 
-/* 0, or 1 if the orbit is not bound or goes through the centre. */
+/* The orbit from its start, by the formulas above; 1 if it is not bound or goes through the centre.
+ */
 static int prepare(orbit *o, double gm, const double *restrict position,
                    const double *restrict velocity)
 {
@@ -74,43 +84,45 @@ static int prepare(orbit *o, double gm, const double *restrict position,
     }
     dd distance = dd_sqrt(dd_dot(r, r));
     dd alpha = dd_sub(dd_div(dd_of(2.0), distance), dd_div(dd_dot(v, v), mu));
-    if (!(alpha.hi > 0.0))
+    if (!(alpha.hi > 0.0)) /* a parabola or hyperbola */
         return 1;
-    dd root = dd_sqrt(dd_div(alpha, mu));
+    dd root_alpha_mu = dd_sqrt(dd_div(alpha, mu));
     dd a = dd_div(one, alpha);
-    dd cosine = dd_sub(one, dd_mul(distance, alpha));
-    dd sine = dd_mul(dd_dot(r, v), root);
-    dd e = dd_sqrt(dd_add(dd_square(cosine), dd_square(sine)));
-    dd square = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))),
-                       dd_div(alpha, mu));
-    if (!(square.hi > 1e-16))
+    dd e_cos_e0 = dd_sub(one, dd_mul(distance, alpha));
+    dd e_sin_e0 = dd_mul(dd_dot(r, v), root_alpha_mu);
+    dd e = dd_sqrt(dd_add(dd_square(e_cos_e0), dd_square(e_sin_e0)));
+    dd one_minus_e2 = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))),
+                             dd_div(alpha, mu));
+    if (!(one_minus_e2.hi > 1e-16)) /* as good as a straight line through the centre */
         return 1;
-    dd flat = dd_sqrt(square);
-    dd anomaly = angle_of(sine, cosine);
-    dd c = one;
-    dd s = dd_of(0.0);
+    dd root = dd_sqrt(one_minus_e2);
+    dd e0 = angle_of(e_sin_e0, e_cos_e0);
+    dd cos_e0 = one; /* on a circle periapsis is where it starts */
+    dd sin_e0 = dd_of(0.0);
     if (e.hi > 0.0) {
-        c = dd_div(cosine, e);
-        s = dd_div(sine, e);
+        cos_e0 = dd_div(e_cos_e0, e);
+        sin_e0 = dd_div(e_sin_e0, e);
     }
     o->rate = dd_mul(alpha, dd_sqrt(dd_mul(mu, alpha)));
-    o->start = dd_sub(anomaly, sine);
+    o->start = dd_sub(e0, e_sin_e0);
     o->e = e.hi;
-    o->less = dd_div(square, dd_add(one, e)).hi;
-    o->flat = flat.hi;
+    o->one_minus_e = dd_div(one_minus_e2, dd_add(one, e)).hi;
+    o->root_one_minus_e2 = root.hi;
     o->a = a.hi;
     o->speed = dd_mul(o->rate, a).hi;
     for (int i = 0; i < 3; i++) {
-        dd out = dd_div(r[i], distance);
-        dd on = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
+        dd radial = dd_div(r[i], distance);
+        dd along_v = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
         o->position[i] = position[i];
         o->velocity[i] = velocity[i];
-        o->p[i] = dd_sub(dd_mul(c, out), dd_mul(s, on)).hi;
-        o->q[i] = dd_div(dd_add(dd_mul(s, out), dd_mul(dd_sub(c, e), on)), flat).hi;
+        o->p[i] = dd_sub(dd_mul(cos_e0, radial), dd_mul(sin_e0, along_v)).hi;
+        o->q[i]
+            = dd_div(dd_add(dd_mul(sin_e0, radial), dd_mul(dd_sub(cos_e0, e), along_v)), root).hi;
     }
     return 0;
 }
 
+/* Doubles that a prepared orbit takes. */
 int64_t refdem_kepler_size(void)
 {
     return (sizeof(orbit) + sizeof(double) - 1) / sizeof(double);
@@ -121,6 +133,8 @@ int refdem_kepler_prepare(double gm, const double *position, const double *veloc
                           int64_t samples, const double *t, double *out_position,
                           double *out_velocity, double *motion)
 {
+    assert(position && velocity && motion);
+    assert(samples == 0 || (t && out_position && out_velocity)); /* (samples, 3) doubles each */
     orbit *o = (orbit *)motion;
     o->t0 = t0;
     o->samples = samples;
@@ -133,31 +147,34 @@ int refdem_kepler_prepare(double gm, const double *position, const double *veloc
 REFDEM_EVERY_CPU
 int refdem_kepler_run(const double *motion)
 {
+    assert(motion);
     const orbit *o = (const orbit *)motion;
     const double *t = o->t;
     double *out_position = o->out_position;
     double *out_velocity = o->out_velocity;
-    const dd turn = dd_scale(DD_PI, 2.0);
+    const dd period = dd_scale(DD_PI, 2.0);
     for (int64_t n = 0; n < o->samples; n++) {
-        if (t[n] == o->t0) {
+        if (t[n] == o->t0) { /* the start as it was given */
             memcpy(out_position + 3 * n, o->position, sizeof o->position);
             memcpy(out_velocity + 3 * n, o->velocity, sizeof o->velocity);
             continue;
         }
-        double c, s;
+        double cos_e, sin_e;
         int odd;
         dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
-        eccentric(o, dd_reduced(mean, turn, &odd), &c, &s);
-        double small = s * s / (1.0 + fabs(c));
-        double above = 1.0 - c; /* 1 - cos E, without cancellation */
-        if (c > 0.0)
-            above = small;
-        double x = o->a * (o->less - above);
-        double y = o->a * o->flat * s;
-        double per = o->speed / (o->less + o->e * above);
+        solve_kepler(o, dd_reduced(mean, period, &odd), &cos_e, &sin_e);
+        /* 1 - cos E, as sin^2 E/(1 + cos E) where the difference would cancel. */
+        double small = sin_e * sin_e / (1.0 + fabs(cos_e));
+        double one_minus_cos = 1.0 - cos_e;
+        if (cos_e > 0.0)
+            one_minus_cos = small;
+        double along_p = o->a * (o->one_minus_e - one_minus_cos);
+        double along_q = o->a * o->root_one_minus_e2 * sin_e;
+        double speed_over_radius = o->speed / (o->one_minus_e + o->e * one_minus_cos);
         for (int i = 0; i < 3; i++) {
-            out_position[3 * n + i] = x * o->p[i] + y * o->q[i];
-            out_velocity[3 * n + i] = per * (o->flat * c * o->q[i] - s * o->p[i]);
+            out_position[3 * n + i] = along_p * o->p[i] + along_q * o->q[i];
+            out_velocity[3 * n + i]
+                = speed_over_radius * (o->root_one_minus_e2 * cos_e * o->q[i] - sin_e * o->p[i]);
         }
     }
     return 0;
@@ -168,7 +185,7 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
 {
     orbit o;
     if (refdem_kepler_prepare(gm, position, velocity, t0, samples, t, out_position, out_velocity,
-                              (double *)&o))
+                              (double *)&o)) /* not bound, or straight */
         return 1;
     return refdem_kepler_run((const double *)&o);
 }

@@ -5,6 +5,16 @@
  * are filled in place. No allocation, no globals. A function that can fail returns 0, or the
  * 1-based number of the sample at which it failed. Every section must end before the next marker;
  * the glue is generated from these declarations.
+ *
+ * The files name their phases alike, and put them in this order, so that two of them can be laid
+ * side by side.
+ *   Contacts, from event to event: begin (state and modes of the start), measure (geometry, slip
+ * and force of one contact), expand or rates (the motion within the modes), step_size, locate (the
+ *   first event within the step), record (samples), accept (the end of the step becomes the state),
+ *   change_mode (through the event).
+ *   Taylor series: expand, step_size, record, accept.
+ *   Steps of fixed size: begin, kick, drift, hold (constraints), finish.
+ *   Closed forms: prepare (what the start decides), state_at (one time), run (all samples).
  */
 #ifndef REFDEM_KERNELS_H
 #define REFDEM_KERNELS_H
@@ -220,8 +230,8 @@ int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double 
 
 /* == particles == */
 
-/* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies):
- * 1/inertia, 0 where nothing turns. spring (springs, 8): stiffness [N/m^exponent], length [m],
+/* Points and spheres. inverse_mass (bodies) [1/kg], 0 for a fixed body; inverse_inertia (bodies)
+ * [1/(kg m^2)], 0 where nothing turns. spring (springs, 8): stiffness [N/m^exponent], length [m],
  * exponent, anchor in the world (3) [m], quadratic [N/m^2], cubic [N/m^3]; its ends are pairs of
  * bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can
  * meet, j = -1 - k for plane k. branch: lever arm R - branch * overlap. no_pull: the contact ends
@@ -229,7 +239,7 @@ int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double 
  * tangential_stiffness sqrt(d) (both [N/m^(3/2)]). */
 typedef struct {
     int64_t bodies;
-    const double *mass, *ease, *turn_ease, *radius;
+    const double *mass, *inverse_mass, *inverse_inertia, *radius;
     const double *gravity;
     double gm;
     int64_t springs;
@@ -372,12 +382,12 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
 
 /* == oblique == */
 
-/* Two spheres under the linear contact law with a tangential spring, or without friction. ease:
- * 1/m_i + 1/m_j [1/kg]; turn_ease: 1/J [1/(kg m^2)]; lever arms are radius - branch d; no_pull: the
- * contact ends where the force does. longest: no stretch is longer [s]. */
+/* Two spheres under the linear contact law with a tangential spring, or without friction.
+ * inverse_mass: 1/m_i + 1/m_j [1/kg]; inverse_inertia: 1/J [1/(kg m^2)]; lever arms are radius -
+ * branch d; no_pull: the contact ends where the force does. longest: no stretch is longer [s]. */
 typedef struct {
-    double radius_i, radius_j, ease, turn_ease_i, turn_ease_j, stiffness, damping,
-        tangential_stiffness, friction, branch, longest;
+    double radius_i, radius_j, inverse_mass, inverse_inertia_i, inverse_inertia_j, stiffness,
+        damping, tangential_stiffness, friction, branch, longest;
     int no_pull;
 } refdem_oblique_pair;
 

@@ -1,51 +1,59 @@
-/* Verlet's method on a lattice: places and velocities are whole numbers of their units, so that
+/* Verlet's method on a lattice: places X and velocities V are whole numbers of their units, so that
  * every kick and drift is undone exactly.
  *
- * D. Levesque and L. Verlet, J. Stat. Phys. 72 (1993) 519; here in velocity form: V += [h a(X)/2],
- * X += [h V], V += [h a(X)/2], [] to the nearest whole number. With time reversed the same whole
- * numbers are taken away again. Nothing is lost in large sums either.
+ * D. Levesque and L. Verlet, J. Stat. Phys. 72 (1993) 519; here in velocity form,
+ *   kick V += [h/2 a(X)],   drift X += [h V],   kick V += [h/2 a(X)],
+ * [] to the nearest whole number, a(x) = (weight - k |x|^n sgn x - cubic x^3)/m. With time reversed
+ * the same whole numbers are taken away again. Nothing is lost in large sums either.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "simd.h"
 
+/* a(x) [m/s^2]. */
 static inline double acceleration(const refdem_lattice *p, double x)
 {
-    double pull = p->stiffness * x;
+    double spring_force = p->stiffness * x;
     if (p->exponent != 1.0)
-        pull = copysign(p->stiffness * pow(fabs(x), p->exponent), x);
-    double hardening = p->cubic * x * x * x;
-    return (p->weight - pull - hardening) / p->mass;
+        spring_force = copysign(p->stiffness * pow(fabs(x), p->exponent), x);
+    double cubic_force = p->cubic * x * x * x;
+    return (p->weight - spring_force - cubic_force) / p->mass;
 }
 
 /* The whole number nearest to part * count, though count may have more bits than binary64, and so
- * may the product. */
-static inline int64_t share(double part, int64_t count)
+ * may the product: count = rough + rest, part rough = hi + lo exactly; hi is rounded first, and
+ * what it leaves is added to the small terms. */
+static inline int64_t rounded_product(double factor, int64_t count)
 {
     double rough = (double)count;
-    dd product = two_product(part, rough);
+    dd product = two_product(factor, rough);
     int64_t whole = llrint(product.hi);
     return whole
            + llrint((product.hi - (double)whole)
-                    + fma(part, (double)(count - (int64_t)rough), product.lo));
+                    + fma(factor, (double)(count - (int64_t)rough), product.lo));
 }
 
 REFDEM_EVERY_CPU
 int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double h, int64_t samples,
                           int64_t stride, double *out)
 {
+    assert(p);
+    assert(samples >= 1 && stride >= 0 && out); /* (samples, 2) doubles */
     int64_t place = llrint(x0 / p->place);
     int64_t speed = llrint(v0 / p->speed);
-    double kick = 0.5 * h / p->speed;
+    double half_kick = 0.5 * h / p->speed;
     double drift = h * p->speed / p->place;
     out[0] = x0;
     out[1] = v0;
-    int64_t push = llrint(kick * acceleration(p, (double)place * p->place));
+    int64_t velocity_change = llrint(half_kick * acceleration(p, (double)place * p->place));
     for (int64_t row = 1; row < samples; row++) {
         for (int64_t n = 0; n < stride; n++) {
-            speed += push;
-            place += share(drift, speed);
-            push = llrint(kick * acceleration(p, (double)place * p->place));
-            speed += push;
+            /* Kick, drift, kick. The last push is the first one of the next step. */
+            speed += velocity_change;
+            place += rounded_product(drift, speed);
+            velocity_change = llrint(half_kick * acceleration(p, (double)place * p->place));
+            speed += velocity_change;
         }
         out[2 * row] = (double)place * p->place;
         out[2 * row + 1] = (double)speed * p->speed;

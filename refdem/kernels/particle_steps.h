@@ -1,6 +1,14 @@
 /* One step of points and spheres within the modes of their contacts: velocity Verlet, Runge-Kutta,
  * extrapolation.
  *
+ * All three are maps (y, y') -> (y, y') over h, of the rates y' = f(y) of particles.h at fixed
+ * modes:
+ *
+ *   Verlet         v += h/2 a,  x += h v,  v += h/2 a                   (order 2)
+ *   Runge-Kutta    y += h/6 (k1 + 2 k2 + 2 k3 + k4)                     (order 4)
+ *   extrapolation  the modified midpoint rule with n = 2, 4, .., 20 parts a step, extrapolated in
+ *                  (h/n)^2 to 0 until it changes by round-off only
+ *
  * Every sum is compensated: after its `size` numbers a state has as many that hold what rounding
  * has lost.
  */
@@ -10,98 +18,107 @@
 #include "particles.h"
 
 enum { VERLET, RUNGE_KUTTA, EXTRAPOLATION };
-enum { COLUMNS = 10 };
+enum { COLUMNS = 10 }; /* of the extrapolation table */
 
 typedef struct {
     const refdem_particles *p;
     int method;
     int64_t size;
-    int64_t *mode;
-    double *scratch;
-    double length, speed, turning, way; /* what an error is compared with */
+    int64_t *mode;   /* of each pair */
+    double *scratch; /* work space of the methods */
+    /* Scales that errors are compared with: of positions [m], velocities [m/s], spins [rad/s], and
+     * of the springs: the largest way in a step [m]. */
+    double length, speed, turning, way;
 } runner;
 
-/* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965;
- * Knuth's sum, TAOCP 4.2.2). */
-static inline void gain(const runner *r, const double *from, int64_t c, double by, double *to)
+/* to[c] = from[c] + increment; what rounding loses is kept at to[size + c], and taken in by the
+ * next sum (Kahan 1965; Knuth's two-sum, TAOCP 4.2.2). */
+static inline void add_compensated(const runner *r, const double *from, int64_t c, double increment,
+                                   double *to)
 {
-    double part = from[r->size + c] + by;
-    double sum = from[c] + part;
-    double taken = sum - from[c];
-    to[r->size + c] = (from[c] - (sum - taken)) + (part - taken);
+    double compensated = from[r->size + c] + increment;
+    double sum = from[c] + compensated;
+    double added = sum - from[c];
+    to[r->size + c] = (from[c] - (sum - added)) + (compensated - added);
     to[c] = sum;
 }
 
-/* Velocity Verlet (Swope et al. 1982): kick, drift, kick. */
-
-/* Turns the unit vector s towards the slip: tan(angle/2) falls as exp(-|slip| t k_t/limit), exactly
- * for constant slip. */
-static inline void lean(const meeting *m, double stiffness, double h, double *restrict s)
+/* Turns the unit vector s of a spring at its limit towards the slip u. For constant u the angle a
+ * between them obeys a' = -(|u| k_t/(mu F)) sin a, so that tan(a/2) falls as exp(-|u| k_t t/(mu
+ * F)): exact for the time h. */
+static inline void turn_towards_slip(const contact *m, double stiffness, double h,
+                                     double *restrict s)
 {
-    double fast = size(m->slip);
-    if (fast == 0.0)
+    double slip_speed = size(m->slip);
+    if (slip_speed == 0.0)
         return;
-    double along = dot(s, m->slip) / fast;
+    double cosine_before = dot(s, m->slip) / slip_speed;
     double decay = 0.0; /* a force without a limit to its friction turns the spring at once */
     if (m->limit > 0.0)
-        decay = exp(-fast * stiffness * h / m->limit);
-    double tangent = decay * sqrt(fmax(0.0, 1.0 - along) / fmax(1e-300, 1.0 + along));
+        decay = exp(-slip_speed * stiffness * h / m->limit);
+    /* tan(a/2) = sqrt((1 - cos a)/(1 + cos a)) at the start, times the decay at the end. */
+    double tangent
+        = decay * sqrt(fmax(0.0, 1.0 - cosine_before) / fmax(1e-300, 1.0 + cosine_before));
     double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent);
     double sine = 2.0 * tangent / (1.0 + tangent * tangent);
     double across[3];
     for (int c = 0; c < 3; c++)
-        across[c] = s[c] - along * m->slip[c] / fast;
-    double rest = size(across);
+        across[c] = s[c] - cosine_before * m->slip[c] / slip_speed;
+    double across_length = size(across);
     /* Motion in a plane: rounding must not turn the spring, least of all from where it points
      * against the slip. */
-    if (rest < STRAIGHT)
+    if (across_length < STRAIGHT)
         return;
     for (int c = 0; c < 3; c++)
-        s[c] = cosine * m->slip[c] / fast + sine * across[c] / rest;
+        s[c] = cosine * m->slip[c] / slip_speed + sine * across[c] / across_length;
 }
 
-/* Half a step of every tangential spring; keeps the normals it saw, or turns the springs from those
- * to the new ones. */
-static inline void stretch(const runner *r, double *restrict y, double h, double *restrict normal,
-                           int carried)
+/* Moves every tangential spring on by h, at the normals and slips of state y: s += h u where it
+ * sticks, by `lean` where it slips. The normals are kept in `normal` (pairs, 3); if `carried`, the
+ * springs are first rotated from the normals kept there, n0, to those of y, n1: for s across n0,
+ *   s -= (n1.s)/(1 + n0.n1) (n0 + n1). */
+static inline void move_springs(const runner *r, double *restrict y, double h,
+                                double *restrict normal, int is_carried)
 {
     const refdem_particles *p = r->p;
     for (int64_t k = 0; k < p->pairs; k++) {
         double *s = y + history_at(p) + 3 * k;
-        double *old = normal + 3 * k;
+        double *normal_before = normal + 3 * k;
         if (r->mode[k] < STICK)
             continue;
-        meeting m = meet(p, k, y);
-        if (carried) {
-            double both[3] = {old[0] + m.n[0], old[1] + m.n[1], old[2] + m.n[2]};
-            add_scaled(s, -dot(m.n, s) / (1.0 + dot(old, m.n)), both);
+        contact m = measure(p, k, y);
+        if (is_carried) {
+            double bisector[3]
+                = {normal_before[0] + m.n[0], normal_before[1] + m.n[1], normal_before[2] + m.n[2]};
+            add_scaled(s, -dot(m.n, s) / (1.0 + dot(normal_before, m.n)), bisector);
         }
         if (r->mode[k] == STICK && p->tangential_stiffness > 0.0)
             add_scaled(s, h, m.slip);
         if (r->mode[k] == SLIP && p->tangential_stiffness > 0.0)
-            lean(&m, grip(p, &m), h, s);
-        memcpy(old, m.n, sizeof m.n);
+            turn_towards_slip(&m, tangential_stiffness(p, &m), h, s);
+        memcpy(normal_before, m.n, sizeof m.n);
     }
 }
 
-/* q turned by the rotation vector w h, exactly, and put back to unit length by one step of
-   Newton's: the same turn rounds the same way every time, so that the length would drift with the
-   number of steps. */
-static inline void spin(int64_t n, const double *restrict w, double h, double *restrict q)
+/* n attitudes q turned by the rotation vectors w h, exactly: q = exp(w h/2) q, with the half angle
+ * a = |w| h/2 and exp(w h/2) = (cos a, (sin a/a) w h/2). Then one step of Newton's for |q| = 1, q
+ * *= 3/2 - |q|^2/2: the same turn rounds the same way every time, so that the length would drift
+ * with the number of steps. */
+static inline void rotate(int64_t n, const double *restrict w, double h, double *restrict q)
 {
     for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
         double angle = 0.5 * h * size(w);
-        double part = 0.5 * h; /* sin(angle)/angle tends to 1 */
+        double factor = 0.5 * h; /* sin(angle)/angle tends to 1 */
         if (angle != 0.0)
-            part = 0.5 * h * sin(angle) / angle;
-        double c = cos(angle);
-        double v[3] = {part * w[0], part * w[1], part * w[2]};
-        double old[4] = {q[0], q[1], q[2], q[3]};
-        double across[3];
-        cross(v, old + 1, across);
-        q[0] = c * old[0] - dot(v, old + 1);
+            factor = 0.5 * h * sin(angle) / angle;
+        double cosine = cos(angle);
+        double vector[3] = {factor * w[0], factor * w[1], factor * w[2]};
+        double before[4] = {q[0], q[1], q[2], q[3]};
+        double crossed[3];
+        cross(vector, before + 1, crossed);
+        q[0] = cosine * before[0] - dot(vector, before + 1);
         for (int k = 0; k < 3; k++)
-            q[1 + k] = c * old[1 + k] + old[0] * v[k] + across[k];
+            q[1 + k] = cosine * before[1 + k] + before[0] * vector[k] + crossed[k];
         if (angle == 0.0) /* what does not turn keeps its bits */
             continue;
         double unit = 1.5 - 0.5 * (q[0] * q[0] + dot(q + 1, q + 1));
@@ -110,7 +127,7 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
     }
 }
 
-/* Velocities and turning rates. */
+/* Velocities and spins: to = from + h dy. */
 static inline void kick(const runner *r, const double *from, const double *restrict dy, double h,
                         double *to)
 {
@@ -119,47 +136,53 @@ static inline void kick(const runner *r, const double *from, const double *restr
     if (r->p->turning)
         end = 9 * n;
     for (int64_t c = 3 * n; c < end; c++)
-        gain(r, from, c, h * dy[c], to);
+        add_compensated(r, from, c, h * dy[c], to);
 }
 
-/* Forces that depend on velocities get a predicted velocity and one correction, which keeps the
- * second order. */
+/* Velocity Verlet (Swope et al. 1982): kick, drift, kick; springs move by half a step before the
+ * drift and half a step after it. Forces that depend on velocities see v + h/2 a with the old a,
+ * then once more with the new one, which keeps the second order. */
 static inline int verlet(const runner *r, const double *restrict y, const double *restrict dy,
                          double h, double *restrict out, double *restrict rate)
 {
     const refdem_particles *p = r->p;
-    double *half = r->scratch;
-    double *normal = half + 2 * r->size;
-    int rubs = p->friction > 0.0;
-    int lags = p->damping > 0.0 || rubs;
+    double *half_step = r->scratch;
+    double *normal = half_step + 2 * r->size;
+    int has_friction = p->friction > 0.0;
+    int depends_on_velocity = p->damping > 0.0 || has_friction;
     memcpy(out, y, 2 * (size_t)r->size * sizeof *y);
+    /* Kick: v(h/2) = v + h/2 a, and the springs with it. */
     kick(r, y, dy, 0.5 * h, out);
-    if (rubs)
-        stretch(r, out, 0.5 * h, normal, 0);
+    if (has_friction)
+        move_springs(r, out, 0.5 * h, normal, 0);
+    /* Drift: x(h) = x + h v(h/2), attitudes by w(h/2). */
     for (int64_t c = 0; c < 3 * p->bodies; c++)
-        gain(r, y, c, h * out[3 * p->bodies + c], out);
+        add_compensated(r, y, c, h * out[3 * p->bodies + c], out);
     if (p->turning)
-        spin(p->bodies, out + spin_at(p), h, out + 9 * p->bodies);
-    if (rubs)
-        stretch(r, out, 0.5 * h, normal, 1);
-    if (lags) {
-        memcpy(half, out, 2 * (size_t)r->size * sizeof *y);
-        kick(r, half, dy, 0.5 * h, out);
+        rotate(p->bodies, out + spin_at(p), h, out + 9 * p->bodies);
+    if (has_friction)
+        move_springs(r, out, 0.5 * h, normal, 1);
+    /* Forces at the end; where they depend on velocities, of v(h/2) + h/2 a, a the old one. */
+    if (depends_on_velocity) {
+        memcpy(half_step, out, 2 * (size_t)r->size * sizeof *y);
+        kick(r, half_step, dy, 0.5 * h, out);
         rates(p, r->mode, out, rate);
-        kick(r, half, rate, 0.5 * h, out);
+        kick(r, half_step, rate, 0.5 * h, out);
     }
     rates(p, r->mode, out, rate);
-    /* The second half of the kick: anew from the half step where the first one was a guess. */
-    if (lags)
-        kick(r, half, rate, 0.5 * h, out);
+    /* Kick: v(h) = v(h/2) + h/2 a(h), anew from the half step where a first one was predicted. */
+    if (depends_on_velocity)
+        kick(r, half_step, rate, 0.5 * h, out);
     else
         kick(r, out, rate, 0.5 * h, out);
+    /* Work by the trapezoidal rule. */
     out[work_at(p)] += 0.5 * h * (dy[work_at(p)] + rate[work_at(p)]);
     return 1;
 }
 
-/* Attitudes to unit length; springs into the tangent plane, their directions to unit length. */
-static inline void settle(const runner *r, double *restrict y)
+/* Puts a state back on its constraints: attitudes to unit length, springs into the plane of contact
+ * (s -= (s.n) n), the directions of slipping springs to unit length. */
+static inline void project(const runner *r, double *restrict y)
 {
     const refdem_particles *p = r->p;
     if (p->turning) {
@@ -176,7 +199,7 @@ static inline void settle(const runner *r, double *restrict y)
         double *s = y + history_at(p) + 3 * k;
         if (r->mode[k] < STICK)
             continue;
-        meeting m = meet(p, k, y);
+        contact m = measure(p, k, y);
         add_scaled(s, -dot(s, m.n), m.n);
         double length = size(s);
         if (r->mode[k] == SLIP && length > 0.0) {
@@ -186,69 +209,69 @@ static inline void settle(const runner *r, double *restrict y)
     }
 }
 
-/* Kutta 1901. */
+/* The classical method of order 4 (Kutta 1901): k1 = dy, k2 and k3 at h/2, k4 at h. */
 static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy,
                               double h, double *restrict out, double *restrict rate)
 {
-    double *b = r->scratch;
-    double *c = b + r->size;
-    double *d = c + r->size;
-    double *at = d + r->size;
+    double *k2 = r->scratch;
+    double *k3 = k2 + r->size;
+    double *k4 = k3 + r->size;
+    double *stage = k4 + r->size;
     for (int64_t i = 0; i < r->size; i++)
-        at[i] = y[i] + 0.5 * h * dy[i];
-    rates(r->p, r->mode, at, b);
+        stage[i] = y[i] + 0.5 * h * dy[i];
+    rates(r->p, r->mode, stage, k2);
     for (int64_t i = 0; i < r->size; i++)
-        at[i] = y[i] + 0.5 * h * b[i];
-    rates(r->p, r->mode, at, c);
+        stage[i] = y[i] + 0.5 * h * k2[i];
+    rates(r->p, r->mode, stage, k3);
     for (int64_t i = 0; i < r->size; i++)
-        at[i] = y[i] + h * c[i];
-    rates(r->p, r->mode, at, d);
+        stage[i] = y[i] + h * k3[i];
+    rates(r->p, r->mode, stage, k4);
     for (int64_t i = 0; i < r->size; i++)
-        gain(r, y, i, h / 6.0 * ((dy[i] + d[i]) + 2.0 * (b[i] + c[i])), out);
-    settle(r, out);
+        add_compensated(r, y, i, h / 6.0 * ((dy[i] + k4[i]) + 2.0 * (k2[i] + k3[i])), out);
+    project(r, out);
     rates(r->p, r->mode, out, rate);
     return 1;
 }
 
-/* The change over h by n steps of the modified midpoint rule (Gragg 1965), n even, as an increment.
- */
+/* The increment y(h) - y(0) by n steps of the modified midpoint rule (Gragg 1965), n even, with
+ * step = h/n, z_1 = step y', z_(k+1) = z_(k-1) + 2 step f(y + z_k), and at the end the smoothing
+ * step (z_(n-1) + z_n + step f(y + z_n))/2. Its error is a series in (h/n)^2. */
 static inline void midpoint(const runner *r, const double *restrict y, const double *restrict dy,
-                            double h, int n, double *restrict change, double *restrict work)
+                            double h, int n, double *restrict increment, double *restrict work)
 {
-    double *at = work;
-    double *rate = at + r->size;
-    double *before = rate + r->size;
+    double *point = work;
+    double *rate = point + r->size;
+    double *increment_before = rate + r->size;
     double step = h / n;
     for (int64_t i = 0; i < r->size; i++) {
-        before[i] = 0.0;
-        change[i] = step * dy[i];
+        increment_before[i] = 0.0;
+        increment[i] = step * dy[i];
     }
     for (int k = 1; k <= n; k++) {
         for (int64_t i = 0; i < r->size; i++)
-            at[i] = y[i] + change[i];
-        rates(r->p, r->mode, at, rate);
+            point[i] = y[i] + increment[i];
+        rates(r->p, r->mode, point, rate);
         for (int64_t i = 0; i < r->size; i++) {
-            double next;
+            double increment_next;
             if (k < n)
-                next = before[i] + 2.0 * step * rate[i];
+                increment_next = increment_before[i] + 2.0 * step * rate[i];
             else /* the smoothing step at the end */
-                next = 0.5 * (before[i] + change[i] + step * rate[i]);
-            before[i] = change[i];
-            change[i] = next;
+                increment_next = 0.5 * (increment_before[i] + increment[i] + step * rate[i]);
+            increment_before[i] = increment[i];
+            increment[i] = increment_next;
         }
     }
 }
 
-/* The larger one, and what is not a number if either is none: a step that overflows has not
- * settled. */
-static inline double larger(double a, double b)
+/* The larger of a and b, and NaN if either is: a step that overflows has not converged. */
+static inline double larger_or_nan(double a, double b)
 {
     if (a > b || a != a)
         return a;
     return b;
 }
 
-/* What a difference in number i of a state is compared with. */
+/* The scale with which a difference in component i of a state is compared. */
 static inline double scale_of(const runner *r, int64_t i)
 {
     int64_t n = r->p->bodies;
@@ -261,65 +284,66 @@ static inline double scale_of(const runner *r, int64_t i)
     return 1.0; /* attitudes */
 }
 
-/* Largest difference of two rows in units of each block's scale; the direction of a slipping spring
- * counts as its force does. */
-static inline double gap(const runner *r, const double *restrict end, const double *restrict a,
-                         const double *restrict b)
+/* Largest difference of two rows a and b of the extrapolation table, each component over its scale;
+ * the direction of a slipping spring at the state `end` counts as its force does. */
+static inline double difference(const runner *r, const double *restrict end,
+                                const double *restrict a, const double *restrict b)
 {
     const refdem_particles *p = r->p;
     double worst = 0.0;
     for (int64_t i = 0; i < history_at(p); i++) {
         if (a[i] != b[i]) /* at rest there is no scale */
-            worst = larger(fabs(a[i] - b[i]) / scale_of(r, i), worst);
+            worst = larger_or_nan(fabs(a[i] - b[i]) / scale_of(r, i), worst);
     }
     if (!(p->friction > 0.0 && p->tangential_stiffness > 0.0))
         return worst;
     for (int64_t k = 0; k < p->pairs; k++) {
         if (r->mode[k] < STICK)
             continue;
-        double unit = fabs(r->way);
-        if (r->mode[k] != STICK) { /* a direction: it counts as its force does */
-            meeting m = meet(p, k, end);
-            double strain = m.normal / (p->stiffness * p->radius[m.i]);
-            unit = fmax(fabs(1e-3 / strain), 1.0);
+        double scale = fabs(r->way);
+        /* A direction counts as its force does, against a strain F/(k R) of 1e-3. */
+        if (r->mode[k] != STICK) {
+            contact m = measure(p, k, end);
+            double strain = m.force / (p->stiffness * p->radius[m.i]);
+            scale = fmax(fabs(1e-3 / strain), 1.0);
         }
         const double *spring_a = a + history_at(p) + 3 * k;
         const double *spring_b = b + history_at(p) + 3 * k;
         for (int c = 0; c < 3; c++)
-            worst = larger(fabs(spring_a[c] - spring_b[c]) / unit, worst);
+            worst = larger_or_nan(fabs(spring_a[c] - spring_b[c]) / scale, worst);
     }
     return worst;
 }
 
-/* Raises the scales to what the state shows: lengths, speeds, turning rates, and the way of a step.
- */
-static inline void measure(runner *r, const double *restrict y, const double *restrict dy, double h)
+/* Raises the scales to what the state shows before a step h. */
+static inline void update_scales(runner *r, const double *restrict y, const double *restrict dy,
+                                 double h)
 {
     const refdem_particles *p = r->p;
     int64_t n = p->bodies;
-    double radius = 0.0;
-    double least = INFINITY;
+    double largest_radius = 0.0;
+    double smallest_radius = INFINITY;
     for (int64_t i = 0; i < n; i++) {
         if (!(p->radius[i] > 0.0)) /* a point */
             continue;
-        radius = fmax(radius, p->radius[i]);
-        least = fmin(least, p->radius[i]);
+        largest_radius = fmax(largest_radius, p->radius[i]);
+        smallest_radius = fmin(smallest_radius, p->radius[i]);
     }
     for (int64_t i = 0; i < 3 * n; i++) {
-        r->length = fmax(r->length, fmax(fabs(y[i]), radius));
+        r->length = fmax(r->length, fmax(fabs(y[i]), largest_radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
     }
-    /* Forces that hold each other leave the rounding of each. */
+    /* Forces that cancel leave the rounding of each: h F/m counts as a speed. */
     for (int64_t k = 0; k < p->pairs; k++) {
         if (r->mode[k] < FREE)
             continue;
-        meeting m = meet(p, k, y);
-        double ease = p->ease[m.i];
+        contact m = measure(p, k, y);
+        double inverse_mass = p->inverse_mass[m.i];
         if (m.j >= 0)
-            ease = fmax(ease, p->ease[m.j]);
-        r->speed = fmax(r->speed, fabs(h * m.normal) * ease);
+            inverse_mass = fmax(inverse_mass, p->inverse_mass[m.j]);
+        r->speed = fmax(r->speed, fabs(h * m.force) * inverse_mass);
     }
-    r->turning = fmax(r->turning, r->speed / least);
+    r->turning = fmax(r->turning, r->speed / smallest_radius);
     if (p->turning) {
         for (int64_t i = spin_at(p); i < spin_at(p) + 3 * n; i++)
             r->turning = fmax(r->turning, fabs(y[i]));
@@ -328,8 +352,9 @@ static inline void measure(runner *r, const double *restrict y, const double *re
     r->length = fmax(r->length, r->way);
 }
 
-/* One step by Aitken-Neville extrapolation in (h/n)^2; 0 if ten columns do not settle it to
- * round-off. */
+/* One step by Aitken-Neville extrapolation in (h/n)^2, n_j = 2 (j + 1),
+ *   T(m) = T(m + 1) + (T(m + 1) - T(m))/((n_j/n_m)^2 - 1),
+ * until the last two entries agree to 1e-15 of the scales; 0 if ten columns do not get there. */
 static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy,
                                double h, double *restrict out)
 {
@@ -349,27 +374,28 @@ static inline int extrapolated(const runner *r, const double *restrict y, const 
             for (int64_t i = 0; i < r->size; i++)
                 older[i] = newer[i] + (newer[i] - older[i]) * factor;
         }
-        if (j < 3)
+        if (j < 3) /* four columns at least: two low ones may agree by chance */
             continue;
         for (int64_t i = 0; i < r->size; i++)
-            gain(r, y, i, table[i], out);
-        if (gap(r, out, table, table + r->size) < 1e-15)
+            add_compensated(r, y, i, table[i], out);
+        if (difference(r, out, table, table + r->size) < 1e-15)
             return 1;
     }
     return 0;
 }
 
-/* Bulirsch and Stoer 1966; 0 if the step is too long. */
+/* Extrapolation (Bulirsch and Stoer 1966); returns 0 if the step is too long to converge. */
 static inline int extrapolation(const runner *r, const double *restrict y,
                                 const double *restrict dy, double h, double *restrict out,
                                 double *restrict rate)
 {
-    int held = extrapolated(r, y, dy, h, out);
-    settle(r, out);
+    int converged = extrapolated(r, y, dy, h, out);
+    project(r, out);
     rates(r->p, r->mode, out, rate);
-    return held;
+    return converged;
 }
 
+/* One step by the runner's method: y, dy to out, rate. Returns 0 if it has not converged. */
 static inline int step(const runner *r, const double *restrict y, const double *restrict dy,
                        double h, double *restrict out, double *restrict rate)
 {

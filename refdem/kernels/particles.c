@@ -1,21 +1,26 @@
 /* Points and spheres, stepped from event to event: contacts begin, stick, slip and end inside a
  * step.
  *
- * A step that leaves the mode of a pair is repeated up to the moment at which it does (Illinois
- * rule on the method's own map), the mode changes, and the rest of the step follows: a method keeps
- * its order through contacts, and a reversible one stays so.
+ * A step at fixed modes is the map y(h) = step(y(0), h) of particle_steps.h; a pair stays in its
+ * mode as long as its guards g(y) (contact_modes.h) are positive. Where a guard is below zero at
+ * the end, the fraction x of the step with g(step(y, x h)) = 0 is found by the Illinois rule on
+ * that map, the step is repeated up to it, the mode changes, and the rest of the step follows: a
+ * method keeps its order through contacts, and a reversible one stays so.
+ *
+ * Phases: begin, step (measure and rates at fixed modes), locate, accept, change_mode, record.
  */
 #include <assert.h>
 
 #include "contact_modes.h"
 
+/* Events in a step beyond which none is looked for; halvings in the search for a rise. */
 enum { MOST_EVENTS = 64, HALVES = 16 };
-enum { BEGINS = 1, ENDS = 2 }; /* what is told of a contact */
+enum { BEGINS = 1, ENDS = 2 }; /* kinds of events that are reported */
 
 typedef struct {
     double *y, *dy, *next, *rate; /* state and rates at the start and at the end of the step */
-    double *event;                /* time, what, body */
-    int64_t most, events;
+    double *event;                /* (most, 3): time [s], BEGINS or ENDS, body */
+    int64_t most, events;         /* room for events, and those kept */
 } course;
 
 static const double SLACK = 1e-15;     /* a guard that is off by no more is at zero */
@@ -23,114 +28,119 @@ static const double SHORTEST = 1e-6;   /* part of a step: shorter pieces are not
 static const double EDGE = 1.0 / 16.0; /* part of a step: where guards are seen to fall and rise */
 static const double NARROW = 1e-4;     /* part of a step: a dip as narrow as this is seen */
 
-/* A guard at a part of the step, by a step that ends there. */
-static double guard_at(const runner *r, course *c, int64_t k, int kind, double h, double part)
+/* The guard of that kind of pair k at a fraction of the step h, by a step that ends there;
+ * overwrites c->next and c->rate. */
+static double guard_at(const runner *r, course *c, int64_t k, int kind, double h, double fraction)
 {
-    step(r, c->y, c->dy, part * h, c->next, c->rate);
+    step(r, c->y, c->dy, fraction * h, c->next, c->rate);
     return guard(r, k, kind, c->next, c->rate);
 }
 
-/* Where a guard that begins at zero has risen before it fails at the part `high` of the step: the
- * last such place that halves of it show, as after a slip that ends and begins anew; 0 if it falls
- * at once. */
-static double risen(const runner *r, course *c, int64_t k, int kind, double h, double high,
-                    double *restrict value)
+/* A guard that begins at zero and fails at the fraction `high` has no sign change to bracket yet.
+ * Returns the last fraction high/2, high/4, .. at which it is positive, and its value there, as
+ * after a slip that ends and begins anew; 0 if it falls at once. */
+static double risen_before(const runner *r, course *c, int64_t k, int kind, double h, double high,
+                           double *restrict value)
 {
-    double found = 0.0;
+    double risen_at = 0.0;
     for (int i = 1; i <= HALVES; i++) {
-        double part = ldexp(high, -i);
-        double seen = guard_at(r, c, k, kind, h, part);
-        if (found > 0.0 && seen < -SLACK)
+        double fraction = ldexp(high, -i);
+        double guard_there = guard_at(r, c, k, kind, h, fraction);
+        if (risen_at > 0.0 && guard_there < -SLACK)
             return 0.0;
-        if (found == 0.0 && seen > SLACK) {
-            found = part;
-            *value = seen;
+        if (risen_at == 0.0 && guard_there > SLACK) {
+            risen_at = fraction;
+            *value = guard_there;
         }
     }
-    return found;
+    return risen_at;
 }
 
-/* Fraction of the step at which a guard that fails at the part `high` of it becomes zero (Illinois
- * rule; Dowell and Jarratt 1971). */
-static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double high,
-                       double last)
+/* Fraction x of the step h at which a guard that has the value `last` < 0 at the fraction `high`
+ * becomes zero. Illinois rule (Dowell and Jarratt 1971): x = (low g_high - high g_low)/(g_high -
+ * g_low), where the value of an end that stays twice running counts half. */
+static double zero_of_guard(const runner *r, course *c, int64_t k, int kind, double h, double high,
+                            double last)
 {
     double low = 0.0;
     double at_low = guard(r, k, kind, c->y, c->dy);
     double at_high = last;
-    double found = high;
+    double fraction = high;
     int side = 0;
     /* What parts within rounding parts now: else it would stick and slip without end at the last
      * bit. */
-    if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
+    if (kind == GAP && at_low <= SLACK && measure(r->p, k, c->y).rate * h < 0.0)
         return 0.0;
     /* What begins at zero must first have risen. */
     if (at_low <= SLACK) {
-        low = risen(r, c, k, kind, h, high, &at_low);
+        low = risen_before(r, c, k, kind, h, high, &at_low);
         if (low == 0.0)
             return 0.0;
     }
-    if (at_low <= 0.0)
+    if (at_low <= 0.0) /* below zero already: the event is now */
         return 0.0;
     for (int tries = 0; tries < 80 && high - low > 2e-16 * high; tries++) {
-        found = (low * at_high - high * at_low) / (at_high - at_low);
-        found = fmin(fmax(found, low + 1e-16 * high), high);
-        if (tries > 40)
-            found = 0.5 * (low + high);
-        double value = guard_at(r, c, k, kind, h, found);
-        if (value == 0.0 || found == high || found == low)
+        fraction = (low * at_high - high * at_low) / (at_high - at_low);
+        fraction = fmin(fmax(fraction, low + 1e-16 * high), high);
+        if (tries > 40) /* where the rule creeps: bisection */
+            fraction = 0.5 * (low + high);
+        double value = guard_at(r, c, k, kind, h, fraction);
+        if (value == 0.0 || fraction == high || fraction == low)
             break;
         if (value > 0.0) {
-            low = found;
+            low = fraction;
             at_low = value;
             if (side == 1) /* twice on this side: the other end counts half */
                 at_high *= 0.5;
             side = 1;
         } else {
-            high = found;
+            high = fraction;
             at_high = value;
-            if (side == -1)
+            if (side == -1) /* likewise */
                 at_low *= 0.5;
             side = -1;
         }
     }
-    return found;
+    return fraction;
 }
 
-/* The state at a part of the step by Hermite's cubic through its ends, and its rates. */
-static void between(const runner *r, const course *c, double h, double part, double *restrict y,
-                    double *restrict dy)
+/* The state y at a fraction x of the step h, and its rates, by Hermite's cubic through the ends:
+ * (1-x)^2 (1+2x) y0 + (1-x)^2 x h y0' + x^2 (3-2x) y1 - x^2 (1-x) h y1'. */
+static void interpolate(const runner *r, const course *c, double h, double x, double *restrict y,
+                        double *restrict dy)
 {
-    double left = 1.0 - part;
-    double first = left * left * (1.0 + 2.0 * part);
-    double last = part * part * (3.0 - 2.0 * part);
-    double begins = left * left * part * h;
-    double ends = -part * part * left * h;
+    double rest = 1.0 - x;
+    double weight_y0 = rest * rest * (1.0 + 2.0 * x);
+    double weight_y1 = x * x * (3.0 - 2.0 * x);
+    double weight_dy0 = rest * rest * x * h;
+    double weight_dy1 = -x * x * rest * h;
     for (int64_t i = 0; i < r->size; i++)
-        y[i] = first * c->y[i] + begins * c->dy[i] + last * c->next[i] + ends * c->rate[i];
+        y[i] = weight_y0 * c->y[i] + weight_dy0 * c->dy[i] + weight_y1 * c->next[i]
+               + weight_dy1 * c->rate[i];
     rates(r->p, r->mode, y, dy);
 }
 
-/* Which guards of pair k fall at the start of the step and rise at its end, where neither fails:
- * bits by kind. */
+/* Which guards of pair k fall at the start of the step and rise towards its end, as one does that
+ * dips below zero in between: bits by kind. early and late: states near both ends, last: the guards
+ * at the end. */
 static int dipping(const runner *r, const course *c, int64_t k, const double *early,
                    const double *late, const double *last)
 {
-    int found = 0;
+    int dips = 0;
     for (int g = 0; g < GUARDS; g++) {
-        double begins = guard(r, k, g, c->y, c->dy);
-        if (!(guard(r, k, g, early, early + r->size) < begins)) /* it does not fall */
+        double guard_begin = guard(r, k, g, c->y, c->dy);
+        if (!(guard(r, k, g, early, early + r->size) < guard_begin)) /* it does not fall */
             continue;
         if (guard(r, k, g, late, late + r->size) < last[g])
-            found |= 1 << g;
+            dips |= 1 << g;
     }
-    return found;
+    return dips;
 }
 
-/* The part of the step at which such a guard is lowest, or fails for the first time that is seen
- * (golden section). */
-static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
-                     double *restrict value)
+/* Fraction of the step h at which such a guard is lowest, by golden section, or the first one seen
+ * at which it fails; its value there in `value`. */
+static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, double h,
+                              double *restrict value)
 {
     const double golden = 0.6180339887498949;
     double low = 0.0;
@@ -162,25 +172,25 @@ static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
     return b;
 }
 
-/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does.
- * Extrapolation, which claims round-off, sees those too that fail for a while between the ends of
- * the step. */
-static int leaving(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
+/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does, and then
+ * c->next is the end of the step. Extrapolation, which claims round-off, sees those too that fail
+ * for a while between the ends of the step. */
+static int locate(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
 {
     int found = 0;
-    int elsewhere = 0;
+    int end_is_lost = 0;
     int looks_inside = r->method == EXTRAPOLATION;
     double value[GUARDS];
     double *early = r->scratch + (COLUMNS + 3) * r->size;
     double *late = early + 2 * r->size;
     if (looks_inside) {
-        between(r, c, h, EDGE, early, early + r->size);
-        between(r, c, h, 1.0 - EDGE, late, late + r->size);
+        interpolate(r, c, h, EDGE, early, early + r->size);
+        interpolate(r, c, h, 1.0 - EDGE, late, late + r->size);
     }
     for (int64_t k = 0; k < r->p->pairs; k++) {
-        if (elsewhere) { /* searches overwrite the end of the step */
+        if (end_is_lost) { /* searches overwrite the end of the step */
             step(r, c->y, c->dy, h, c->next, c->rate);
-            elsewhere = 0;
+            end_is_lost = 0;
         }
         for (int g = 0; g < GUARDS; g++)
             value[g] = guard(r, k, g, c->next, c->rate);
@@ -191,37 +201,37 @@ static int leaving(const runner *r, course *c, double h, double *fraction, int64
             double end = 1.0;
             double last = value[g];
             if (!(last < -SLACK) && (dips >> g & 1)) {
-                end = lowest(r, c, k, g, h, &last);
-                elsewhere = 1;
+                end = lowest_of_guard(r, c, k, g, h, &last);
+                end_is_lost = 1;
             }
             if (!(last < -SLACK))
                 continue;
-            double at = crossing(r, c, k, g, h, end, last);
-            if (!found || at < *fraction) {
-                *fraction = at;
+            double zero = zero_of_guard(r, c, k, g, h, end, last);
+            if (!found || zero < *fraction) {
+                *fraction = zero;
                 *pair = k;
                 *kind = g;
             }
             found = 1;
-            elsewhere = 1;
+            end_is_lost = 1;
         }
     }
-    if (elsewhere && !found)
+    if (end_is_lost && !found)
         step(r, c->y, c->dy, h, c->next, c->rate);
     return found;
 }
 
-/* Notes what happened to a body at time t, as long as there is room. */
-static void note(course *c, double t, int what, double body)
+/* Keeps an event of a body at time t [s], as long as there is room. */
+static void keep_event(course *c, double t, int kind, double body)
 {
-    double row[3] = {t, (double)what, body};
+    double row[3] = {t, (double)kind, body};
     if (c->events == c->most)
         return;
     memcpy(c->event + 3 * c->events, row, sizeof row);
     c->events++;
 }
 
-/* The end of a step becomes the state. */
+/* The end of the step becomes the state. */
 static void accept(const runner *r, course *c)
 {
     const refdem_particles *p = r->p;
@@ -237,71 +247,74 @@ static void accept(const runner *r, course *c)
     for (int64_t k = 0; k < p->pairs; k++) {
         if (r->mode[k] < SLIP)
             continue;
-        meeting m = meet(p, k, c->y);
-        double fast = size(m.slip);
-        if (!(fast > least_slip(p, &m))) /* rounding has no direction */
+        contact m = measure(p, k, c->y);
+        double slip_speed = size(m.slip);
+        if (!(slip_speed > slip_floor(p, &m))) /* rounding has no direction */
             continue;
         for (int i = 0; i < 3; i++)
-            c->y[history_at(p) + 3 * k + i] = m.slip[i] / fast;
+            c->y[history_at(p) + 3 * k + i] = m.slip[i] / slip_speed;
     }
 }
 
-/* What is left of a slip that has ended along its direction is taken away by one impulse: sticking
- * would keep it for ever. */
-static void stop(const refdem_particles *p, int64_t k, double *restrict y)
+/* Takes away what is left of a slip that has ended along its direction, by the impulse -u/(1/m_i +
+ * l_i^2/J_i + ..); its energy |u|^2/(2 (1/m_i + ..)) is lost. Sticking would keep it for ever. */
+static void end_slip(const refdem_particles *p, int64_t k, double *restrict y)
 {
-    meeting m = meet(p, k, y);
+    contact m = measure(p, k, y);
     double impulse[3];
-    double ease = yields(p, &m);
+    double mobility = tangential_mobility(p, &m);
     for (int c = 0; c < 3; c++)
-        impulse[c] = -m.slip[c] / ease;
-    twist(p, &m, impulse, y);
-    y[work_at(p)] += 0.5 * dot(m.slip, m.slip) / ease;
+        impulse[c] = -m.slip[c] / mobility;
+    apply_tangential(p, &m, impulse, y);
+    y[work_at(p)] += 0.5 * dot(m.slip, m.slip) / mobility;
 }
 
-/* The mode that pair k changes to, at time t. */
-static void change(runner *r, course *c, int64_t k, int kind, double t)
+/* Pair k leaves its mode through the guard of that kind at time t [s]: the new mode, its spring,
+ * the work that is lost by it, and the rates in it. */
+static void change_mode(runner *r, course *c, int64_t k, int kind, double t)
 {
     int64_t before = r->mode[k];
-    int64_t now = next_mode(r, k, kind, c->y, c->dy);
-    r->mode[k] = now;
-    if (before >= SLIP && now == STICK && r->p->tangential_stiffness == 0.0)
-        stop(r->p, k, c->y);
-    meeting m = meet(r->p, k, c->y);
-    /* What the spring still holds when the force ends is lost, until it presses again. */
+    int64_t after = next_mode(r, k, kind, c->y, c->dy);
+    r->mode[k] = after;
+    if (before >= SLIP && after == STICK && r->p->tangential_stiffness == 0.0)
+        end_slip(r->p, k, c->y);
+    contact m = measure(r->p, k, c->y);
+    /* The energy k d^2/2 that the spring still holds when the force ends is lost, until it presses
+     * again. */
     double *work = c->y + work_at(r->p);
-    if (now == PARTED)
+    if (after == PARTED)
         *work += 0.5 * r->p->stiffness * m.overlap * m.overlap;
     else if (before == PARTED)
         *work += -0.5 * r->p->stiffness * m.overlap * m.overlap;
     int has_pressed = before >= FREE;
-    int presses = now >= FREE;
+    int presses = after >= FREE;
     double body = (double)r->p->pair[2 * k];
     if (presses && !has_pressed)
-        note(c, t, BEGINS, body);
+        keep_event(c, t, BEGINS, body);
     if (has_pressed && !presses)
-        note(c, t, ENDS, body);
+        keep_event(c, t, ENDS, body);
     rates(r->p, r->mode, c->y, c->dy);
 }
 
-static int finite(const runner *r, const double *restrict y)
+/* True if no component of y is infinite or NaN: 0 times either is NaN. */
+static int is_finite(const runner *r, const double *restrict y)
 {
-    double none = 0.0;
+    double sum = 0.0;
     for (int64_t i = 0; i < r->size; i++)
-        none += 0.0 * y[i];
-    return none == 0.0;
+        sum += 0.0 * y[i];
+    return sum == 0.0;
 }
 
-/* Steps to the end of a piece, which is halved until the step settles, or until halving no longer
- * helps: `rough` from then on. Returns the piece. */
-static double measured(const runner *r, course *c, double piece, double h, int *rough)
+/* Steps by `piece`, which is halved until the step converges, or until halving no longer helps:
+ * `rough` from then on. Returns the piece; its end is c->next. */
+static double converged_step(const runner *r, course *c, double piece, double h, int *rough)
 {
     for (;;) {
-        int settled = step(r, c->y, c->dy, piece, c->next, c->rate);
-        if (settled || *rough)
+        int converged = step(r, c->y, c->dy, piece, c->next, c->rate);
+        if (converged || *rough)
             return piece;
         int is_shortest = fabs(piece) <= SHORTEST * fabs(h);
-        if (is_shortest || !finite(r, c->y))
+        if (is_shortest || !is_finite(r, c->y))
             *rough = 1; /* once more as it is: that step is kept */
         else
             piece *= 0.5;
@@ -320,57 +333,59 @@ static void advance(runner *r, course *c, double t, double h)
     int kind = 0;
     int rough = 0;
     for (int events = 0; left != 0.0; piece = left) {
-        piece = measured(r, c, piece, h, &rough);
-        int looks = r->p->pairs > 0 && events < MOST_EVENTS;
-        if (!looks || !leaving(r, c, piece, &fraction, &pair, &kind)) {
+        piece = converged_step(r, c, piece, h, &rough);
+        int may_leave = r->p->pairs > 0 && events < MOST_EVENTS;
+        if (!may_leave || !locate(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
-            if (r->mode[pair] == FADE) {
+            if (r->mode[pair] == FADE) { /* that slip did not end in this piece after all */
                 r->mode[pair] = SLIP;
                 rates(r->p, r->mode, c->y, c->dy);
             }
             continue;
         }
+        /* A slip without a spring that may end here: the same piece again with the direction of its
+         * friction held (particles.h, FADE), so that its end is located on smooth rates. */
         if (kind == HOLD && r->mode[pair] == SLIP && r->p->tangential_stiffness == 0.0
             && r->method != EXTRAPOLATION) {
-            r->mode[pair] = FADE; /* the same piece again */
+            r->mode[pair] = FADE;
             continue;
         }
-        if (fraction > 0.0) {
+        if (fraction > 0.0) { /* up to the event */
             step(r, c->y, c->dy, fraction * piece, c->next, c->rate);
             accept(r, c);
             left -= fraction * piece;
         }
         events++;
-        change(r, c, pair, kind, t + (h - left));
+        change_mode(r, c, pair, kind, t + (h - left));
     }
 }
 
-/* Pairs that press, largest overlap, largest normal force, and the work lost so far (less what
- * tangential springs hold). */
-static void observe(const runner *r, const double *restrict y, double *restrict channel)
+/* Channels (4) of a sample: pairs that press, largest overlap [m], largest normal force [N], and
+ * the work lost so far [J], less the energy k_t s^2/2 that tangential springs hold. */
+static void record(const runner *r, const double *restrict y, double *restrict channel)
 {
     const refdem_particles *p = r->p;
     memset(channel, 0, 4 * sizeof *channel);
     channel[3] = y[work_at(p)];
     for (int64_t k = 0; k < p->pairs; k++) {
-        meeting m = meet(p, k, y);
+        contact m = measure(p, k, y);
         channel[1] = fmax(channel[1], m.overlap);
         if (r->mode[k] == PARTED)
             channel[3] -= 0.5 * p->stiffness * m.overlap * m.overlap;
-        if (r->mode[k] < FREE)
+        if (r->mode[k] < FREE) /* it does not press */
             continue;
         channel[0] += 1.0;
-        if (fabs(m.normal) > fabs(channel[2]))
-            channel[2] = m.normal;
-        if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK)
+        if (fabs(m.force) > fabs(channel[2]))
+            channel[2] = m.force;
+        if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK) /* it has no spring */
             continue;
         if (p->hertz) /* its spring keeps no account: see Contact */
             continue;
-        double bent = m.limit / p->tangential_stiffness;
+        double stretch = m.limit / p->tangential_stiffness;
         if (r->mode[k] == STICK)
-            bent = size(y + history_at(p) + 3 * k);
-        channel[3] -= 0.5 * p->tangential_stiffness * bent * bent;
+            stretch = size(y + history_at(p) + 3 * k);
+        channel[3] -= 0.5 * p->tangential_stiffness * stretch * stretch;
     }
 }
 
@@ -399,15 +414,15 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
     for (int64_t k = 0; k < p->pairs; k++)
         mode[k] = first_mode(p, k, h, c.y);
     rates(p, mode, c.y, c.dy);
-    observe(&r, c.y, channel);
+    record(&r, c.y, channel);
     for (int64_t row = 1; row < samples; row++) {
         for (int64_t j = 0; j < stride; j++) {
             if (method == EXTRAPOLATION)
-                measure(&r, c.y, c.dy, h);
+                update_scales(&r, c.y, c.dy, h);
             advance(&r, &c, (double)((row - 1) * stride + j) * h, h);
         }
         memcpy(out + row * size, c.y, (size_t)size * sizeof *out);
-        observe(&r, c.y, channel + 4 * row);
+        record(&r, c.y, channel + 4 * row);
     }
     return c.events;
 }

@@ -1,20 +1,27 @@
 /* Many plane pendulums at once: theta'' = -w0^2 sin theta by a symmetric composition of Verlet's
  * method, a block of them at a time.
  *
+ * A step h of s stages with weights c_1 .. c_s, c_i = c_(s+1-i), sum 1 (Yoshida 1990; Hairer,
+ * Lubich and Wanner, V.3): for each i drift theta += d_i theta', kick theta' -= c_i h w0^2 sin
+ * theta, and a last drift, d_i = (c_(i-1) + c_i) h/2 with c_0 = c_(s+1) = 0.
+ *
  * Angles are counted in half turns while they are carried, as are rates: what is taken off them is
  * then a whole number. The sine is a polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half
  * turns.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "simd.h"
 
 enum {
-    MEMBERS = 512,
+    MEMBERS = 512, /* of a block: angles and rates fill a quarter of a first cache */
     MOST_STAGES = 63
-}; /* angles and rates of a block fill a quarter of a first cache */
+};
 
-/* sin(pi x) / pi, absolute error 2e-16 / pi and no reduction to speak of: x less a whole number is
- * exact. The last bit of the shifted sum is that number's parity, which becomes the sign. */
+/* sin(pi x)/pi, absolute error 2e-16/pi. With the whole number n next to x it is (-1)^n sin(pi
+ * r)/pi, r = x - n, exact. Adding 1.5 2^52 rounds x to n; the last bit of that sum is the parity of
+ * n, and is moved to the place of the sign. */
 static inline double sine_of_half_turns(double x)
 {
     double shifted = x + 0x1.8p52;
@@ -36,17 +43,17 @@ static inline double sine_of_half_turns(double x)
     return fma(r * z, p, r);
 }
 
-/* x in another unit, to an ulp. */
-static inline void converted(int count, dd factor, double *restrict x)
+/* x *= factor, to an ulp. */
+static inline void convert(int count, dd factor, double *restrict x)
 {
     for (int k = 0; k < count; k++)
         x[k] = fma(x[k], factor.hi, x[k] * factor.lo);
 }
 
-/* h of each drift and kick of one step; `weight` holds the first half of the kicks and the middle
- * one, which the others mirror. */
-static void staged(int stages, const double *weight, double h, double *restrict drift,
-                   double *restrict kick)
+/* The drifts d_i (stages + 1) and kicks c_i h (stages) [s] of one step; `weight` holds the first
+ * half of the c_i and the middle one. */
+static void set_stages(int stages, const double *weight, double h, double *restrict drift,
+                       double *restrict kick)
 {
     for (int s = 0; s <= stages / 2; s++) {
         kick[s] = h * weight[s];
@@ -64,9 +71,10 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
                              int64_t steps, int64_t members, double *angle, double *rate)
 {
     double drift[MOST_STAGES + 1], kick[MOST_STAGES];
+    assert(weight && (members == 0 || (angle && rate))); /* ((stages + 1) / 2), (members) doubles */
     if (stages > MOST_STAGES)
         return 1;
-    staged(stages, weight, h, drift, kick);
+    set_stages(stages, weight, h, drift, kick);
     for (int s = 0; s < stages; s++)
         kick[s] *= square;
     dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
@@ -76,8 +84,8 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
             count = (int)(members - first);
         double *restrict a = angle + first;
         double *restrict w = rate + first;
-        converted(count, per_half_turn, a);
-        converted(count, per_half_turn, w);
+        convert(count, per_half_turn, a);
+        convert(count, per_half_turn, w);
         for (int64_t n = 0; n < steps; n++) {
             for (int s = 0; s < stages; s++)
                 for (int k = 0; k < count; k++) {
@@ -87,8 +95,8 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
             for (int k = 0; k < count; k++)
                 a[k] = fma(drift[stages], w[k], a[k]);
         }
-        converted(count, DD_PI, a);
-        converted(count, DD_PI, w);
+        convert(count, DD_PI, a);
+        convert(count, DD_PI, w);
     }
     return 0;
 }

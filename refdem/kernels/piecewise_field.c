@@ -1,28 +1,35 @@
-/* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (source: Matuttis
- * and Chen 2014, (1.139)), in closed form.
+/* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (Matuttis and Chen
+ * 2014, (1.139)), in closed form, with the time t since the begin of a phase, x and v there, and s
+ * = x - x1 or x - x2:
  *
- * On the rising flank x - x1 = A exp(lambda t) + B exp(-lambda t), lambda^2 = k1/m; on the falling
- * one x - x2 = R cos(omega t + delta), omega^2 = -k2/m; outside, free flight. Each phase ends where
- * its own formula says.
+ *   rising,  x1 < x < 0:  x - x1 = A exp(lambda t) + B exp(-lambda t),  lambda^2 = k1/m,
+ *                         A, B = (s +- v/lambda)/2;  ends at x = 0 (A > 0) or x = x1 (A < 0)
+ *   falling, 0 < x < x2:  x - x2 = R cos(omega t + delta),  omega^2 = -k2/m,
+ *                         R^2 = s^2 + (v/omega)^2;  ends at x = 0 or x = x2
+ *   outside:              free flight
  */
+#include <assert.h>
 #include <math.h>
 
 #include "kernels.h"
 
-enum { LEFT, RISING, FALLING, RIGHT };
+enum { LEFT, RISING, FALLING, RIGHT }; /* regions, along x */
 
+/* The field: its edges [m], lambda and omega [1/s]. */
 typedef struct {
     double x1, x2, lambda, omega;
 } tent;
 
+/* The motion while it stays in one region. */
 typedef struct {
     int region;
-    double x, v;      /* at its begin */
+    double x, v;      /* at its begin [m, m/s] */
     double a, b, lag; /* A, B; or R and delta in a and lag */
-    double lasts;
-    int next;
+    double lasts;     /* how long [s] */
+    int next;         /* the region that follows */
 } phase;
 
+/* Outside the field it goes on for ever, or until it comes to the edge. */
 static phase free_flight(const tent *f, int region, double x, double v)
 {
     phase p = {.region = region, .x = x, .v = v, .lasts = INFINITY};
@@ -37,6 +44,8 @@ static phase free_flight(const tent *f, int region, double x, double v)
     return p;
 }
 
+/* Leaves at x = 0 where A exp(l t) + B exp(-l t) = -x1 = h, a quadratic equation in exp(lambda t),
+ * or at x = x1 where exp(2 lambda t) = -B/A; with A = 0 it creeps towards x1 for ever. */
 static phase rising(const tent *f, double x, double v)
 {
     double s = x - f->x1;
@@ -58,6 +67,8 @@ static phase rising(const tent *f, double x, double v)
     return p;
 }
 
+/* Leaves at x = 0, where cos(omega t + delta) = -x2/R, if it moves left with R > x2; else at x =
+ * x2, where omega t + delta = 3 pi/2. */
 static phase falling(const tent *f, double x, double v)
 {
     const double pi = 3.14159265358979323846;
@@ -80,7 +91,8 @@ static phase falling(const tent *f, double x, double v)
     return p;
 }
 
-static phase entered(const tent *f, int region, double x, double v)
+/* The phase that begins at x, v in a region. */
+static phase enter(const tent *f, int region, double x, double v)
 {
     if (region == RISING)
         return rising(f, x, v);
@@ -89,7 +101,9 @@ static phase entered(const tent *f, int region, double x, double v)
     return free_flight(f, region, x, v);
 }
 
-static void state(const tent *f, const phase *p, double t, double *restrict x, double *restrict v)
+/* x [m] and v [m/s] at t [s] after the begin of a phase. */
+static void state_at(const tent *f, const phase *p, double t, double *restrict x,
+                     double *restrict v)
 {
     *x = p->x + p->v * t;
     *v = p->v;
@@ -105,6 +119,7 @@ static void state(const tent *f, const phase *p, double t, double *restrict x, d
     }
 }
 
+/* The region that the motion is in just after x, v. */
 static int region_at(const tent *f, double x, double v)
 {
     if (x < f->x1 || (x == f->x1 && v <= 0.0))
@@ -119,21 +134,22 @@ static int region_at(const tent *f, double x, double v)
 int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0,
                            double v0, int64_t samples, const double *t, double *out)
 {
+    assert(samples == 0 || (t && out)); /* (samples), (samples, 2) doubles */
     tent f = {x1, x2, sqrt(k1 / mass), sqrt(-k2 / mass)};
     double begin = 0.0;
     double edges[4] = {x1, 0.0, x2, 0.0};
-    phase now = entered(&f, region_at(&f, x0, v0), x0, v0);
+    phase now = enter(&f, region_at(&f, x0, v0), x0, v0);
     for (int64_t row = 0; row < samples; row++, out += 2) {
         while (t[row] - begin > now.lasts) {
             double x, v;
-            state(&f, &now, now.lasts, &x, &v);
+            state_at(&f, &now, now.lasts, &x, &v);
             begin += now.lasts;
-            int left = now.region; /* of the edge between the two regions */
-            if (now.next < left)
-                left = now.next;
-            now = entered(&f, now.next, edges[left], v);
+            int edge = now.region; /* of the edge between the two regions */
+            if (now.next < edge)
+                edge = now.next;
+            now = enter(&f, now.next, edges[edge], v);
         }
-        state(&f, &now, t[row] - begin, out, out + 1);
+        state_at(&f, &now, t[row] - begin, out, out + 1);
     }
     return 0;
 }

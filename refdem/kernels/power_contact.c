@@ -1,10 +1,14 @@
-/* A contact whose force is a power of the overlap, one law on the way in and one on the way out, in
- * closed form.
+/* A contact whose force is a power of the overlap, m d'' = -k d^n, with one law on the way in and
+ * one on the way out, in closed form (Hertz 1882: n = 3/2).
  *
- * m d'' = -k d^n. With a = 1/(n+1), greatest overlap D = ((n+1) m v^2/(2k))^a, y = d/D and s = d'/v
- * the energy is y^(n+1) + s^2 = 1, and the time, in units of D/v, is y 2F1(1/2, a; 1+a; y^(n+1))
- * since touch, 2a s 2F1(1-a, 1/2; 3/2; s^2) before the turn; each is solved by Newton's rule where
- * its series has an argument below 0.6 (Hertz 1882: n = 3/2).
+ * With the speed v at the touch, a = 1/(n+1), greatest overlap D = ((n+1) m v^2/(2k))^a, y = d/D
+ * and s = d'/v the energy is y^(n+1) + s^2 = 1, and the time, in units of D/v,
+ *
+ *   since the touch   T(y) = y 2F1(1/2, a; 1+a; y^(n+1)),    dT/dy = 1/sqrt(1 - y^(n+1)),
+ *   before the turn   U(s) = 2a s 2F1(1-a, 1/2; 3/2; s^2),   dU/ds = 2a (1 - s^2)^(a-1).
+ *
+ * Each is inverted by Newton's rule where the argument of its series is the smaller one. From
+ * touch to turn it takes T(1) = sqrt(pi) Gamma(1+a)/Gamma(a+1/2).
  */
 #include <assert.h>
 
@@ -12,18 +16,20 @@
 
 #include "kernels.h"
 
+/* The way in or the way out, which is a way in run backwards. */
 typedef struct {
     double a, power;           /* 1/(n+1), n+1 */
-    double depth, speed, unit; /* D, v, D/v */
-    double half;               /* time from touch to the turn */
+    double depth, speed, unit; /* D [m], v [m/s], D/v [s] */
+    double half;               /* time from touch to turn [s] */
 } leg;
 
 enum { TERMS = 120, TRIES = 40 };
+/* Times T below which the touch is the nearer end; the series there has an argument below 0.6. */
 static const double NEAR_TOUCH = 0.8;
 static const double PI = 3.14159265358979323846;
 
-/* y 2F1(1/2, a; 1+a; z), z = y^(n+1). */
-static double since_touch(const leg *l, double y, double z)
+/* T(y) = y 2F1(1/2, a; 1+a; z), z = y^(n+1): terms (1/2)_k/k! a/(a+k) z^k. */
+static double time_since_touch(const leg *l, double y, double z)
 {
     double sum = 1.0;
     double factor = 1.0;
@@ -34,8 +40,8 @@ static double since_touch(const leg *l, double y, double z)
     return y * sum;
 }
 
-/* 2a s 2F1(1-a, 1/2; 3/2; s^2). */
-static double before_turn(const leg *l, double s)
+/* U(s) = 2a s 2F1(1-a, 1/2; 3/2; s^2): terms (1-a)_k/k! s^(2k)/(2k+1). */
+static double time_before_turn(const leg *l, double s)
 {
     double sum = 1.0;
     double factor = 1.0;
@@ -46,8 +52,8 @@ static double before_turn(const leg *l, double s)
     return 2.0 * l->a * s * sum;
 }
 
-/* A leg with this greatest overlap. */
-static leg prepared(double mass, double stiffness, double exponent, double depth)
+/* The leg of a law with the greatest overlap `depth` [m]. */
+static leg prepare(double mass, double stiffness, double exponent, double depth)
 {
     leg l = {.a = 1.0 / (exponent + 1.0), .power = exponent + 1.0, .depth = depth};
     l.speed = sqrt(2.0 * stiffness / (l.power * mass) * pow(depth, l.power));
@@ -56,61 +62,66 @@ static leg prepared(double mass, double stiffness, double exponent, double depth
     return l;
 }
 
-/* The greatest overlap that the energy of an overlap and a rate reaches. */
-static double reached(double mass, double stiffness, double exponent, double overlap, double rate)
+/* The greatest overlap [m] from the energy: D^(n+1) = d^(n+1) + (n+1) m d'^2/(2k). */
+static double greatest_overlap(double mass, double stiffness, double exponent, double overlap,
+                               double rate)
 {
     double power = exponent + 1.0;
     double ease = power * mass / (2.0 * stiffness);
     return pow(ease * rate * rate + pow(fmax(overlap, 0.0), power), 1.0 / power);
 }
 
-/* Time from touch to a state on the way in. */
-static double elapsed(const leg *l, double overlap, double rate)
+/* Time [s] from touch to a state on the way in, by the series of the nearer end. */
+static double time_of(const leg *l, double overlap, double rate)
 {
     double y = overlap / l->depth;
     double z = pow(y, l->power);
     if (z < 0.5)
-        return l->unit * since_touch(l, y, z);
-    return l->half - l->unit * before_turn(l, rate / l->speed); /* from the turn, which is nearer */
+        return l->unit * time_since_touch(l, y, z);
+    return l->half
+           - l->unit * time_before_turn(l, rate / l->speed); /* from the turn, which is nearer */
 }
 
-/* Overlap and rate at `since` touch, up to the turn. */
-static void pressed(const leg *l, double since, double left, double *restrict overlap,
-                    double *restrict rate)
+/* Overlap and rate at the time `since` the touch, `left` before the turn [s]: Newton's rule on T(y)
+ * = since v/D or U(s) = left v/D, until it no longer converges. */
+static void state_at(const leg *l, double since, double left, double *restrict overlap,
+                     double *restrict rate)
 {
-    double goal = since / l->unit;
-    double x = goal;
+    double scaled_time = since / l->unit;
+    double root = scaled_time;
     double change = 1.0;
-    if (goal < NEAR_TOUCH) {
-        for (int i = 0; i < TRIES && fabs(change) > 1e-17 * x; i++) {
-            double z = pow(x, l->power);
+    if (scaled_time < NEAR_TOUCH) {
+        for (int i = 0; i < TRIES && fabs(change) > 1e-17 * root; i++) {
+            double z = pow(root, l->power);
             double before = fabs(change);
-            change = (goal - since_touch(l, x, z)) * sqrt(1.0 - z);
-            if (i > 3 && fabs(change) >= before)
+            change = (scaled_time - time_since_touch(l, root, z)) * sqrt(1.0 - z);
+            if (i > 3 && fabs(change) >= before) /* all that is left is rounding */
                 break;
-            x += change;
+            root += change;
         }
-        *overlap = l->depth * x;
-        *rate = l->speed * sqrt(1.0 - pow(x, l->power));
+        *overlap = l->depth * root;
+        *rate = l->speed * sqrt(1.0 - pow(root, l->power));
         return;
     }
-    goal = left / l->unit;
-    x = goal;
-    for (int i = 0; i < TRIES && fabs(change) > 1e-17 * fabs(x); i++) {
+    scaled_time = left / l->unit;
+    root = scaled_time;
+    for (int i = 0; i < TRIES && fabs(change) > 1e-17 * fabs(root); i++) {
         double before = fabs(change);
-        change = (goal - before_turn(l, x)) * pow(1.0 - x * x, 1.0 - l->a) / (2.0 * l->a);
+        change = (scaled_time - time_before_turn(l, root)) * pow(1.0 - root * root, 1.0 - l->a)
+                 / (2.0 * l->a);
         if (i > 3 && fabs(change) >= before)
             break;
-        x += change;
+        root += change;
     }
-    *overlap = l->depth * pow(1.0 - x * x, l->a);
-    *rate = l->speed * x;
+    *overlap = l->depth * pow(1.0 - root * root, l->a);
+    *rate = l->speed * root;
 }
 
 int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap,
                          double rate, int64_t samples, const double *t, double *touch, double *out)
 {
-    assert(samples >= 1 && touch && out);
+    assert(in && out_law);                     /* (2) doubles each */
+    assert(samples >= 1 && t && touch && out); /* (3) and (samples, 2) doubles */
     int overlaps = overlap > 0.0;
     int is_leaving = overlaps && rate < 0.0;
     int meets = overlaps || rate > 0.0;
@@ -119,19 +130,19 @@ int refdem_power_contact(double mass, const double *in, const double *out_law, d
         law = out_law;
     double depth = 1.0;
     if (meets)
-        depth = reached(mass, law[0], law[1], overlap, rate);
-    leg inward = prepared(mass, in[0], in[1], depth);
-    leg outward = prepared(mass, out_law[0], out_law[1], depth);
+        depth = greatest_overlap(mass, law[0], law[1], overlap, rate);
+    leg inward = prepare(mass, in[0], in[1], depth);
+    leg outward = prepare(mass, out_law[0], out_law[1], depth);
     if (meets && !overlaps) { /* the speed of touch is given: it need not go through the powers */
         inward.half *= inward.speed / rate;
         inward.speed = rate;
         inward.unit = depth / rate;
     }
-    double turn = INFINITY;
-    if (is_leaving) /* it has turned already */
-        turn = elapsed(&outward, overlap, -rate) - outward.half;
+    double turn = INFINITY; /* time of the greatest overlap */
+    if (is_leaving)         /* it has turned already */
+        turn = time_of(&outward, overlap, -rate) - outward.half;
     else if (overlaps)
-        turn = inward.half - elapsed(&inward, overlap, rate);
+        turn = inward.half - time_of(&inward, overlap, rate);
     else if (meets) /* it flies first */
         turn = inward.half - overlap / rate;
     touch[0] = turn - inward.half;
@@ -140,21 +151,21 @@ int refdem_power_contact(double mass, const double *in, const double *out_law, d
     for (int64_t row = 0; row < samples; row++, out += 2) {
         double left = turn - t[row];
         const leg *l = &inward;
-        double sense = 1.0;
+        double sign = 1.0;
         if (!(left >= 0.0)) { /* after the turn */
             l = &outward;
-            sense = -1.0;
+            sign = -1.0;
         }
         double since = l->half - fabs(left);
-        if (!meets) {
+        if (!meets) { /* free flight for ever */
             out[0] = overlap + rate * t[row];
             out[1] = rate;
-        } else if (since <= 0.0) {
+        } else if (since <= 0.0) { /* before the touch, or after the parting */
             out[0] = l->speed * since;
-            out[1] = sense * l->speed;
+            out[1] = sign * l->speed;
         } else {
-            pressed(l, since, fabs(left), out, out + 1);
-            out[1] *= sense;
+            state_at(l, since, fabs(left), out, out + 1);
+            out[1] *= sign;
         }
     }
     return 0;

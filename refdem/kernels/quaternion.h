@@ -14,6 +14,7 @@ static inline void quaternion_product(const double *restrict q, const double *re
     out[3] = q[0] * p[3] + q[1] * p[2] - q[2] * p[1] + q[3] * p[0];
 }
 
+/* q = q/|q|. */
 static inline void quaternion_normalised(double *restrict q)
 {
     double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -21,7 +22,8 @@ static inline void quaternion_normalised(double *restrict q)
         q[i] /= size;
 }
 
-/* The shortest rotation that takes the unit vector n to the unit vector e, not opposite to it. */
+/* The shortest rotation that takes the unit vector n to the unit vector e, not opposite to it: (1 +
+ * n.e, n x e) normalised. */
 static inline void quaternion_swing(const double *restrict n, const double *restrict e,
                                     double *restrict q)
 {
@@ -36,15 +38,16 @@ static inline void quaternion_swing(const double *restrict n, const double *rest
 static inline void quaternion_rotated(const double *restrict q, const double *restrict v,
                                       double *restrict out)
 {
-    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]);
-    double y = 2.0 * (q[3] * v[0] - q[1] * v[2]);
-    double z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
-    out[0] = v[0] + (q[0] * x + (q[2] * z - q[3] * y));
-    out[1] = v[1] + (q[0] * y + (q[3] * x - q[1] * z));
-    out[2] = v[2] + (q[0] * z + (q[1] * y - q[2] * x));
+    double tx = 2.0 * (q[2] * v[2] - q[3] * v[1]);
+    double ty = 2.0 * (q[3] * v[0] - q[1] * v[2]);
+    double tz = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+    out[0] = v[0] + (q[0] * tx + (q[2] * tz - q[3] * ty));
+    out[1] = v[1] + (q[0] * ty + (q[3] * tx - q[1] * tz));
+    out[2] = v[2] + (q[0] * tz + (q[1] * ty - q[2] * tx));
 }
 
-/* The unit quaternion and omega in body axes of omega in space axes, in twice binary64. */
+/* The unit quaternion q = attitude/|attitude|, and omega in body axes, q* omega q = omega + q0 t +
+ * u x t with u = -(q1, q2, q3) and t = 2 u x omega, in double-double. */
 static inline void quaternion_body(const double *restrict attitude, const double *restrict omega,
                                    dd *restrict q, dd *restrict w)
 {

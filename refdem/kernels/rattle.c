@@ -1,10 +1,20 @@
 /* RATTLE: velocity Verlet for points joined by rods (Andersen, J. Comput. Phys. 52 (1983) 24;
  * Hairer, Lubich, Wanner VII.1.4).
  *
- * kick and drift by h/2 and h; rods of the new positions by multipliers along the old ones (Newton
- * to round-off); kick by h/2; then rods of the velocities. Positions and velocities carry what
- * their sums left over (Kahan), so that round-off does not pile up. The rod force is the exact one
- * of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
+ * With the vector d_r of rod r between its ends a, b and G(d) the matrix with (G v)_r = d_r.(v_a -
+ * v_b), a step h is
+ *
+ *   kick          v += h/2 a(x0)
+ *   drift         x += h v
+ *   hold lengths  x -= M^-1 G(d0)^T lambda,  v -= 1/h M^-1 G(d0)^T lambda,  |d_r| = l_r
+ *   kick          v += h/2 a(x)
+ *   hold rates    v -= M^-1 G(d)^T mu,  G(d) v = 0
+ *
+ * where lambda is found by Newton's rule to round-off, and mu by one linear solve. Positions and
+ * velocities carry what their sums left over (Kahan), so that round-off does not pile up. The rod
+ * force is the exact one of the sampled state, from d.d'' + d'.d' = 0:
+ *
+ *   G M^-1 G^T (T/l) = G a + |v_a - v_b|^2.
  */
 #include <assert.h>
 
@@ -24,8 +34,9 @@ typedef struct {
     double *acceleration, *low_x, *low_v, *old, *new, *matrix, *rhs, *solution, *column;
 } system_of_rods;
 
-/* From the second end (or the world's anchor) to the first. */
-static void separation(const int64_t *restrict ends, const double *restrict anchor,
+/* The vector d (3) from the second end (or the world's anchor) to the first, of positions or of any
+ * other vectors x (n, 3). */
+static void difference(const int64_t *restrict ends, const double *restrict anchor,
                        const double *restrict x, double *restrict d)
 {
     const double *other = anchor;
@@ -35,19 +46,21 @@ static void separation(const int64_t *restrict ends, const double *restrict anch
         d[i] = x[3 * ends[0] + i] - other[i];
 }
 
+/* a.b. */
 static double dot(const double *a, const double *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* With what the sums left over, so that rods far from the origin are held as well as near it. */
+/* The vectors d (rods, 3) of all rods, with what the sums left over, so that rods far from the
+ * origin are held as well as near it. */
 static void directions(const system_of_rods *s, const double *restrict x, double *restrict d)
 {
     static const double nothing[3] = {0.0, 0.0, 0.0};
     for (int64_t r = 0; r < s->rods; r++) {
         double low[3];
-        separation(s->rod_ends + 2 * r, s->rod_anchor + 3 * r, x, d + 3 * r);
-        separation(s->rod_ends + 2 * r, nothing, s->low_x, low);
+        difference(s->rod_ends + 2 * r, s->rod_anchor + 3 * r, x, d + 3 * r);
+        difference(s->rod_ends + 2 * r, nothing, s->low_x, low);
         for (int i = 0; i < 3; i++)
             d[3 * r + i] += low[i];
     }
@@ -59,14 +72,14 @@ static double pull_per_length(const double *restrict law, double size)
     double stretch = size - law[1];
     if (law[1] == 0.0 && law[2] == 1.0) /* no direction is needed */
         return law[0];
-    if (!(size > 0.0))
+    if (!(size > 0.0)) /* it has no direction */
         return 0.0;
     if (law[2] == 1.0)
         return law[0] * stretch / size;
     return law[0] * copysign(pow(fabs(stretch), law[2]), stretch) / size;
 }
 
-/* Gravity and springs, per mass. */
+/* Accelerations (n, 3) by gravity and springs [m/s^2]. */
 static void accelerate(const system_of_rods *s, const double *restrict x)
 {
     double *a = s->acceleration;
@@ -80,7 +93,7 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
         const int64_t *ends = s->spring_ends + 2 * k;
         const double *law = s->spring_law + 3 * k;
         double d[3];
-        separation(ends, s->spring_anchor + 3 * k, x, d);
+        difference(ends, s->spring_anchor + 3 * k, x, d);
         double pull = pull_per_length(law, sqrt(dot(d, d)));
         double sense[2] = {pull, -pull};
         for (int end = 0; end < 2; end++) {
@@ -92,9 +105,10 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
     }
 }
 
-/* The sum of 1/m of the points that two rods share, below 0 where first meets second end. */
-static double shared_ease(const system_of_rods *s, const int64_t *restrict one,
-                          const int64_t *restrict other)
+/* The entry of G M^-1 G^T for unit vectors: the sum of 1/m over the points that two rods share,
+ * negative where the first end of one is the second of the other. */
+static double shared_inverse_mass(const system_of_rods *s, const int64_t *restrict one,
+                                  const int64_t *restrict other)
 {
     double shared = 0.0;
     for (int p = 0; p < 2; p++) {
@@ -103,22 +117,23 @@ static double shared_ease(const system_of_rods *s, const int64_t *restrict one,
         for (int q = 0; q < 2; q++) {
             if (one[p] != other[q])
                 continue;
-            double ease = 1.0 / s->mass[one[p]];
+            double inverse_mass = 1.0 / s->mass[one[p]];
             if (p == q)
-                shared += ease;
+                shared += inverse_mass;
             else
-                shared -= ease;
+                shared -= inverse_mass;
         }
     }
     return shared;
 }
 
-/* Rows G(d1) M^-1 G(d0)^T. */
-static void couple(const system_of_rods *s, const double *restrict d1, const double *restrict d0)
+/* matrix (rods, rods) = G(d1) M^-1 G(d0)^T. */
+static void set_matrix(const system_of_rods *s, const double *restrict d1,
+                       const double *restrict d0)
 {
     for (int64_t i = 0; i < s->rods; i++) {
         for (int64_t j = 0; j < s->rods; j++) {
-            double shared = shared_ease(s, s->rod_ends + 2 * i, s->rod_ends + 2 * j);
+            double shared = shared_inverse_mass(s, s->rod_ends + 2 * i, s->rod_ends + 2 * j);
             double entry = 0.0;
             if (shared != 0.0)
                 entry = shared * dot(d1 + 3 * i, d0 + 3 * j);
@@ -134,7 +149,9 @@ static void swap(double *a, double *b)
     *b = kept;
 }
 
-/* matrix solution = rhs, by elimination with complete pivoting; a redundant rod carries nothing. */
+/* Solves matrix solution = rhs by elimination with complete pivoting. Pivots below 1e-11 of the
+ * largest belong to redundant rods, which carry nothing. `column`: where the unknowns have been
+ * swapped to. */
 static void solve(const system_of_rods *s)
 {
     const int64_t n = s->rods;
@@ -155,9 +172,9 @@ static void solve(const system_of_rods *s)
                     row = i;
                     col = j;
                 }
-        if (rank == 0)
+        if (rank == 0) /* the first pivot is the largest entry */
             largest = fabs(a[row * n + col]);
-        if (!(fabs(a[row * n + col]) > 1e-11 * largest))
+        if (!(fabs(a[row * n + col]) > 1e-11 * largest)) /* the rest is redundant */
             break;
         for (int64_t j = 0; j < n; j++)
             swap(&a[row * n + j], &a[rank * n + j]);
@@ -180,16 +197,17 @@ static void solve(const system_of_rods *s)
     }
 }
 
-static inline void grow(double *restrict value, double *restrict low, double by)
+/* value += by, with what rounding loses kept in `low`. */
+static inline void add_compensated(double *restrict value, double *restrict low, double by)
 {
     dd sum = two_sum(*value, by + *low);
     *value = sum.hi;
     *low = sum.lo;
 }
 
-/* values -= scale M^-1 G(d)^T solution. */
-static void push(const system_of_rods *s, const double *restrict d, double scale,
-                 double *restrict values, double *restrict low)
+/* values -= scale M^-1 G(d)^T solution: impulses of the rods on both ends. */
+static void apply_multipliers(const system_of_rods *s, const double *restrict d, double scale,
+                              double *restrict values, double *restrict low)
 {
     double sense[2] = {-scale, scale};
     for (int64_t r = 0; r < s->rods; r++) {
@@ -199,17 +217,17 @@ static void push(const system_of_rods *s, const double *restrict d, double scale
                 continue;
             for (int i = 0; i < 3; i++) {
                 double change = sense[end] * s->solution[r] * d[3 * r + i] / s->mass[b];
-                grow(&values[3 * b + i], &low[3 * b + i], change);
+                add_compensated(&values[3 * b + i], &low[3 * b + i], change);
             }
         }
     }
 }
 
-/* Newton on the multipliers until the rods' lengths are right to round-off; 0, or 1 if they never
- * are. */
+/* Newton's rule on the multipliers, G(d) M^-1 G(d0)^T lambda = (|d|^2 - l^2)/2, until the rods'
+ * lengths are right to round-off. Returns 0, or 1 if they never are. */
 static int hold_lengths(const system_of_rods *s, double h, double *restrict x, double *restrict v)
 {
-    double before = INFINITY;
+    double worst_before = INFINITY;
     for (int sweep = 0; sweep < 60; sweep++) {
         double worst = 0.0;
         directions(s, x, s->new);
@@ -218,36 +236,37 @@ static int hold_lengths(const system_of_rods *s, double h, double *restrict x, d
             double size = sqrt(dot(s->new + 3 * r, s->new + 3 * r));
             s->rhs[r] = 0.5 * (size - l) * (size + l);
             worst = fmax(worst, fabs(size - l) / l);
-            if (!isfinite(size))
+            if (!isfinite(size)) /* it has diverged */
                 return 1;
         }
-        if (worst <= 2.3e-16 || (worst < 1e-14 && worst >= before))
+        if (worst <= 2.3e-16 || (worst < 1e-14 && worst >= worst_before))
             return 0;
-        before = worst;
-        couple(s, s->new, s->old);
+        worst_before = worst;
+        set_matrix(s, s->new, s->old);
         solve(s);
-        push(s, s->old, 1.0, x, s->low_x);
-        push(s, s->old, 1.0 / h, v, s->low_v);
+        apply_multipliers(s, s->old, 1.0, x, s->low_x);
+        apply_multipliers(s, s->old, 1.0 / h, v, s->low_v);
     }
-    return before > 1e-14;
+    return worst_before > 1e-14;
 }
 
-/* Relative velocity along every rod made zero. */
+/* Makes the relative velocity along every rod zero: G M^-1 G^T mu = G v. */
 static void hold_rates(const system_of_rods *s, const double *restrict x, double *restrict v)
 {
     directions(s, x, s->new);
     for (int64_t r = 0; r < s->rods; r++) {
         static const double still[3] = {0.0, 0.0, 0.0};
         double relative[3];
-        separation(s->rod_ends + 2 * r, still, v, relative);
+        difference(s->rod_ends + 2 * r, still, v, relative);
         s->rhs[r] = dot(s->new + 3 * r, relative);
     }
-    couple(s, s->new, s->new);
+    set_matrix(s, s->new, s->new);
     solve(s);
-    push(s, s->new, 1.0, v, s->low_v);
+    apply_multipliers(s, s->new, 1.0, v, s->low_v);
 }
 
-/* Tension (rods,) of the state. */
+/* Tension (rods) [N] of the state: G M^-1 G^T T/l = G a + |v_a - v_b|^2, from d'' . d + |d'|^2 = 0.
+ */
 static void tension(const system_of_rods *s, const double *restrict x, const double *restrict v,
                     double *restrict out)
 {
@@ -256,28 +275,30 @@ static void tension(const system_of_rods *s, const double *restrict x, const dou
     directions(s, x, s->new);
     for (int64_t r = 0; r < s->rods; r++) {
         double pull[3], relative[3];
-        separation(s->rod_ends + 2 * r, still, s->acceleration, pull);
-        separation(s->rod_ends + 2 * r, still, v, relative);
+        difference(s->rod_ends + 2 * r, still, s->acceleration, pull);
+        difference(s->rod_ends + 2 * r, still, v, relative);
         s->rhs[r] = dot(s->new + 3 * r, pull) + dot(relative, relative);
     }
-    couple(s, s->new, s->new);
+    set_matrix(s, s->new, s->new);
     solve(s);
     for (int64_t r = 0; r < s->rods; r++)
         out[r] = s->solution[r] * s->rod_length[r];
 }
 
+/* v += h a. */
 static void kick(const system_of_rods *s, double h, double *restrict v)
 {
     for (int64_t i = 0; i < 3 * s->n; i++)
-        grow(&v[i], &s->low_v[i], h * s->acceleration[i]);
+        add_compensated(&v[i], &s->low_v[i], h * s->acceleration[i]);
 }
 
+/* One step h; 0, or 1 if the rods could not be held. */
 static int step(const system_of_rods *s, double h, double *restrict x, double *restrict v)
 {
     directions(s, x, s->old);
     kick(s, 0.5 * h, v);
     for (int64_t i = 0; i < 3 * s->n; i++)
-        grow(&x[i], &s->low_x[i], h * v[i]);
+        add_compensated(&x[i], &s->low_x[i], h * v[i]);
     if (hold_lengths(s, h, x, v))
         return 1;
     accelerate(s, x);
@@ -292,7 +313,9 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work,
                   double *position, double *velocity, double *force)
 {
-    assert(n >= 1 && samples >= 1 && stride >= 1);
+    assert(n >= 1 && mass && gravity && samples >= 1 && stride >= 1);
+    assert(rods == 0 || (rod_ends && rod_anchor && rod_length));
+    assert(springs == 0 || (spring_ends && spring_anchor && spring_law));
     assert(work && position && velocity && force); /* `work`: 9 n + 9 rods + rods^2 doubles */
     system_of_rods s = {n,
                         rods,
@@ -326,7 +349,7 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
         memcpy(x, x - 3 * n, (size_t)(3 * n) * sizeof(double));
         memcpy(v, v - 3 * n, (size_t)(3 * n) * sizeof(double));
         for (int64_t m = 0; m < stride; m++)
-            if (step(&s, h, x, v))
+            if (step(&s, h, x, v)) /* the rods could not be held */
                 return (int)k + 1;
         tension(&s, x, v, force + rods * k);
     }

@@ -6,12 +6,17 @@
  * depends on the engine's version, so there is one callback for each place, and the adapter takes
  * the one for the layout that the installed engine reports. No header of REBOUND is used.
  *
- * Rod between a and b with d = x_a - x_b, w = v_a - v_b: d.d'' + w.w = 0 gives the multiplier
- *   lambda = (w.w + d.(a_a - a_b)) / (d.d (1/m_a + 1/m_b)),   force on a: -lambda d,
- * divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift, which grows as t and
- * not exponentially. Euler's equations in body axes and q' = q omega_body / 2.
+ * Forces on a, their opposites on b, with d = x_a - x_b, w = v_a - v_b:
+ *   spring   -(k |s|^e sgn s + k2 s^2 + k3 s^3) d/|d|,   s = |d| - length
+ *   dashpot  -(damping + van_der_pol |d|^2) w
+ *   drive    F cos(frequency t + phase) axis
+ *   rod      -lambda d,   lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)),
+ * from d.d'' + w.w = 0, divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift,
+ * which grows as t and not exponentially. Bodies that turn: Euler's equations J w' = (J w) x w in
+ * body axes and q' = q w/2.
  */
 #define _POSIX_C_SOURCE 200809L
+#include <assert.h>
 #include <math.h>
 #include <signal.h>
 #include <string.h>
@@ -20,11 +25,13 @@
 
 typedef refdem_rebound_scene scene_t;
 
+/* The column at a byte offset of a body's particle in the engine's array. */
 static double *column(const scene_t *scene, int64_t body, int64_t offset)
 {
     return (double *)(void *)(scene->particle + body * scene->size + offset);
 }
 
+/* p.q. */
 static double dot(const double *p, const double *q)
 {
     return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -44,7 +51,7 @@ static void difference(const scene_t *scene, const int64_t *end, int64_t offset,
 }
 
 /* Adds force[i] * factor to body a and takes it from body b. */
-static void push(const scene_t *scene, const int64_t *end, double factor, const double *force)
+static void add_force(const scene_t *scene, const int64_t *end, double factor, const double *force)
 {
     double signed_factor[2] = {factor, -factor};
     for (int side = 0; side < 2; side++) {
@@ -56,12 +63,14 @@ static void push(const scene_t *scene, const int64_t *end, double factor, const 
     }
 }
 
+/* Adds the force of a spring; p: stiffness, length, exponent, anchor (3), quadratic, cubic. */
 static void spring(const scene_t *scene, const int64_t *end, const double *p)
 {
     double d[3];
     difference(scene, end, scene->position, p + 3, d);
+    /* A linear spring of no length: no root, and none of its rounding. */
     if (p[1] == 0 && p[2] == 1 && p[6] == 0 && p[7] == 0) {
-        push(scene, end, -p[0], d);
+        add_force(scene, end, -p[0], d);
         return;
     }
     double distance = sqrt(dot(d, d));
@@ -70,23 +79,26 @@ static void spring(const scene_t *scene, const int64_t *end, const double *p)
         return;
     double pull = p[0] * copysign(pow(fabs(stretch), p[2]), stretch);
     double more = (p[6] + p[7] * stretch) * stretch * stretch;
-    push(scene, end, -(pull + more) / distance, d);
+    add_force(scene, end, -(pull + more) / distance, d);
 }
 
+/* Adds the force of a dashpot; p: damping, van_der_pol, anchor (3). */
 static void dashpot(const scene_t *scene, const int64_t *end, const double *p)
 {
     static const double rest[3] = {0, 0, 0};
     double d[3], w[3];
     difference(scene, end, scene->position, p + 2, d);
     difference(scene, end, scene->velocity, rest, w);
-    push(scene, end, -(p[0] + p[1] * dot(d, d)), w);
+    add_force(scene, end, -(p[0] + p[1] * dot(d, d)), w);
 }
 
+/* Adds a periodic force at the engine's clock; p: force, frequency, phase, axis (3). */
 static void drive(const scene_t *scene, const int64_t *end, const double *p)
 {
-    push(scene, end, p[0] * cos(p[1] * *scene->clock + p[2]), p + 3);
+    add_force(scene, end, p[0] * cos(p[1] * *scene->clock + p[2]), p + 3);
 }
 
+/* 1/m [1/kg]; 0 for the world and for fixed bodies. */
 static double inverse_mass(const scene_t *scene, int64_t body)
 {
     if (body < 0 || scene->fixed[body]) /* nothing moves it */
@@ -94,7 +106,7 @@ static double inverse_mass(const scene_t *scene, int64_t body)
     return 1.0 / scene->mass[body];
 }
 
-/* Returns the tension [N]. */
+/* Adds the force of a rod, after all other forces; returns its tension lambda |d| [N]. */
 static double rod(const scene_t *scene, const int64_t *end, const double *anchor)
 {
     static const double rest[3] = {0, 0, 0};
@@ -105,17 +117,18 @@ static double rod(const scene_t *scene, const int64_t *end, const double *anchor
     double square = dot(d, d);
     double lambda = (dot(w, w) + dot(d, a))
                     / (square * (inverse_mass(scene, end[0]) + inverse_mass(scene, end[1])));
-    push(scene, end, -lambda, d);
+    add_force(scene, end, -lambda, d);
     return lambda * sqrt(square);
 }
 
+/* Adds all forces to the accelerations. */
 static void forces(const scene_t *scene)
 {
     for (int64_t body = 0; body < scene->bodies; body++) {
         double *a = column(scene, body, scene->acceleration);
         for (int i = 0; i < 3; i++) {
             a[i] += scene->gravity[i];
-            if (scene->fixed[body])
+            if (scene->fixed[body]) /* it stays */
                 a[i] = 0.0;
         }
     }
@@ -129,7 +142,7 @@ static void forces(const scene_t *scene)
         scene->tension[k] = rod(scene, scene->rod_end + 2 * k, scene->rod_anchor + 3 * k);
 }
 
-/* y: per body attitude (w, x, y, z) and omega in body axes. */
+/* Rates of the further equations; y: per body attitude (w, x, y, z) and omega in body axes. */
 static void euler(const scene_t *scene, double *restrict rate, const double *restrict y)
 {
     for (int64_t k = 0; k < scene->turning; k++, y += 7, rate += 7) {
@@ -177,19 +190,30 @@ static void euler(const scene_t *scene, double *restrict rate, const double *res
 PLACES(FORCES)
 PLACES(EULER)
 
+/* True for the byte of one of these words. */
+static int has_callback(int64_t place)
+{
+    return place % 8 == 0 && place >= 0 && place < 1024;
+}
+
 void *refdem_rebound_forces(int64_t place)
 {
     static void (*const all[])(void *) = {PLACES(NAME_FORCES)};
-    return place % 8 || place < 0 || place >= 1024 ? NULL : (void *)all[place / 8];
+    if (!has_callback(place))
+        return NULL;
+    return (void *)all[place / 8];
 }
 
 void *refdem_rebound_euler(int64_t place)
 {
     static void (*const all[])(void *, double *, const double *, double) = {PLACES(NAME_EULER)};
-    return place % 8 || place < 0 || place >= 1024 ? NULL : (void *)all[place / 8];
+    if (!has_callback(place))
+        return NULL;
+    return (void *)all[place / 8];
 }
 
-static double *row(const refdem_rebound_engine *engine, const scene_t *scene, double *out)
+/* Writes one sample; returns the place of the next one. */
+static double *record(const refdem_rebound_engine *engine, const scene_t *scene, double *out)
 {
     *out++ = *engine->clock;
     for (int64_t body = 0; body < scene->bodies; body++, out += 6) {
@@ -211,16 +235,19 @@ static double *row(const refdem_rebound_engine *engine, const scene_t *scene, do
 int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene,
                           int64_t stride, int64_t samples, const double *times, double *out)
 {
+    assert(engine && scene && engine->clock && samples >= 1 && out);
+    assert(stride || times); /* (samples) doubles */
+    /* REBOUND takes over the handler of an interrupt; the caller's is put back. */
     struct sigaction interrupt;
     int failed = 0;
     sigaction(SIGINT, NULL, &interrupt);
-    out = row(engine, scene, out);
+    out = record(engine, scene, out);
     for (int64_t k = 1; k < samples && !failed; k++) {
-        if (stride)
+        if (stride) /* steps of fixed size */
             engine->steps(engine->simulation, (size_t)stride);
         else if (engine->integrate(engine->simulation, times[k]))
             failed = (int)(k + 1);
-        out = row(engine, scene, out);
+        out = record(engine, scene, out);
     }
     sigaction(SIGINT, &interrupt, NULL);
     return failed;

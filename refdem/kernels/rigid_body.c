@@ -1,11 +1,19 @@
-/* One free rigid body, step by step: exact rotations, and the classical Runge-Kutta method.
+/* One free rigid body, step by step: by a splitting into exact rotations, and by the classical
+ * Runge-Kutta method, for the angular momentum l in body axes and the attitude q:
  *
- * The splitting leaves out what commutes with all: with J_m the middle moment, H = |l|^2/(2 J_m) +
- * sum of l_i^2/2 (1/J_i - 1/J_m). The first part turns the body about L in space by |L| t/J_m, in
- * one rotation for any time; of the sum two axes are left, and turn in each other's flow: a half
- * step, a whole one, a half (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes
- * would leave an error that grows as J_3/J_1: for a needle, two long turns that nearly cancel.
+ *   l' = l x w,   q' = q w/2,   w = J^-1 l.
+ *
+ * The splitting leaves out what commutes with all: with J_m the middle moment,
+ *
+ *   H = |l|^2/(2 J_m) + sum of l_i^2/2 (1/J_i - 1/J_m).
+ *
+ * The first part turns the body about L in space by |L| t/J_m, in one rotation for any time; of
+ * the sum two axes are left, and turn in each other's flow: a half step, a whole one, a half
+ * (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes would leave an error that
+ * grows as J_3/J_1: for a needle, two long turns that nearly cancel.
  */
+#include <assert.h>
+
 #include <string.h>
 
 #include "double_double.h"
@@ -18,16 +26,17 @@ typedef struct {
     double l[3], l_low[3], q[4], q_low[4];
 } spinning;
 
-static inline void grow(double *restrict value, double *restrict low, double by)
+/* value += by, with what rounding loses kept in `low`. */
+static inline void add_compensated(double *restrict value, double *restrict low, double by)
 {
     dd sum = two_sum(*value, by + *low);
     *value = sum.hi;
     *low = sum.lo;
 }
 
-/* The exact flow of l_i^2/(2 J_i) over h: l turns about axis i by -angle, the body by angle = h l_i
- * / J_i. Increments, so that |l| and |q| stay: with s = sin(angle/2), cos(angle) - 1 = -2 s^2 and
- * cos(angle/2) - 1 = -s^2/(1 + cos(angle/2)). */
+/* The exact flow of l_i^2/(2 J_i) over h, rate = h/J_i: the body turns about axis i by the angle =
+ * rate l_i, and l in body axes by -angle. As increments, so that |l| and |q| stay: with s =
+ * sin(angle/2), c = cos(angle/2), cos(angle) - 1 = -2 s^2 and c - 1 = -s^2/(1 + c). */
 static inline void turn_about(spinning *b, int i, double rate)
 {
     int j = (i + 1) % 3;
@@ -35,26 +44,27 @@ static inline void turn_about(spinning *b, int i, double rate)
     double half = 0.5 * rate * b->l[i];
     double s = sin(half);
     double c = cos(half);
-    double less = c - 1.0;
+    double c_minus_1 = c - 1.0;
     if (c > 0.0) /* without cancellation */
-        less = -s * s / (1.0 + c);
-    double sine = 2.0 * s * (1.0 + less);
-    double fall = 2.0 * s * s;
+        c_minus_1 = -s * s / (1.0 + c);
+    double sine_angle = 2.0 * s * (1.0 + c_minus_1);
+    double one_minus_cosine = 2.0 * s * s;
     double lj = b->l[j];
     double lk = b->l[k];
-    grow(&b->l[j], &b->l_low[j], sine * lk - fall * lj);
-    grow(&b->l[k], &b->l_low[k], -sine * lj - fall * lk);
+    add_compensated(&b->l[j], &b->l_low[j], sine_angle * lk - one_minus_cosine * lj);
+    add_compensated(&b->l[k], &b->l_low[k], -sine_angle * lj - one_minus_cosine * lk);
     double w = b->q[0];
     double x = b->q[1 + i];
     double y = b->q[1 + j];
     double z = b->q[1 + k];
-    grow(&b->q[0], &b->q_low[0], less * w - s * x);
-    grow(&b->q[1 + i], &b->q_low[1 + i], less * x + s * w);
-    grow(&b->q[1 + j], &b->q_low[1 + j], less * y + s * z);
-    grow(&b->q[1 + k], &b->q_low[1 + k], less * z - s * y);
+    add_compensated(&b->q[0], &b->q_low[0], c_minus_1 * w - s * x);
+    add_compensated(&b->q[1 + i], &b->q_low[1 + i], c_minus_1 * x + s * w);
+    add_compensated(&b->q[1 + j], &b->q_low[1 + j], c_minus_1 * y + s * z);
+    add_compensated(&b->q[1 + k], &b->q_low[1 + k], c_minus_1 * z - s * y);
 }
 
-static void start(spinning *b, const double *restrict inertia, const double *restrict attitude,
+/* The state from attitude and omega in space axes: q = attitude/|attitude|, l = J omega_body. */
+static void begin(spinning *b, const double *restrict inertia, const double *restrict attitude,
                   const double *restrict omega)
 {
     dd q[4], w[3];
@@ -70,7 +80,8 @@ static void start(spinning *b, const double *restrict inertia, const double *res
     }
 }
 
-/* omega in space axes of l in body axes; an axis without inertia does not turn. */
+/* Writes the unit attitude and omega in space axes, q (J^-1 l) q*; an axis without inertia does not
+ * turn. */
 static void finish(const spinning *b, const double *restrict inertia, double *restrict attitude,
                    double *restrict omega)
 {
@@ -87,7 +98,7 @@ static void finish(const spinning *b, const double *restrict inertia, double *re
 }
 
 /* The axes of the least and of the largest moment. */
-static void extremes(const double *restrict inertia, int *least, int *most)
+static void find_extremes(const double *restrict inertia, int *least, int *most)
 {
     *least = 0;
     *most = 0;
@@ -113,7 +124,8 @@ typedef struct {
     dd rate;
 } precession;
 
-static precession precessing(const spinning *b, double middle)
+/* The turn about L of body b with the middle moment J_m. */
+static precession precession_of(const spinning *b, double middle)
 {
     dd w[3];
     double direction[3];
@@ -133,15 +145,15 @@ static precession precessing(const spinning *b, double middle)
     return p;
 }
 
-/* The state at a sample: what is left of the outer turn, then the turn about the angular momentum.
- */
-static void sampled(const spinning *now, int axis, double rest, const precession *p, dd since,
-                    const double *restrict inertia, double *restrict attitude,
-                    double *restrict omega)
+/* Writes the state at a sample, `since` the start: what is left of the outer turn, then the turn
+ * about the angular momentum in space. */
+static void record(const spinning *now, int axis, double last_turn, const precession *p, dd since,
+                   const double *restrict inertia, double *restrict attitude,
+                   double *restrict omega)
 {
     spinning b = *now;
     double turn[4], inner[4], sine;
-    turn_about(&b, axis, rest);
+    turn_about(&b, axis, last_turn);
     memcpy(inner, b.q, sizeof inner);
     turned(dd_scale(dd_mul(p->rate, since), 0.5), turn, &sine);
     for (int i = 0; i < 3; i++)
@@ -154,33 +166,34 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
                                 double h, int64_t samples, int64_t stride, double *out_attitude,
                                 double *out_omega)
 {
+    assert(inertia && attitude && omega && samples >= 1 && stride >= 0);
+    assert(out_attitude && out_omega); /* (samples, 4), (samples, 3) doubles */
     spinning b;
     int least, most;
-    start(&b, inertia, attitude, omega);
+    begin(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
-    extremes(inertia, &least, &most);
+    find_extremes(inertia, &least, &most);
     double middle = inertia[3 - least - most];
     double inner = rate_about(inertia[most], middle, h);
     double outer = rate_about(inertia[least], middle, h);
-    precession p = precessing(&b, middle);
+    precession p = precession_of(&b, middle);
     turn_about(&b, least, 0.5 * outer);
     /* The half turns at the end of a step and at the begin of the next one are made as one; a
      * sample adds the last half to a copy. */
     for (int64_t k = 1; k < samples; k++) {
         for (int64_t n = 0; n < stride; n++) {
-            if (k > 1 || n > 0)
+            if (k > 1 || n > 0) /* the very first half turn has been made */
                 turn_about(&b, least, outer);
             turn_about(&b, most, inner);
         }
         dd since = two_product(h, (double)(k * stride));
-        sampled(&b, least, 0.5 * outer, &p, since, inertia, out_attitude + 4 * k,
-                out_omega + 3 * k);
+        record(&b, least, 0.5 * outer, &p, since, inertia, out_attitude + 4 * k, out_omega + 3 * k);
     }
     return 0;
 }
 
-/* dq/dt = q omega_body / 2, dl/dt = l x omega_body; y = (q, l). */
-static void slope(const double *restrict y, const double *restrict per, double *restrict dy)
+/* dy for y = (q, l): q' = q w/2, l' = l x w, w = per l with per = 1/J; w holds half of it. */
+static void rates(const double *restrict y, const double *restrict per, double *restrict dy)
 {
     const double *l = y + 4;
     double w[4] = {0.0, 0.5 * per[0] * l[0], 0.5 * per[1] * l[1], 0.5 * per[2] * l[2]};
@@ -192,31 +205,35 @@ static void slope(const double *restrict y, const double *restrict per, double *
     }
 }
 
-/* The classical method of order 4 (Kutta 1901); |q| is brought back to 1 after the step. */
+/* One step of the classical method of order 4 (Kutta 1901), y += h/6 (k1 + 2 k2 + 2 k3 + k4); then
+ * |q| is brought back to 1: with excess e = (|q|^2 - 1)/2, q -= (e - 3/2 e^2) q. */
 static void rk4_step(double *restrict y, double *restrict low, const double *restrict per, double h)
 {
-    double k[4][7], z[7];
-    static const double reach[4] = {0.0, 0.5, 0.5, 1.0};
-    slope(y, per, k[0]);
+    double k[4][7], stage[7];
+    static const double fraction[4] = {0.0, 0.5, 0.5, 1.0};
+    rates(y, per, k[0]);
     for (int s = 1; s < 4; s++) {
         for (int i = 0; i < 7; i++)
-            z[i] = fma(h * reach[s], k[s - 1][i], y[i]);
-        slope(z, per, k[s]);
+            stage[i] = fma(h * fraction[s], k[s - 1][i], y[i]);
+        rates(stage, per, k[s]);
     }
     for (int i = 0; i < 7; i++)
-        grow(&y[i], &low[i], h / 6.0 * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i])));
+        add_compensated(&y[i], &low[i],
+                        h / 6.0 * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i])));
     double excess = 0.5 * ((y[0] * y[0] + y[1] * y[1] - 1.0) + (y[2] * y[2] + y[3] * y[3]));
     for (int i = 0; i < 4; i++)
-        grow(&y[i], &low[i], -excess * (1.0 - 1.5 * excess) * y[i]);
+        add_compensated(&y[i], &low[i], -excess * (1.0 - 1.5 * excess) * y[i]);
 }
 
 int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega,
                           double h, int64_t samples, int64_t stride, double *out_attitude,
                           double *out_omega)
 {
+    assert(inertia && attitude && omega && samples >= 1 && stride >= 0);
+    assert(out_attitude && out_omega); /* (samples, 4), (samples, 3) doubles */
     spinning b;
     double y[7], low[7], per[3];
-    start(&b, inertia, attitude, omega);
+    begin(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     for (int i = 0; i < 3; i++) {
         per[i] = 0.0;

@@ -1,12 +1,15 @@
 /* A planar chain of points on rigid rods that hangs from a pivot, at rest or moved along a line by
- * a law of time, in angles.
+ * a law of time, in angles (Lagrange; Landau and Lifshitz, Mechanics, sec. 5).
  *
- * r_i = pivot + sum over j <= i of l_j (sin th_j, -cos th_j), mu_i = m_i + ... + m_N (Lagrange;
- * Landau and Lifshitz, Mechanics, sec. 5): sum_j mu_max(i,j) l_i l_j (cos(th_i - th_j) th_j'' +
- * sin(th_i - th_j) th_j'^2) = mu_i l_i G.(cos th_i, sin th_i), G = gravity - pivot'', pivot'' =
- * -drive Omega^2 cos(Omega t + phase). The matrix is factored once a step; its Taylor coefficients
- * of higher order go to the other side. The pivot does work at the rate F.pivot', F = sum mu_i l_i
- * (sin th_i, -cos th_i)'' - mu_1 G.
+ * Points r_i = pivot + sum over j <= i of l_j (sin th_j, -cos th_j), loads mu_i = m_i + ... + m_N:
+ *
+ *   sum_j A_ij th_j'' = mu_i l_i G.(cos th_i, sin th_i) - sum_j B_ij th_j'^2,
+ *   A_ij = mu_max(i,j) l_i l_j cos(th_i - th_j),   B_ij = mu_max(i,j) l_i l_j sin(th_i - th_j),
+ *   G = gravity - pivot'',   pivot'' = -drive Omega^2 cos(Omega t + phase).
+ *
+ * The matrix A is factored once a step; its Taylor coefficients of higher order go to the other
+ * side. The pivot does work at the rate F.pivot', F = sum mu_i l_i (sin th_i, -cos th_i)'' - mu_1
+ * G. State (2 N + 1): angles since the start [rad], rates [rad/s], work [J].
  */
 #include <assert.h>
 
@@ -25,7 +28,7 @@ typedef struct {
 
 /* Sine and cosine of the whole angle from those since the start: exact there, so that what stands
  * upright stays. */
-static void aimed(const double *restrict aim, double *restrict s, double *restrict c)
+static void add_start_angle(const double *restrict aim, double *restrict s, double *restrict c)
 {
     double sine = *s;
     double cosine = *c;
@@ -33,6 +36,7 @@ static void aimed(const double *restrict aim, double *restrict s, double *restri
     *c = aim[1] * cosine - aim[0] * sine;
 }
 
+/* mu_max(i,j) l_i l_j. */
 static double coupling(const chain *p, int i, int j)
 {
     int lower = i; /* of the two bobs: it and those below it move with both rods */
@@ -41,7 +45,7 @@ static double coupling(const chain *p, int i, int j)
     return p->load[lower] * p->length[i] * p->length[j];
 }
 
-/* Lower factor of a symmetric positive matrix, in place. */
+/* Cholesky's factor L of a symmetric positive matrix L L^T, in its lower half, in place. */
 static void factor(int n, double m[MOST][MOST])
 {
     for (int i = 0; i < n; i++) {
@@ -57,6 +61,7 @@ static void factor(int n, double m[MOST][MOST])
     }
 }
 
+/* b = (L L^T)^-1 b: L z = b forwards, L^T x = z backwards. */
 static void solve(int n, double m[MOST][MOST], double *b)
 {
     for (int i = 0; i < n; i++) {
@@ -71,80 +76,95 @@ static void solve(int n, double m[MOST][MOST], double *b)
     }
 }
 
-/* G and the pivot's velocity along both axes of the plane as series about a time. */
-static void felt_gravity(const chain *p, dd time, series *g, series *velocity)
+/* G and the pivot's velocity along both axes of the plane as series about a time. `power` is
+ * Omega^(k+1)/k!; the derivatives of cos are cos, -sin, -cos, sin. */
+static void expand_pivot(const chain *p, dd time, series *g, series *velocity)
 {
-    double c, s;
+    double cosine, sine;
     double power = p->frequency;
-    turned(dd_add(dd_mul(dd_of(p->frequency), time), dd_of(p->phase)), &c, &s);
-    double wave[4] = {c, -s, -c, s};
+    turned(dd_add(dd_mul(dd_of(p->frequency), time), dd_of(p->phase)), &cosine, &sine);
+    double derivative[4] = {cosine, -sine, -cosine, sine};
     for (int k = 0; k <= TERMS; k++) {
         for (int axis = 0; axis < 2; axis++) {
             double constant = 0.0;
             if (k == 0)
                 constant = p->gravity[axis];
-            g[axis][k] = constant + p->drive[axis] * p->frequency * power * wave[k % 4];
+            g[axis][k] = constant + p->drive[axis] * p->frequency * power * derivative[k % 4];
         }
         for (int axis = 0; axis < 2; axis++)
-            velocity[axis][k] = p->drive[axis] * power * wave[(k + 1) % 4];
+            velocity[axis][k] = p->drive[axis] * power * derivative[(k + 1) % 4];
         power *= p->frequency / (k + 1);
     }
 }
 
+/* Coefficients 1 to TERMS of the state, order by order k: sines and cosines, A and B, the right
+ * side, th'' by the factored A_0, the work. */
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const chain *p = system;
-    series g[2], moved[2], pull[2], s[MOST], c[MOST], square[MOST], turn[MOST], across[MOST][MOST],
-        along[MOST][MOST];
-    double matrix[MOST][MOST], b[MOST];
+    series g[2], pivot_velocity[2], pivot_force[2], sine[MOST], cosine[MOST], rate_squared[MOST],
+        acceleration[MOST], b_matrix[MOST][MOST], a_matrix[MOST][MOST];
+    double factored[MOST][MOST], right_side[MOST];
     int n = p->n;
-    felt_gravity(p, time, g, moved);
+    expand_pivot(p, time, g, pivot_velocity);
     for (int k = 0; k < TERMS; k++) {
         for (int i = 0; i < n; i++) {
-            sine_cosine(y[i], y[n + i], s[i], c[i], k);
+            sine_cosine(y[i], y[n + i], sine[i], cosine[i], k);
             if (k == 0)
-                aimed(p->aim + 2 * i, &s[i][0], &c[i][0]);
-            square[i][k] = cauchy(y[n + i], y[n + i], k);
+                add_start_angle(p->aim + 2 * i, &sine[i][0], &cosine[i][0]);
+            rate_squared[i][k] = cauchy(y[n + i], y[n + i], k);
         }
         for (int i = 0; i < n; i++) {
             for (int j = 0; j < n; j++) {
                 double weight = coupling(p, i, j);
                 if (i != j) { /* weight cos and sin of the angle between the rods */
-                    along[i][j][k] = weight * (cauchy(c[i], c[j], k) + cauchy(s[i], s[j], k));
-                    across[i][j][k] = weight * (cauchy(s[i], c[j], k) - cauchy(c[i], s[j], k));
+                    a_matrix[i][j][k]
+                        = weight * (cauchy(cosine[i], cosine[j], k) + cauchy(sine[i], sine[j], k));
+                    b_matrix[i][j][k]
+                        = weight * (cauchy(sine[i], cosine[j], k) - cauchy(cosine[i], sine[j], k));
                     continue;
                 }
-                along[i][i][k] = 0.0;
-                across[i][i][k] = 0.0;
+                a_matrix[i][i][k] = 0.0;
+                b_matrix[i][i][k] = 0.0;
                 if (k == 0)
-                    along[i][i][k] = weight;
+                    a_matrix[i][i][k] = weight;
             }
         }
         for (int i = 0; i < n; i++) {
-            b[i] = p->load[i] * p->length[i] * (cauchy(g[0], c[i], k) + cauchy(g[1], s[i], k));
+            right_side[i] = p->load[i] * p->length[i]
+                            * (cauchy(g[0], cosine[i], k) + cauchy(g[1], sine[i], k));
+            /* - B th'^2, and - A th'' but for A_0 of this order. */
             for (int j = 0; j < n; j++)
-                b[i] -= cauchy(across[i][j], square[j], k) + cauchy_rest(along[i][j], turn[j], k);
+                right_side[i] -= cauchy(b_matrix[i][j], rate_squared[j], k)
+                                 + cauchy_rest(a_matrix[i][j], acceleration[j], k);
         }
-        if (k == 0) {
+        if (k == 0) { /* A_0, with which every order is solved */
             for (int i = 0; i < n; i++)
                 for (int j = 0; j < n; j++)
-                    matrix[i][j] = along[i][j][0];
-            factor(n, matrix);
+                    factored[i][j] = a_matrix[i][j][0];
+            factor(n, factored);
         }
-        solve(n, matrix, b);
+        solve(n, factored, right_side);
         for (int i = 0; i < n; i++) {
-            turn[i][k] = b[i];
+            acceleration[i][k] = right_side[i];
             y[i][k + 1] = y[n + i][k] / (k + 1);
-            y[n + i][k + 1] = b[i] / (k + 1);
+            y[n + i][k + 1] = right_side[i] / (k + 1);
         }
+        /* The work of the pivot: F.pivot'. */
         for (int axis = 0; axis < 2; axis++)
-            pull[axis][k] = -p->load[0] * g[axis][k];
+            pivot_force[axis][k] = -p->load[0] * g[axis][k];
         for (int i = 0; i < n; i++) {
             double weight = p->load[i] * p->length[i];
-            pull[0][k] += weight * (cauchy(turn[i], c[i], k) - cauchy(square[i], s[i], k));
-            pull[1][k] += weight * (cauchy(turn[i], s[i], k) + cauchy(square[i], c[i], k));
+            pivot_force[0][k]
+                += weight
+                   * (cauchy(acceleration[i], cosine[i], k) - cauchy(rate_squared[i], sine[i], k));
+            pivot_force[1][k]
+                += weight
+                   * (cauchy(acceleration[i], sine[i], k) + cauchy(rate_squared[i], cosine[i], k));
         }
-        y[2 * n][k + 1] = (cauchy(pull[0], moved[0], k) + cauchy(pull[1], moved[1], k)) / (k + 1);
+        y[2 * n][k + 1] = (cauchy(pivot_force[0], pivot_velocity[0], k)
+                           + cauchy(pivot_force[1], pivot_velocity[1], k))
+                          / (k + 1);
     }
     for (int i = 0; i < n; i++) {
         scale[i] = 1.0;
@@ -157,15 +177,18 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
                      const double *gravity, const double *drive, double frequency, double phase,
                      int64_t samples, const double *t, double *out)
 {
-    assert(samples >= 1 && out);
+    assert(length && aim && mass && gravity && drive);
+    assert(samples >= 1 && t && out); /* (samples), (samples, 2 rods + 1) doubles */
     chain p
         = {.n = (int)rods, .length = length, .aim = aim, .frequency = frequency, .phase = phase};
     series y[2 * MOST + 1];
     double load = 0.0;
-    if (rods < 1 || rods > MOST)
+    if (rods < 1 || rods > MOST) /* there is no room for them */
         return 1;
-    for (int i = p.n - 1; i >= 0; i--)
-        p.load[i] = load += mass[i];
+    for (int i = p.n - 1; i >= 0; i--) {
+        load += mass[i];
+        p.load[i] = load;
+    }
     for (int axis = 0; axis < 2; axis++) {
         p.gravity[axis] = gravity[axis];
         p.drive[axis] = drive[axis];

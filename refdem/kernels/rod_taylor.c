@@ -1,20 +1,25 @@
 /* A point on a rigid rod in uniform gravity, in Cartesian coordinates, in space: a Taylor method
  * held to its rod.
  *
- * r'' = g - lambda r, lambda = (v.v + g.r)/l^2 the multiplier. The rod does no work, (v.v)' = 2
- * g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and no division, which would carry
- * what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After each step the state goes back to
- * |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and Zou, Exp. Math. 14 (2005) 99).
+ *   r' = v,   v' = g - lambda r,   lambda = (v.v + g.r)/l^2 the multiplier,   tension m l lambda.
+ * The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and
+ * no division, which would carry what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After
+ * each step the state goes back to |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and
+ * Zou, Exp. Math. 14 (2005) 99).
  *
  * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows
  * as exp(t sqrt(2 g/l)) until the state is held again, and there the series converge far beyond
  * that time: so a step is no longer than the inverse of such a rate.
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "simd.h"
 
 enum { ORDER = 24 };
+/* Step over the radius of convergence: what is cut off is 0.18^24 = 1e-18. */
 static const float STEP_PART = 0.18f;
+/* Keeps a coefficient that is zero from an infinite radius. */
 static const float LEAST = 1e-30f;
 
 /* Three components and one that stays zero: one register where there are such, arithmetic by
@@ -23,73 +28,80 @@ typedef double wide __attribute__((vector_size(32)));
 typedef wide series[ORDER + 1];
 
 typedef struct {
-    double length, per; /* 3/l^2 */
-    wide pull;          /* gravity */
-    dd r[3], v[3];
+    double length, lambda_factor; /* l [m]; 3/l^2 */
+    wide gravity;                 /* [m/s^2] */
+    dd r[3], v[3];                /* from the anchor [m]; [m/s] */
 } hanging;
 
+/* a.b of the first three components. */
 static inline double dot(const wide *restrict a, const wide *restrict b)
 {
     return fma((*a)[0], (*b)[0], fma((*a)[1], (*b)[1], (*a)[2] * (*b)[2]));
 }
 
+/* lambda [1/s^2] of a state. */
 static inline double multiplier(const hanging *restrict m, const wide *restrict r,
                                 const wide *restrict v)
 {
-    return (dot(v, v) + dot(&m->pull, r)) / (m->length * m->length);
+    return (dot(v, v) + dot(&m->gravity, r)) / (m->length * m->length);
 }
 
-/* Coefficients of r and v from the state. */
-static inline void expanded(const hanging *restrict m, wide *restrict r, wide *restrict v)
+/* Coefficients of r and v from the state, (n+1) v_(n+1) = g - sum over k of lambda_(n-k) r_k, by
+ * two sums that do not wait for each other. */
+static inline void expand(const hanging *restrict m, wide *restrict r, wide *restrict v)
 {
     double lambda[ORDER + 1];
     r[0] = (wide){m->r[0].hi, m->r[1].hi, m->r[2].hi, 0.0};
     v[0] = (wide){m->v[0].hi, m->v[1].hi, m->v[2].hi, 0.0};
     lambda[0] = multiplier(m, r, v);
     for (int n = 0; n < ORDER; n++) {
-        double per = 1.0 / (n + 1.0);
-        wide sum = {0.0};
+        double inverse = 1.0 / (n + 1.0);
+        wide even_terms = {0.0};
         if (n == 0) /* the pull is constant in time */
-            sum = -m->pull;
-        wide other = {0.0};
-        lambda[n + 1] = m->per * per * dot(&m->pull, v + n);
+            even_terms = -m->gravity;
+        wide odd_terms = {0.0};
+        lambda[n + 1] = m->lambda_factor * inverse * dot(&m->gravity, v + n);
         int k = 0;
         for (; k < n; k += 2) {
-            sum += lambda[n - k] * r[k];
-            other += lambda[n - k - 1] * r[k + 1];
+            even_terms += lambda[n - k] * r[k];
+            odd_terms += lambda[n - k - 1] * r[k + 1];
         }
         if (k == n)
-            sum += lambda[0] * r[n];
-        v[n + 1] = -per * (sum + other);
-        r[n + 1] = per * v[n];
+            even_terms += lambda[0] * r[n];
+        v[n + 1] = -inverse * (even_terms + odd_terms);
+        r[n + 1] = inverse * v[n];
     }
 }
 
+/* Largest component over a scale. */
 static inline float largest(const wide *restrict a, double scale)
 {
     return (float)(fmax(fmax(fabs((*a)[0]), fabs((*a)[1])), fabs((*a)[2])) / scale) + LEAST;
 }
 
-/* Square of the rate at which an error along the rod grows; negative where it swings instead. */
-static inline double unheld(const hanging *restrict m, const wide *restrict r,
-                            const wide *restrict v)
+/* -(lambda + g.r/l^2) [1/s^2]: the square of the rate at which an error along the rod grows;
+ * negative where it oscillates. */
+static inline double drift_rate_squared(const hanging *restrict m, const wide *restrict r,
+                                        const wide *restrict v)
 {
-    return -(dot(v, v) + 2.0 * dot(&m->pull, r)) / (m->length * m->length);
+    return -(dot(v, v) + 2.0 * dot(&m->gravity, r)) / (m->length * m->length);
 }
 
-static inline double step_of(const hanging *restrict m, const wide *restrict r,
-                             const wide *restrict v)
+/* The step [s]: from the last two coefficients of r, and no longer than 1/rate where an error along
+ * the rod grows. */
+static inline double step_size(const hanging *restrict m, const wide *restrict r,
+                               const wide *restrict v)
 {
-    float worst = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)),
-                        powf(largest(r + ORDER, m->length), 1.0f / ORDER));
-    double reach = STEP_PART / worst;
-    double square = unheld(m, r, v);
-    if (square * reach * reach > 1.0)
-        return 1.0 / sqrt(square);
-    return reach;
+    float inverse_radius = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)),
+                                 powf(largest(r + ORDER, m->length), 1.0f / ORDER));
+    double step = STEP_PART / inverse_radius;
+    double growth = drift_rate_squared(m, r, v);
+    if (growth * step * step > 1.0)
+        return 1.0 / sqrt(growth);
+    return step;
 }
 
-/* What a series has gained after a time. */
+/* a(time) - a(0), by Horner's rule in time^2. */
 static inline void gained(const wide *restrict a, double time, wide *restrict out)
 {
     wide even = a[ORDER];
@@ -102,17 +114,18 @@ static inline void gained(const wide *restrict a, double time, wide *restrict ou
     *out = time * (time * even + odd);
 }
 
-/* Back to |r| = l and r.v = 0 along r, by corrections that are small. */
-static inline void held(hanging *m)
+/* Back to |r| = l and r.v = 0: r -= (r.r - l^2)/(2 l^2) r, v -= (r.v)/l^2 r, corrections that are
+ * small. */
+static inline void hold(hanging *m)
 {
     double square = m->length * m->length;
-    dd off = dd_sub(dd_dot(m->r, m->r), two_product(m->length, m->length));
-    double part = -0.5 * off.hi / square;
-    double along = -dd_dot(m->r, m->v).hi / square;
+    dd excess = dd_sub(dd_dot(m->r, m->r), two_product(m->length, m->length));
+    double r_factor = -0.5 * excess.hi / square;
+    double v_factor = -dd_dot(m->r, m->v).hi / square;
     for (int i = 0; i < 3; i++) {
         double r = m->r[i].hi;
-        m->r[i] = dd_add(m->r[i], dd_of(part * r));
-        m->v[i] = dd_add(m->v[i], dd_of(along * r));
+        m->r[i] = dd_add(m->r[i], dd_of(r_factor * r));
+        m->v[i] = dd_add(m->v[i], dd_of(v_factor * r));
     }
 }
 
@@ -122,44 +135,47 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
                       const double *t, double *out_position, double *out_velocity,
                       double *out_force)
 {
+    assert(gravity && anchor && position && velocity);
+    assert(samples == 0 || (t && out_position && out_velocity && out_force));
     hanging m = {.length = length,
-                 .pull = {gravity[0], gravity[1], gravity[2], 0.0},
-                 .per = 3.0 / (length * length)};
+                 .gravity = {gravity[0], gravity[1], gravity[2], 0.0},
+                 .lambda_factor = 3.0 / (length * length)};
     series r, v;
-    double reach = 0.0;
-    double sense = 1.0;
+    double step = 0.0;
+    double direction = 1.0;
     if (samples > 1 && t[samples - 1] < t0) /* backwards */
-        sense = -1.0;
+        direction = -1.0;
     dd now = dd_of(0.0);
     for (int i = 0; i < 3; i++) {
         m.r[i] = two_sum(position[i], -anchor[i]);
         m.v[i] = dd_of(velocity[i]);
     }
-    held(&m);
-    expanded(&m, r, v);
-    reach = step_of(&m, r, v);
+    hold(&m);
+    expand(&m, r, v);
+    step = step_size(&m, r, v);
     for (int64_t k = 0; k < samples; k++) {
         dd target = two_sum(t[k], -t0);
-        dd left = dd_sub(target, now);
-        while (sense * left.hi > reach) {
+        dd to_sample = dd_sub(target, now);
+        while (direction * to_sample.hi > step) {
+            /* Accept: the end of the step becomes the state, held to its rod. */
             wide gain_r, gain_v;
-            gained(r, sense * reach, &gain_r);
-            gained(v, sense * reach, &gain_v);
+            gained(r, direction * step, &gain_r);
+            gained(v, direction * step, &gain_v);
             for (int i = 0; i < 3; i++) {
                 m.r[i] = dd_add(m.r[i], dd_of(gain_r[i]));
                 m.v[i] = dd_add(m.v[i], dd_of(gain_v[i]));
             }
-            held(&m);
-            now = dd_add(now, dd_of(sense * reach));
-            left = dd_sub(target, now);
-            expanded(&m, r, v);
-            reach = step_of(&m, r, v);
-            if (!(reach > 0.0))
+            hold(&m);
+            now = dd_add(now, dd_of(direction * step));
+            to_sample = dd_sub(target, now);
+            expand(&m, r, v);
+            step = step_size(&m, r, v);
+            if (!(step > 0.0)) /* the speed is no longer finite */
                 return (int)(k + 1);
         }
         wide place, speed;
-        gained(r, left.hi, &place);
-        gained(v, left.hi, &speed);
+        gained(r, to_sample.hi, &place);
+        gained(v, to_sample.hi, &speed);
         for (int i = 0; i < 3; i++) {
             place[i] = dd_round(dd_add(m.r[i], dd_of(place[i])));
             speed[i] = dd_round(dd_add(m.v[i], dd_of(speed[i])));

@@ -30,12 +30,11 @@
 #define REFDEM_EVERY_CPU
 #endif
 
-enum {
-    BLOCK = 128
-}; /* samples that are in work at one time: their columns stay in the first cache */
+/* Samples that are in work at one time: their columns stay in the first cache. */
+enum { BLOCK = 128 };
 
-/* The whole number nearest to x, |x| < 2^51, ties to even: sums beyond 1.5 * 2^52 have no
- * fractions. */
+/* The whole number nearest to x, |x| < 2^51, ties to even: a sum near 1.5 * 2^52 has no fraction.
+ */
 static inline double nearest(double x)
 {
     return (x + 0x1.8p52) - 0x1.8p52;
@@ -63,7 +62,7 @@ static inline void sine_cosine_octant(double x, double *restrict s, double *rest
     *c = whole + fma(z * z, q, (1.0 - whole) - half);
 }
 
-/* sin and cos of pi f, f in -1/2..1/2: by the half angle. */
+/* sin and cos of pi f, f in -1/2..1/2, by the half angle a: 2 sin a cos a and 1 - 2 sin^2 a. */
 static inline void sine_cosine_pi(double f, double *restrict s, double *restrict c)
 {
     double half_sine, half_cosine;
@@ -72,8 +71,9 @@ static inline void sine_cosine_pi(double f, double *restrict s, double *restrict
     *c = fma(-2.0 * half_sine, half_sine, 1.0);
 }
 
-/* exp(x) for -700 < x < 1, under two ulps: 2^n exp(r), |r| <= ln(2)/2, and the Taylor series of
- * exp. */
+/* exp(x) for -700 < x < 1, under two ulps: 2^n exp(r) with n = x/ln 2 rounded and r = x - n ln 2,
+ * |r| <= ln(2)/2, by the Taylor series of exp. 2^n is made from the bits of its exponent, n + 1023.
+ */
 static inline double exponential(double x)
 {
     double n = nearest(x * 1.4426950408889634);
@@ -104,20 +104,20 @@ typedef struct {
     dd rate, start;
 } turns;
 
-/* Its fraction in -1/2..1/2, exact to the rounding of the result however many turns it has made; -1
- * in `sign` after an odd number. */
+/* The fraction of a phase in -1/2..1/2, exact to the rounding of the result however many turns it
+ * has made; `sign` is -1 after an odd number of turns, else 1. */
 static inline double fraction(turns phase, dd time, double *restrict sign)
 {
     dd turned = two_product(phase.rate.hi, time.hi);
-    double low = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo));
-    double n = nearest(turned.hi);
-    double m;
-    dd sum = two_sum(turned.hi - n, phase.start.hi);
-    m = nearest(sum.hi);
-    double whole = n + m;
+    double small_terms = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo));
+    double turns_rate = nearest(turned.hi);
+    double turns_start;
+    dd sum = two_sum(turned.hi - turns_rate, phase.start.hi);
+    turns_start = nearest(sum.hi);
+    double whole = turns_rate + turns_start;
     double odd = whole - 2.0 * nearest(0.5 * whole);
     *sign = fma(-2.0, fabs(odd), 1.0);
-    return (sum.hi - m) + (sum.lo + (low + phase.start.lo));
+    return (sum.hi - turns_start) + (sum.lo + (small_terms + phase.start.lo));
 }
 
 #endif

@@ -4,11 +4,13 @@
 
 #include <math.h>
 
+/* a.b. */
 static inline double dot(const double *restrict a, const double *restrict b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* out = a x b. */
 static inline void cross(const double *restrict a, const double *restrict b, double *restrict out)
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -23,6 +25,7 @@ static inline void add_scaled(double *restrict a, double factor, const double *r
         a[c] += factor * b[c];
 }
 
+/* |a|. */
 static inline double size(const double *restrict a)
 {
     return sqrt(dot(a, a));

@@ -1,32 +1,40 @@
-/* A rigid body about a fixed point in uniform gravity: q' = q w/2, J w' = (J w) x w + arm x (R^T
- * weight), in body axes.
+/* A rigid body about a fixed point in uniform gravity (Euler 1758; Landau and Lifshitz, section
+ * 36), in body axes:
  *
- * J: principal moments about the fixed point; arm: from it to the centre of mass (Euler 1758;
- * Landau and Lifshitz, section 36).
+ *   q' = q w/2,   J w' = (J w) x w + arm x f,   f = R(q)^T weight.
+ *
+ * J: principal moments about the fixed point; arm: from it to the centre of mass. State (7): q =
+ * (w, x, y, z), w [rad/s].
  */
+#include <assert.h>
+
 #include "kernels.h"
 #include "taylor.h"
 
 typedef struct {
-    const double *inertia, *arm, *weight;
+    const double *inertia, *arm, *weight; /* (3) each: [kg m^2], [m] in body axes, [N] in space */
 } top;
 
-/* Coefficient k of the weight in body axes: the rows of R are quadratic in q. */
-static void felt(const top *p, series *q, int k, double *restrict f)
+/* Coefficient k of f = R^T weight. R is quadratic in q: R_ii = q0^2 + q_i^2 - q_j^2 - q_l^2, R_ij =
+ * 2 (q_i q_j - q0 q_l), R_ji = 2 (q_i q_j + q0 q_l) for (i, j, l) cyclic. */
+static void weight_in_body(const top *p, series *q, int k, double *restrict f)
 {
-    double w[4][4];
+    double qq[4][4];
     for (int i = 0; i < 4; i++)
-        for (int j = i; j < 4; j++)
-            w[i][j] = w[j][i] = cauchy(q[i], q[j], k);
+        for (int j = i; j < 4; j++) {
+            qq[i][j] = cauchy(q[i], q[j], k);
+            qq[j][i] = qq[i][j];
+        }
     const double *g = p->weight;
-    f[0] = g[0] * (w[0][0] + w[1][1] - w[2][2] - w[3][3])
-           + 2.0 * (g[1] * (w[1][2] + w[0][3]) + g[2] * (w[1][3] - w[0][2]));
-    f[1] = g[1] * (w[0][0] - w[1][1] + w[2][2] - w[3][3])
-           + 2.0 * (g[2] * (w[2][3] + w[0][1]) + g[0] * (w[1][2] - w[0][3]));
-    f[2] = g[2] * (w[0][0] - w[1][1] - w[2][2] + w[3][3])
-           + 2.0 * (g[0] * (w[1][3] + w[0][2]) + g[1] * (w[2][3] - w[0][1]));
+    f[0] = g[0] * (qq[0][0] + qq[1][1] - qq[2][2] - qq[3][3])
+           + 2.0 * (g[1] * (qq[1][2] + qq[0][3]) + g[2] * (qq[1][3] - qq[0][2]));
+    f[1] = g[1] * (qq[0][0] - qq[1][1] + qq[2][2] - qq[3][3])
+           + 2.0 * (g[2] * (qq[2][3] + qq[0][1]) + g[0] * (qq[1][2] - qq[0][3]));
+    f[2] = g[2] * (qq[0][0] - qq[1][1] - qq[2][2] + qq[3][3])
+           + 2.0 * (g[0] * (qq[1][3] + qq[0][2]) + g[1] * (qq[2][3] - qq[0][1]));
 }
 
+/* Coefficients 1 to TERMS of the state by these equations; the attitude decides the step. */
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const top *p = system;
@@ -36,7 +44,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
     for (int k = 0; k < TERMS; k++) {
         double f[3];
         double rate = 0.5 / (k + 1);
-        felt(p, q, k, f);
+        weight_in_body(p, q, k, f);
         q[0][k + 1]
             = -rate * (cauchy(q[1], w[0], k) + cauchy(q[2], w[1], k) + cauchy(q[3], w[2], k));
         for (int i = 0; i < 3; i++) {
@@ -52,12 +60,15 @@ static void expand(const void *system, dd time, series *y, double *scale)
     }
     for (int i = 0; i < 4; i++)
         scale[i] = 1.0;
-    scale[4] = scale[5] = scale[6] = 0.0;
+    for (int i = 4; i < 7; i++)
+        scale[i] = 0.0;
 }
 
 int refdem_spinning_top(const double *inertia, const double *arm, const double *weight,
                         int64_t samples, const double *t, double *out)
 {
+    assert(inertia && arm && weight);
+    assert(samples >= 1 && t && out); /* (samples), (samples, 7) doubles */
     top p = {inertia, arm, weight};
     series y[7];
     return taylor_run(expand, &p, 7, y, samples, t, out);

@@ -184,8 +184,8 @@ class Packed:
         planes = scene.all(Plane)
         fields: dict[str, Any] = {
             "mass": bodies.mass,
-            "ease": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
-            "turn_ease": _turn_ease(bodies),
+            "inverse_mass": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
+            "inverse_inertia": _turn_ease(bodies),
             "radius": bodies.radius,
             "gravity": gravity(scene),
             "gm": sum(field.gm for field in scene.all(CentralField)),
