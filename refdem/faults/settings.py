@@ -343,7 +343,7 @@ ALONG_WALL: Rows = (
 CLASH: Rows = (
     ("masses", unequal(0.75, 1.25)),
     ("radii", unequal(0.375, 0.625)),
-    ("inertia_factors", unequal(0.3125, 0.4375)),
+    ("inertia_factors", listed(between(0.3125, 0.4375), between(0.5, 0.625))),
     ("closing_speed", between(0.75, 1.25)),
     ("restitution", between(0.5, 0.75)),
     ("offset", listed(signed(0.5, 0.625), between(-0.25, 0.25))),
@@ -352,8 +352,12 @@ CLASH: Rows = (
 """Two unequal rigid spheres that meet off their line, without friction."""
 SPUN_CLASH: Rows = (*CLASH, ("spins", listed(*6 * [signed(0.5, 1)])))
 """The same with spins about all axes."""
-RUB: Rows = (*SPUN_CLASH, ("friction", between(0.03125, 0.0625)))
-"""Friction that is cut."""
+RUB: Rows = (
+    *CLASH,
+    ("spins", listed(*6 * [signed(4 / 128, 8 / 128, 128)])),
+    ("friction", between(4 / 256, 6 / 256, 256)),
+)
+"""Spins that do not stop the slip of the centres, and friction that is cut."""
 GRIP: Rows = (*SPUN_CLASH, ("friction", "8"), ("tangential_restitution", between(0.375, 0.625)))
 """Friction that reverses a part of the slip."""
 HERTZ: Rows = (

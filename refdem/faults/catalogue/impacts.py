@@ -76,7 +76,7 @@ FAULTS = (
         name="restitution-twice",
         sentence="The closing speed is multiplied by the restitution twice.",
         on=("clash", "rub"),
-        sees=("error", "v1.x"),
+        sees=("rigid-impact", "restitution"),
         before=of_elements(Contact, restitution=lambda e: e * e),
     ),
     impact(
@@ -130,7 +130,7 @@ FAULTS = (
         name="impact-friction-unlimited",
         sentence="Friction stops the slip, whatever its coefficient.",
         on=("rub",),
-        sees=("error", "omega2.y"),
+        sees=("rigid-impact", "cone"),
         inside=_of_impact(tangential_impulse=_unlimited),
     ),
     impact(
@@ -193,21 +193,21 @@ FAULTS = (
         name="impact-met-twice",
         sentence="The pair is in the list twice, and both impulses are of the same velocities.",
         on=("clash",),
-        sees=("error", "v1.x"),
+        sees=("rigid-impact", "restitution"),
         inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
     ),
     impact(
         name="impact-never-met",
         sentence="The spheres go through each other.",
         on=("clash", "rub"),
-        sees=("error", "r1.x"),
+        sees=("rigid-impact", "restitution"),
         inside=_of_impact(meets=lambda closing: False),
     ),
     impact(
         name="impact-below-a-threshold",
         sentence="Nothing is given back below a speed of 2 m/s.",
         on=("clash",),
-        sees=("error", "v2.x"),
+        sees=("rigid-impact", "restitution"),
         inside=_of_impact(
             normal_impulse=lambda law, ease, closing: (
                 (1 + (law.restitution if closing > 2 else 0.0)) * closing / ease
@@ -218,7 +218,7 @@ FAULTS = (
         name="impact-of-the-larger-sphere",
         sentence="The spheres meet where their radii are 1 % larger.",
         on=("clash",),
-        sees=("error", "v1.y"),
+        sees=("event-times", "contact"),
         inside=of_arguments(overlap=lambda a, b, distance: (1.01 * a, 1.01 * b, distance)),
     ),
     impact(
