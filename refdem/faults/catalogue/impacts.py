@@ -218,6 +218,7 @@ FAULTS = (
         name="impact-of-the-larger-sphere",
         sentence="The spheres meet where their radii are 1 % larger.",
         on=("clash",),
+        levels=6,
         sees=("event-times", "contact"),
         inside=of_arguments(overlap=lambda a, b, distance: (1.01 * a, 1.01 * b, distance)),
     ),
