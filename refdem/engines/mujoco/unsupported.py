@@ -106,6 +106,8 @@ def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
     """MuJoCo keeps bodies apart; it has no law of how they rebound."""
     if law.restitution > 0:
         return "a coefficient of restitution"
+    if not scene.all(UniformGravity):
+        return "impacts without rebound: MuJoCo's contacts are springs and dampers that give back"
     solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
     if any(box_sides(solid) is None for solid in solids):
         return "the adapter supports boxes only, no other polyhedra"
