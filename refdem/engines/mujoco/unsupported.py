@@ -14,6 +14,7 @@ from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SAID = {
     "ball_joint",
