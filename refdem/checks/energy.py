@@ -16,6 +16,7 @@ from refdem.core.variant import Variant
 from refdem.core.work import fastest_drive, work_along
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 
 TERMS = 2.0
@@ -75,8 +76,9 @@ class Energy(Check):
             return (
                 "a drive does work on the system, and the method does not claim to account for it"
             )
-        if "contact:rigid" in subject.instance.scene.features:
-            return "rigid contacts have no potential energy"
+        scene = subject.instance.scene
+        if "contact:rigid" in scene.features and not _is_impacts_alone(scene):
+            return "rigid contacts that carry a load have no potential energy"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -276,6 +278,15 @@ def _of_samples(measured: Imbalance) -> str:
     if np.any(measured.uncertainty):
         return ", plus the error of integrating the power between samples"
     return ""
+
+
+def _is_impacts_alone(scene: Scene) -> bool:
+    """Nothing but impacts of spheres, with each other and with planes: between them bodies are
+    free.
+    """
+    return set(scene.all(Contact)) | set(scene.all(Plane)) == set(scene.elements) and bool(
+        (scene.bodies.radius > 0).all()
+    )
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:
