@@ -13,7 +13,6 @@ from refdem.core import discovery
         ("mujoco", "wedge-collision"),
         ("pymunk", "kapitza-pendulum"),
         ("pymunk", "wedge-collision"),
-        ("rebound", "asymmetric-field"),
         ("rebound", "wedge-collision"),
         ("rebound", "stick-slip"),
     ],

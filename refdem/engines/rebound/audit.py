@@ -25,8 +25,8 @@ AUDIT = (
     Default(
         "additional_forces",
         "none",
-        "a compiled callback if there are springs, dashpots, periodic forces, rods or uniform"
-        " gravity",
+        "a compiled callback if there are springs, dashpots, soft contacts, piecewise fields,"
+        " periodic forces, rods or uniform gravity",
         "REBOUND knows no such elements: its users program forces, and so does the adapter",
     ),
     Default(
@@ -34,6 +34,13 @@ AUDIT = (
         "no constraints",
         "multiplier force (v.v + r.a)/(r.r) in the callback",
         "the distance at the start is kept by the equations alone, nothing projects it",
+    ),
+    Default(
+        "soft contacts",
+        "no such thing",
+        "k d^n between every pair of spheres that overlap, in the callback",
+        "leapfrog alone: a step of the others passes the edge of a force unseen, or shrinks to"
+        " nothing; damped contacts need velocities, which leapfrog has half a step apart",
     ),
     Default(
         "force_is_velocity_dependent",
