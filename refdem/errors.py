@@ -66,6 +66,8 @@ class NotCertifiedError(RefdemError):
     corner      two switches come at one time, or too near to each other;
     separatrix  the start lies on a boundary between kinds of motion, or too near to it;
     vertical    angles are asked for where they say nothing; the motion itself goes on;
+    jump        the time asked for is that of an impact, at which velocities have two values; the
+                motion itself goes on;
     precision   the bits are used up: more of them might go further;
     time        the steps, or the time, that are followed are used up: the motion goes on.
     """

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 
 from refdem.errors import UNREADABLE, SceneError
@@ -44,6 +45,8 @@ class Scene:
             where = f"scene.elements.{number} ({element.kind})"
             for name in element.__struct_fields__:
                 value = getattr(element, name)
+                if value is UNSET:
+                    continue
                 # NumPy does not know whole numbers beyond 64 bits; they are finite.
                 is_whole = isinstance(value, int)
                 if not is_whole and not isinstance(value, str) and not np.all(np.isfinite(value)):

@@ -37,6 +37,7 @@ FEATURES = {
     "contact:damping",
     "contact:friction",
     "contact:mindlin",
+    "contact:tangential-restitution",
     "bodies_file",
     *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
 }

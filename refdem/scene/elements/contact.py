@@ -2,9 +2,11 @@
 Coulomb limit, Hertz's, or rigid.
 """
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from msgspec import UNSET, UnsetType
+from msgspec.structs import force_setattr
 
 from refdem.mechanics.neighbours import FEW, near_pairs
 from refdem.mechanics.quaternion import rotated
@@ -29,7 +31,12 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring `tangential_stiffness *
     sqrt(overlap) * slip` (after Mindlin 1949), both [N/m^(3/2)], clipped alike, without damping;
     that spring grows stiffer with its load, so that it stores no energy of its own. rigid: no
-    overlap, `restitution` for the normal velocity, Coulomb friction.
+    overlap; spheres that meet exchange an impulse at once. Its normal part is (1 + `restitution`)
+    times the effective mass times the closing speed. Its tangential part would leave the slip of
+    the point of contact multiplied by -`tangential_restitution` (0, which is what it is when it is
+    not set, stops the slip; 1 reverses it), and is cut at `friction` times the normal part (Walton
+    1993). A tangential restitution of 0 is not written, so that scenes that have none are the same
+    text as ever.
     """
 
     law: Literal["linear", "hertz", "rigid"]
@@ -38,8 +45,23 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     tangential_stiffness: Stiffness = 0.0
     friction: Number = 0.0
     restitution: Number = 0.0
+    tangential_restitution: Annotated[float | UnsetType, Dimension(0, 0, 0)] = UNSET
     branch: Literal["R", "R-d", "R-d/2"] = "R-d/2"
     cutoff: Literal["zero_overlap", "zero_force"] = "zero_overlap"
+
+    def __post_init__(self) -> None:
+        """Forgets a tangential restitution of 0: what is not set is not written."""
+        if self.tangential_restitution == 0:
+            force_setattr(self, "tangential_restitution", UNSET)
+
+    @property
+    def slip_restitution(self) -> float:
+        """The part of the slip that an impact reverses: the tangential restitution, 0 if not
+        set.
+        """
+        if isinstance(self.tangential_restitution, UnsetType):
+            return 0.0
+        return self.tangential_restitution
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
@@ -77,6 +99,8 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
             names.add("contact:damping")
         if self.law == "hertz" and self.friction > 0 and self.tangential_stiffness > 0:
             names.add("contact:mindlin")
+        if self.slip_restitution > 0:
+            names.add("contact:tangential-restitution")
         return frozenset(names)
 
     def faults(self) -> list[str]:
@@ -93,7 +117,19 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
             found.append(f"damping is {self.damping}, expected 0 for the hertz law")
         if self.restitution > 1:
             found.append(f"restitution is {self.restitution}, expected <= 1")
-        return found
+        return found + self._tangential_faults()
+
+    def _tangential_faults(self) -> list[str]:
+        """A tangential restitution out of 0 to 1, or of a law that has none."""
+        reversed_part = self.slip_restitution
+        if not 0 <= reversed_part <= 1:
+            return [f"tangential_restitution is {reversed_part}, expected 0 to 1"]
+        if reversed_part and self.law != "rigid":
+            return [
+                f"tangential_restitution is {reversed_part}, expected 0 for the {self.law} law:"
+                " only impacts of the rigid law have one"
+            ]
+        return []
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`stiffness overlap**(n+1) / (n+1)` of spheres with each other and with planes (T,) [J], n

@@ -1,0 +1,98 @@
+"""Certified impact of two rigid spheres that start apart: rigid_collision.py with the quadratic of
+their meeting.
+
+With d = r2 - r1 and w = v2 - v1 at the start they meet at the first root of |d + w t| = R1 + R2,
+t = (-d.w - sqrt(q))/w^2 with q = (d.w)^2 - w^2 (d^2 - (R1 + R2)^2).
+"""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError
+from refdem.truth.exact import number, vector
+from refdem.truth.rigid_collision import RigidCollision, motions
+from refdem.truth.rigid_impact import ImpactLaw, RoundBody, dot
+from refdem.truth.surds import Surd, surd
+
+
+class HardSpheres(RigidCollision):
+    """Two free spheres that meet once."""
+
+    @property
+    def reach(self) -> Fraction:
+        """Distance of the centres at the impact [m]."""
+        return self.bodies[0].radius + self.bodies[1].radius
+
+    def time_of_impact(self) -> Surd:
+        first, second = motions(self.start)
+        apart = difference(second.r, first.r)
+        relative = difference(second.v, first.v)
+        a = dot(relative, relative)
+        b = dot(apart, relative)
+        q = b * b - a * (dot(apart, apart) - self.reach**2)
+        if q <= 0 or b >= 0:
+            raise UndecidedError("the spheres do not meet, or only graze", code="grazing")
+        return surd(-b / a, -1 / a, q)
+
+    def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
+        apart = difference(places[1], places[0])
+        if isinstance(apart[0], Surd):
+            # At the impact the centres are exactly R1 + R2 apart.
+            return [x * (1 / self.reach) for x in apart]
+        distance = dot(apart, apart).sqrt()
+        return [x / distance for x in apart]
+
+
+def difference(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    """a - b"""
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def start_of(p: Mapping[str, Any]) -> list[Fraction]:
+    """r, v, omega of both spheres at the start, exactly.
+
+    The centre of mass rests at the origin. The second centre is `distance` sums of radii ahead of
+    the first along x, and `offset` sums of radii beside its path along y and z.
+    """
+    masses = vector(p, "masses")
+    radii = vector(p, "radii")
+    spins = vector(p, "spins")
+    reach = sum(radii, Fraction(0))
+    apart = [reach * part for part in (number(p, "distance"), *vector(p, "offset"))]
+    closing = [number(p, "closing_speed"), Fraction(0), Fraction(0)]
+    total = sum(masses, Fraction(0))
+    first = masses[1] / total
+    second = masses[0] / total
+    return [
+        *(-first * x for x in apart),
+        *(first * v for v in closing),
+        *spins[:3],
+        *(second * x for x in apart),
+        *(-second * v for v in closing),
+        *spins[3:],
+    ]
+
+
+def bodies_of(p: Mapping[str, Any]) -> list[RoundBody]:
+    """The two spheres."""
+    columns = zip(
+        vector(p, "masses"), vector(p, "inertia_factors"), vector(p, "radii"), strict=True
+    )
+    return [RoundBody(mass=m, inertia_factor=f, radius=r) for m, f, r in columns]
+
+
+def law_of(p: Mapping[str, Any]) -> ImpactLaw:
+    """The law of the impact."""
+    return ImpactLaw(
+        restitution=number(p, "restitution"),
+        tangential_restitution=number(p, "tangential_restitution"),
+        friction=number(p, "friction"),
+    )
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth of case hard-spheres; `scale` of r, v, omega of both, in order."""
+    return HardSpheres(scale, bodies_of(p), law_of(p), start_of(p))

@@ -1,0 +1,187 @@
+"""One impact of two rigid bodies that are round where they touch: impulses in closed form.
+
+Let n be the unit normal from the first body to the second, and g the velocity of the first body's
+point of contact against that of the second, v1 - v2 + (R1 omega1 + R2 omega2) x n. Its normal part
+g.n > 0 is the closing speed, the rest s = g - (g.n) n the slip. An impulse P on the first body and
+-P on the second change g by
+
+    P (1/m1 + 1/m2) along n,    P (1/m1 + 1/m2 + R1^2/J1 + R2^2/J2) across n,
+
+so that P = -p n - k s with p = (1 + e) m_n g.n and k = (1 + b) m_t, m_n and m_t the inverses of
+those two sums, multiplies the closing speed by -e and the slip by -b (Walton 1993; Brach 1989).
+Coulomb's law cuts k |s| at mu p. A wall is a second body with 1/m2 = 0 and R2 = 0.
+
+The functions are written for any numbers that add and multiply: exact ones, balls, and balls with
+derivatives.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from refdem.truth.surds import Surd
+
+Vector = Sequence[Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoundBody:
+    """Mass m [kg], inertia factor f of J = f m R^2 about every axis, and radius R [m]."""
+
+    mass: Fraction
+    inertia_factor: Fraction
+    radius: Fraction
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImpactLaw:
+    """Normal restitution e, tangential restitution b, and Coulomb's friction mu."""
+
+    restitution: Fraction
+    tangential_restitution: Fraction
+    friction: Fraction
+
+
+@dataclass(frozen=True)
+class Motion:
+    """r, v, omega (3,) of one body, in numbers of any kind."""
+
+    r: Vector
+    v: Vector
+    omega: Vector
+
+    def numbers(self) -> list[Any]:
+        """All nine in order."""
+        return [*self.r, *self.v, *self.omega]
+
+    def after(self, t: Any) -> "Motion":
+        """The motion after a free flight of t [s]."""
+        place = [r + v * t for r, v in zip(self.r, self.v, strict=True)]
+        return Motion(place, self.v, self.omega)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Impact:
+    """What the impulses depend on, in numbers of one kind.
+
+    `normal_factor` is (1 + e) m_n, `stopping` is (1 + b) m_t [kg]. `is_smooth`:
+    there is no friction at all. Of each body: `inverse_masses` [1/kg], `radii` [m], and
+    `spin_factors` R/J [1/(kg m)].
+    """
+
+    normal_factor: Any
+    stopping: Any
+    friction: Any
+    inverse_masses: Vector
+    radii: Vector
+    spin_factors: Vector
+    is_smooth: bool
+
+    def in_numbers(self, kind: Callable[[Any], Any]) -> "Impact":
+        """The same in numbers of another kind, each made by `kind`."""
+        return Impact(
+            normal_factor=kind(self.normal_factor),
+            stopping=kind(self.stopping),
+            friction=kind(self.friction),
+            inverse_masses=[kind(x) for x in self.inverse_masses],
+            radii=[kind(x) for x in self.radii],
+            spin_factors=[kind(x) for x in self.spin_factors],
+            is_smooth=self.is_smooth,
+        )
+
+    def approach(self, normal: Vector, states: Sequence[Motion]) -> tuple[Any, list[Any]]:
+        """The closing speed g.n and the slip s (3,) [m/s] of two bodies, or of one and a wall."""
+        relative = list(states[0].v)
+        surface = [spin * self.radii[0] for spin in states[0].omega]
+        if len(states) == 2:
+            other = states[1]
+            relative = [first - second for first, second in zip(relative, other.v, strict=True)]
+            carried = [spin * self.radii[1] for spin in other.omega]
+            surface = [first + second for first, second in zip(surface, carried, strict=True)]
+        # g = v1 - v2 + (R1 omega1 + R2 omega2) x n.
+        swept = cross(surface, normal)
+        contact = [a + b for a, b in zip(relative, swept, strict=True)]
+        closing = dot(contact, normal)
+        slip = [g - closing * n for g, n in zip(contact, normal, strict=True)]
+        return closing, slip
+
+    def excess(self, closing: Surd, slip: Sequence[Surd]) -> int:
+        """The sign of k |s| - mu p, exactly: 1 where friction is cut, 0 where it is just enough, -1
+        below that, and where there is no friction to cut.
+
+        Both are >= 0, so that their squares, which need no root, are compared.
+        """
+        if self.is_smooth:
+            return -1
+        needed = dot(slip, slip) * self.stopping**2
+        limit = closing * (self.friction * self.normal_factor)
+        difference: Surd = needed - limit * limit
+        return difference.sign()
+
+    def normal_impulse(self, closing: Any) -> Any:
+        """p = (1 + e) m_n g.n [N s]."""
+        return closing * self.normal_factor
+
+    def tangential_factor(self, closing: Any, slip: Vector, *, is_cut: bool) -> Any:
+        """k of the tangential impulse -k s [kg]: what stops or reverses the slip, or the limit mu
+        p/|s|; 0 without friction.
+        """
+        if self.is_smooth:
+            return self.stopping * 0
+        if not is_cut:
+            return self.stopping
+        return self.normal_impulse(closing) * self.friction / dot(slip, slip).sqrt()
+
+    def parted(self, normal: Vector, states: Sequence[Motion], *, is_cut: bool) -> list[Motion]:
+        """The states right after the impulse P = -p n - k s.
+
+        v1 += P/m1, v2 -= P/m2, and both spins turn by (R/J) n x P: the levers R1 n and -R2 n and
+        the impulses P and -P have products of one sign.
+        """
+        closing, slip = self.approach(normal, states)
+        p = self.normal_impulse(closing)
+        k = self.tangential_factor(closing, slip, is_cut=is_cut)
+        impulse = [-(n * p) - s * k for n, s in zip(normal, slip, strict=True)]
+        turning = cross(normal, impulse)
+        sides = (1, -1)
+        found = []
+        for number, state in enumerate(states):
+            ease = self.inverse_masses[number] * sides[number]
+            spin = self.spin_factors[number]
+            velocity = [v + part * ease for v, part in zip(state.v, impulse, strict=True)]
+            omega = [w + part * spin for w, part in zip(state.omega, turning, strict=True)]
+            found.append(Motion(state.r, velocity, omega))
+        return found
+
+
+def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
+    """The impact of two bodies, or of one on a wall, in exact numbers."""
+    # 1/m_n = 1/m1 + 1/m2, and 1/m_t = 1/m_n + R1^2/J1 + R2^2/J2, where R^2/J = 1/(f m).
+    inverse_masses = [1 / body.mass for body in bodies]
+    turning = [1 / (body.inertia_factor * body.mass) for body in bodies]
+    normal_mass = 1 / sum(inverse_masses, Fraction(0))
+    tangential_mass = 1 / sum([*inverse_masses, *turning], Fraction(0))
+    return Impact(
+        normal_factor=(1 + law.restitution) * normal_mass,
+        stopping=(1 + law.tangential_restitution) * tangential_mass,
+        friction=law.friction,
+        inverse_masses=inverse_masses,
+        radii=[body.radius for body in bodies],
+        spin_factors=[1 / (body.inertia_factor * body.mass * body.radius) for body in bodies],
+        is_smooth=law.friction == 0,
+    )
+
+
+def dot(a: Vector, b: Vector) -> Any:
+    """a.b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> list[Any]:
+    """a x b"""
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]

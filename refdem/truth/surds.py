@@ -1,0 +1,84 @@
+"""Numbers a + b sqrt(q) of one square root: the field Q(sqrt(q)), in which order is decided exactly.
+
+Two spheres on straight lines meet at a root of a quadratic with rational coefficients, so that the
+place where they touch, the normal there, and whatever is polynomial in these, are such numbers.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+from typing import Union
+
+from flint import arb
+
+from refdem.truth.balls import Enclosed, arb_of
+
+Rational = Union[Fraction, int]
+
+
+@dataclass(frozen=True)
+class Surd(Enclosed):
+    """rational + factor sqrt(square), square >= 0; + - * with rationals and surds of one square.
+
+    Comparison with 0 (`sign`) is exact: no precision is involved.
+    """
+
+    rational: Fraction
+    factor: Fraction
+    square: Fraction
+
+    def ball(self) -> arb:
+        """A ball that contains the number, at the current precision."""
+        return arb_of(self.rational) + arb_of(self.factor) * arb_of(self.square).sqrt()
+
+    def sign(self) -> int:
+        """-1, 0 or 1, exactly.
+
+        a + b sqrt(q) has the sign that a and b share; where they differ, that of the larger of a^2
+        and b^2 q.
+        """
+        first = _sign(self.rational)
+        second = _sign(self.factor) * _sign(self.square)
+        if first * second >= 0:
+            return _sign(first + second)
+        larger = self.rational**2 - self.factor**2 * self.square
+        return first * _sign(larger)
+
+    def __add__(self, other: Union["Surd", Rational]) -> "Surd":
+        if not isinstance(other, Surd):
+            return Surd(self.rational + other, self.factor, self.square)
+        return Surd(self.rational + other.rational, self.factor + other.factor, self.square)
+
+    def __mul__(self, other: Union["Surd", Rational]) -> "Surd":
+        if not isinstance(other, Surd):
+            return Surd(self.rational * other, self.factor * other, self.square)
+        # (a + b s) (c + d s) = a c + b d q + (a d + b c) s with s = sqrt(q).
+        rational = self.rational * other.rational + self.factor * other.factor * self.square
+        factor = self.rational * other.factor + self.factor * other.rational
+        return Surd(rational, factor, self.square)
+
+    def __neg__(self) -> "Surd":
+        return self * -1
+
+    def __sub__(self, other: Union["Surd", Rational]) -> "Surd":
+        return self + -other
+
+    def __rsub__(self, other: Rational) -> "Surd":
+        return -self + other
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+
+def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:
+    """rational + factor sqrt(square); the root of a square of a rational is taken."""
+    above = isqrt(square.numerator)
+    below = isqrt(square.denominator)
+    if above * above == square.numerator and below * below == square.denominator:
+        return Surd(rational + factor * Fraction(above, below), Fraction(0), square)
+    return Surd(rational, factor, square)
+
+
+def _sign(value: Rational) -> int:
+    """-1, 0 or 1."""
+    return (value > 0) - (value < 0)
