@@ -44,9 +44,7 @@ class HardSpheres(Case):
         Parameter(
             name="masses", default="1,1", unit="kg", doc="of the two spheres", shape=(2,), above=0
         ),
-        Parameter(
-            name="radii", default="1/2,1/2", unit="m", doc="of the two", shape=(2,), above=0
-        ),
+        Parameter(name="radii", default="1/2,1/2", unit="m", doc="of the two", shape=(2,), above=0),
         Parameter(
             name="inertia_factors",
             default="2/5,2/5",
@@ -112,15 +110,15 @@ class HardSpheres(Case):
         approach = np.array([p.closing_speed, 0.0, 0.0])
         share = p.masses[::-1] / p.masses.sum()
         bodies = []
-        for number, side in enumerate((1.0, -1.0)):
-            part = side * share[number]
+        for i, side in enumerate((1.0, -1.0)):
+            part = side * share[i]
             body = _rigid.sphere(
-                mass=p.masses[number],
-                factor=p.inertia_factors[number],
-                radius=p.radii[number],
+                mass=p.masses[i],
+                factor=p.inertia_factors[i],
+                radius=p.radii[i],
                 position=-part * apart,
                 velocity=part * approach,
-                omega=p.spins[number],
+                omega=p.spins[i],
             )
             bodies.append(body)
         return Scene.of(bodies, [_rigid.contact(p)])

@@ -5,7 +5,7 @@ stops.
 from collections.abc import Callable
 from typing import Any
 
-from refdem.faults import holding, positional
+from refdem.faults import holding, impacts, positional
 from refdem.faults import vectors as vec
 from refdem.faults.loads import meeting
 from refdem.faults.parts import Moving, Step
@@ -39,6 +39,8 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
     """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
     starts towards what pulls it.
     """
+    if m.world.is_rigid:
+        return
     for number, (i, j) in enumerate(m.world.pairs):
         acts, push, rate = values(m, state, number)
         radii = m.world.radius[i]
@@ -163,6 +165,10 @@ def margins(
 ) -> list[tuple[Number, Change]]:
     """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
     found: list[tuple[Number, Change]] = []
+    if m.world.is_rigid:
+        for number in range(len(m.world.pairs)):
+            found.append((impacts.margin(m, after, number, h), ("impact", number)))
+        return found
     for number in range(len(m.world.pairs)):
         acts, push, _ = values(m, after, number)
         if before.acting[number]:
@@ -229,6 +235,8 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
     kind, number = change
     if kind == "contact":
         _meet_or_part(m, state, number)
+    elif kind == "impact":
+        impacts.struck(m, state, number)
     elif kind == "catch":
         holding.catch(m, state, number)
     elif kind == "turn":

@@ -43,6 +43,16 @@ class PositionalParts:
     wedge_force: Callable[[Wedge, Number, bool, Number], Number]
 
 
+@dataclass(frozen=True, kw_only=True)
+class ImpactParts:
+    """The parts of impacts of the rigid law, by name."""
+
+    normal_impulse: Callable[[Contact, Number, Number], Number]
+    tangential_ease: Callable[[Number, Number, Number], Number]
+    tangential_impulse: Callable[[Contact, Number, Vector, Number], Vector]
+    meets: Callable[[Number], bool]
+
+
 class LoadsOfState(Protocol):
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
 
@@ -112,6 +122,7 @@ class Parts:
     maps: MapParts
     positional: PositionalParts
     holding: HoldingParts
+    impacts: ImpactParts
     verlet_kicks: tuple[float, float]
     suzuki: tuple[float, ...]
     rk4_nodes: tuple[float, ...]

@@ -340,6 +340,22 @@ ALONG_WALL: Rows = (
     ("samples", "16"),
 )
 """A sphere that slides along a wall from its touch to its end, with neither spring nor rest."""
+CLASH: Rows = (
+    ("masses", unequal(0.75, 1.25)),
+    ("radii", unequal(0.375, 0.625)),
+    ("inertia_factors", unequal(0.3125, 0.4375)),
+    ("closing_speed", between(0.75, 1.25)),
+    ("restitution", between(0.5, 0.75)),
+    ("offset", listed(signed(0.5, 0.625), between(-0.25, 0.25))),
+    ("samples", "16"),
+)
+"""Two unequal rigid spheres that meet off their line, without friction."""
+SPUN_CLASH: Rows = (*CLASH, ("spins", listed(*6 * [signed(0.5, 1)])))
+"""The same with spins about all axes."""
+RUB: Rows = (*SPUN_CLASH, ("friction", between(0.03125, 0.0625)))
+"""Friction that is cut."""
+GRIP: Rows = (*SPUN_CLASH, ("friction", "8"), ("tangential_restitution", between(0.375, 0.625)))
+"""Friction that reverses a part of the slip."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -423,6 +439,9 @@ SETTINGS: Mapping[str, Setting] = {
     "gripper": Setting("two-spheres", GRIPPER, TOUCHING),
     "tumbling-spheres": Setting("two-spheres", TUMBLING_SPHERES, TOUCHING, proved=False),
     "unproved": Setting("van-der-pol", CYCLE, DAMPED, proved=False),
+    "clash": Setting("hard-spheres", CLASH, TOUCHING),
+    "rub": Setting("hard-spheres", RUB, TOUCHING),
+    "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

@@ -8,6 +8,7 @@ from refdem.errors import UnsupportedError
 from refdem.faults import vectors as vec
 from refdem.faults.events import side_of, sign_change
 from refdem.faults.holding import SOUND_HOLDING
+from refdem.faults.impacts import SOUND_IMPACTS
 from refdem.faults.iterating import SOUND_MAPS
 from refdem.faults.loads import loads
 from refdem.faults.outlines import linear_flow
@@ -331,6 +332,7 @@ SOUND = Parts(
     flow=linear_flow,
     positional=SOUND_POSITIONAL,
     holding=SOUND_HOLDING,
+    impacts=SOUND_IMPACTS,
     verlet_kicks=(0.5, 0.5),
     suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4),
     rk4_nodes=(0.5, 0.5, 1.0),

@@ -29,6 +29,7 @@ from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
+from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -127,7 +128,7 @@ class Transparent(Engine):
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
-        if reason := _corners_refused(scene):
+        if reason := _corners_refused(scene) or _rigid_refused(scene):
             return reason
         if (
             method.name in ("drift-first", "explicit-euler")
@@ -210,8 +211,23 @@ def _refused(element: Element) -> str | None:
         return "a string over a wheel that has a size"
     if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
         return "no tangential spring under Hertz's law"
-    if isinstance(element, Contact) and element.law == "rigid":
-        return "no rigid contact"
+    return None
+
+
+def _rigid_refused(scene: Scene) -> str | None:
+    """None without a rigid law, or for impacts of spheres that turn alike about all axes, on which
+    nothing else acts.
+    """
+    if "contact:rigid" not in scene.features:
+        return None
+    if not all(isinstance(element, Contact | Plane) for element in scene.elements):
+        return "no rigid contact under forces"
+    moments = scene.bodies.inertia
+    is_round = scene.bodies.radius > 0
+    if not is_round.all() or np.any(moments != moments[:, :1]) or not moments.all():
+        return "rigid contacts of spheres alone"
+    if scene.bodies.fixed.any():
+        return "no rigid contact with a fixed body"
     return None
 
 
@@ -244,7 +260,7 @@ class Recording:
         self.channels: dict[str, NDArray[np.float64]] = {}
         if m.world.rods and all(rod.b < 0 for rod in m.world.rods):
             self.channels["rod_force"] = np.zeros((samples, len(m.world.rods)))
-        if m.world.law is not None:
+        if m.world.law is not None and not m.world.is_rigid:
             self.channels |= {name: np.zeros(samples) for name in ("overlap", "contact_force")}
         springs = m.world.law is not None and m.world.law.tangential_stiffness > 0
         if (m.world.sliders or m.world.walls or m.world.law is not None) and not springs:
@@ -265,7 +281,11 @@ class Recording:
         if "rod_force" in self.channels:
             self.channels["rod_force"][count] = rod_forces(self.m, state)
         work = state.work
-        for number in range(len(world.pairs)):
+        if "overlap" not in self.channels:
+            pairs = range(0)
+        else:
+            pairs = range(len(world.pairs))
+        for number in pairs:
             _, depth, rate, _ = meeting(world, state, parts, number)
             if state.acting[number]:
                 push = parts.normal_force(world.law, depth, rate)

@@ -111,6 +111,11 @@ class World:
         return bool(self.dashpots) or rubs or is_rough
 
     @cached_property
+    def is_rigid(self) -> bool:
+        """Contacts are impacts."""
+        return self.law is not None and self.law.law == "rigid"
+
+    @cached_property
     def is_smooth(self) -> bool:
         """No forces that depend on velocity and none that jump."""
         return not self.pairs and not self.sliders and not (self.walls or self.tents or self.hooks)

@@ -66,7 +66,7 @@ class Impacts(KernelSolver):
         scene = problem.scene
         bodies = scene.bodies
         law = scene.all(Contact)[0]
-        planes = [[*plane.point, *_unit(plane.normal)] for plane in scene.all(Plane)]
+        planes = [[*plane.point, *plane.normal] for plane in scene.all(Plane)]
         held = bodies.fixed | (bodies.inertia[:, 0] == 0)
         struct = Struct(
             FAMILY,
@@ -105,8 +105,8 @@ class Impacts(KernelSolver):
         if status < 0:
             t = request.problem.times[-status]
             raise EngineError(
-                f"impacts: {LONGEST} impacts did not lead to t = {t:.6g} s: spheres that lose energy"
-                " meet without end in finite time"
+                f"impacts: {LONGEST} impacts did not lead to t = {t:.6g} s: spheres that lose"
+                " energy meet without end in finite time"
             )
         told = []
         if status <= MOST_EVENTS:
@@ -123,12 +123,6 @@ class Impacts(KernelSolver):
         )
 
 
-def _unit(normal: tuple[float, float, float]) -> Array:
-    """A vector of length 1."""
-    found: Array = np.array(normal) / np.linalg.norm(normal)
-    return found
-
-
 def _overlapping(bodies: Bodies, planes: list[Plane]) -> str | None:
     """None if no spheres overlap at the start and none reaches behind a plane."""
     for i in range(len(bodies)):
@@ -137,7 +131,7 @@ def _overlapping(bodies: Bodies, planes: list[Plane]) -> str | None:
         if np.any(apart < reach * (1 - ROUNDED)):
             return f"body {i} overlaps another one at the start"
     for plane in planes:
-        height = (bodies.position - np.array(plane.point)) @ _unit(plane.normal)
+        height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
         behind = (height < bodies.radius * (1 - ROUNDED)) & ~bodies.fixed
         if np.any(behind):
             return f"body {int(np.flatnonzero(behind)[0])} reaches behind a plane at the start"

@@ -160,7 +160,7 @@ class RigidCollision(ClosedForm):
         impact = self.impact.in_numbers(arb_of)
         states = self.before()
         closing, slip = impact.approach(self.normal([state.r for state in states]), states)
-        slip_squared = abs_lower_zero(dot(slip, slip))
+        slip_squared = dot(slip, slip)
         k = impact.tangential_factor(closing, slip, is_cut=self.side_of_limit > 0)
         # Of the relative motion m_n c^2/2 + m_t s^2/2 what is left is e^2 of the first part and
         # (1 - k/m_t)^2 of the second.
@@ -173,7 +173,7 @@ class RigidCollision(ClosedForm):
         return {
             "impact_time": self.meeting.ball(),
             "normal_impulse": impact.normal_impulse(closing),
-            "tangential_impulse": k * slip_squared.sqrt(),
+            "tangential_impulse": k * length(slip_squared),
             "energy_lost": lost_along + lost_across,
         }
 
@@ -211,7 +211,9 @@ class RigidCollision(ClosedForm):
     def stretches(self, *, is_cut: bool) -> Iterator[Stretch]:
         """Two free flights, with the impact between them."""
         count = len(self.state)
-        moving = [(place, speed, arb_of(self.ratio(place, speed))) for place, speed in self.flights()]
+        moving = [
+            (place, speed, arb_of(self.ratio(place, speed))) for place, speed in self.flights()
+        ]
 
         def flight(t: arb) -> arb_mat:
             found = identity(count)
@@ -285,6 +287,8 @@ def identity(count: int) -> arb_mat:
     return arb_mat([[arb(int(i == j)) for j in range(count)] for i in range(count)])
 
 
-def abs_lower_zero(value: arb) -> arb:
-    """The part of a ball that is not negative, for a number that is a square."""
-    return value.max(arb(0))
+def length(square: arb) -> arb:
+    """The root of a square; of one that may be 0 all roots that it may have."""
+    if square > 0:
+        return square.sqrt()
+    return arb(0).union(square.abs_upper().sqrt())

@@ -1,4 +1,4 @@
-"""Numbers a + b sqrt(q) of one square root: the field Q(sqrt(q)), in which order is decided exactly.
+"""Numbers a + b sqrt(q) of one square root: the field Q(sqrt(q)), in which order is exact.
 
 Two spheres on straight lines meet at a root of a quadratic with rational coefficients, so that the
 place where they touch, the normal there, and whatever is polynomial in these, are such numbers.
@@ -13,7 +13,7 @@ from flint import arb
 
 from refdem.truth.balls import Enclosed, arb_of
 
-Rational = Union[Fraction, int]
+Rational = Fraction | int
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,231 @@
+"""Impacts of the rigid law: restitution, friction, effective masses, spins, and pairs that are met
+twice or never.
+"""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults import impacts
+from refdem.faults import vectors as vec
+from refdem.faults.change import (
+    Inside,
+    of_arguments,
+    of_bodies,
+    of_elements,
+    of_parts,
+    of_results,
+    scaled,
+    within,
+)
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.contact import Contact
+
+impact = partial(Fault, kind="impacts")
+
+
+def _of_impact(**parts: Any) -> Inside:
+    return within("impacts", of_parts(**parts))
+
+
+def _friction_without_restitution(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+    """The limit is mu times the impulse that stops the spheres, without the one that parts them."""
+    return impacts.tangential_impulse(law, ease, slip, pressing / (1 + law.restitution))
+
+
+def _unlimited(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+    """The slip is stopped, whatever the friction."""
+    return vec.times(-(1 + law.slip_restitution) / ease, slip)
+
+
+def _always_cut(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+    """Friction of full size, also where less of it stops the slip."""
+    return vec.times(-law.friction * pressing / vec.size(slip), slip)
+
+
+def _second_turns_back(p: Parts) -> dict[str, Any]:
+    """Every second spin that changes does so the other way."""
+    calls = [0]
+
+    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
+        calls[0] += 1
+        torque = p.torque_on(arm, normal, force)
+        if calls[0] % 2:
+            return torque
+        return vec.times(-1.0, torque)
+
+    return {"torque_on": torque_on}
+
+
+def _second_does_not_turn(p: Parts) -> dict[str, Any]:
+    """Only the first sphere feels the torque."""
+    calls = [0]
+
+    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
+        calls[0] += 1
+        torque = p.torque_on(arm, normal, force)
+        if calls[0] % 2:
+            return torque
+        return vec.ZERO
+
+    return {"torque_on": torque_on}
+
+
+FAULTS = (
+    impact(
+        name="restitution-twice",
+        sentence="The closing speed is multiplied by the restitution twice.",
+        on=("clash", "rub"),
+        sees=("error", "v1.x"),
+        before=of_elements(Contact, restitution=lambda e: e * e),
+    ),
+    impact(
+        name="restitution-of-energy",
+        sentence="The restitution is taken for the part of the energy that is left.",
+        on=("clash",),
+        sees=("error", "v2.x"),
+        before=of_elements(Contact, restitution=lambda e: e**0.5),
+    ),
+    impact(
+        name="restitution-without-one",
+        sentence="The normal impulse is e in place of 1 + e times what stops the spheres.",
+        on=("clash",),
+        sees=("error", "v1.x"),
+        inside=_of_impact(
+            normal_impulse=lambda law, ease, closing: law.restitution * closing / ease
+        ),
+    ),
+    impact(
+        name="restitution-one-in-a-million",
+        sentence="The restitution is a millionth too large.",
+        on=("clash",),
+        sees=("error", "v1.x"),
+        levels=5,
+        before=of_elements(Contact, restitution=scaled(1 + 1e-6)),
+    ),
+    impact(
+        name="impact-of-equal-masses",
+        sentence="Both spheres change their velocities alike, as if they had one mass.",
+        on=("clash",),
+        sees=("momentum", "total"),
+        inside=lambda p: {
+            "kicked": lambda v, force, mass, h: p.kicked(v, force, 1.0 if h == 1.0 else mass, h)
+        },
+    ),
+    impact(
+        name="impact-without-reaction",
+        sentence="One sphere alone feels the impulse.",
+        on=("clash",),
+        sees=("momentum", "total"),
+        inside=of_parts(reaction=lambda force: vec.ZERO),
+    ),
+    impact(
+        name="impact-by-friction-without-restitution",
+        sentence="Friction is cut at mu m_n c, without the share (1 + e).",
+        on=("rub",),
+        sees=("error", "omega1.x"),
+        inside=_of_impact(tangential_impulse=_friction_without_restitution),
+    ),
+    impact(
+        name="impact-friction-unlimited",
+        sentence="Friction stops the slip, whatever its coefficient.",
+        on=("rub",),
+        sees=("error", "omega2.y"),
+        inside=_of_impact(tangential_impulse=_unlimited),
+    ),
+    impact(
+        name="impact-friction-always-cut",
+        sentence="Friction has its full size where less of it stops the slip.",
+        on=("grip",),
+        sees=("error", "omega1.z"),
+        inside=_of_impact(tangential_impulse=_always_cut),
+    ),
+    impact(
+        name="impact-tangential-mass",
+        sentence="The tangential effective mass is the normal one, as if nothing could turn.",
+        on=("grip",),
+        sees=("error", "omega1.x"),
+        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: ease),
+    ),
+    impact(
+        name="impact-turns-one-sphere",
+        sentence="The tangential effective mass knows how the first sphere turns, not the second.",
+        on=("grip",),
+        sees=("error", "omega2.x"),
+        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: ease + turn_i),
+    ),
+    impact(
+        name="impact-of-solid-spheres",
+        sentence="All spheres turn as solid ones: 7/2 in the tangential effective mass.",
+        on=("grip",),
+        sees=("error", "omega1.y"),
+        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: 3.5 * ease),
+    ),
+    impact(
+        name="impact-spin-sign",
+        sentence="The second sphere is spun up the wrong way.",
+        on=("rub", "grip"),
+        sees=("angular-momentum", "total"),
+        inside=_second_turns_back,
+    ),
+    impact(
+        name="impact-spin-of-one",
+        sentence="The second sphere is not spun up.",
+        on=("grip",),
+        sees=("angular-momentum", "total"),
+        inside=_second_does_not_turn,
+    ),
+    impact(
+        name="impact-slip-of-centres",
+        sentence="The slip is that of the centres: spins do not count.",
+        on=("grip",),
+        sees=("error", "v1.y"),
+        inside=of_arguments(slip=lambda velocity, spin, normal: (velocity, vec.ZERO, normal)),
+    ),
+    impact(
+        name="impact-without-tangential-restitution",
+        sentence="Friction stops the slip where it should reverse a part of it.",
+        on=("grip",),
+        sees=("error", "omega1.x"),
+        before=of_elements(Contact, tangential_restitution=scaled(0.0)),
+    ),
+    impact(
+        name="impact-met-twice",
+        sentence="The pair is in the list twice, and both impulses are of the same velocities.",
+        on=("clash",),
+        sees=("error", "v1.x"),
+        inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
+    ),
+    impact(
+        name="impact-never-met",
+        sentence="The spheres go through each other.",
+        on=("clash", "rub"),
+        sees=("error", "r1.x"),
+        inside=_of_impact(meets=lambda closing: False),
+    ),
+    impact(
+        name="impact-below-a-threshold",
+        sentence="Nothing is given back below a speed of 2 m/s.",
+        on=("clash",),
+        sees=("error", "v2.x"),
+        inside=_of_impact(
+            normal_impulse=lambda law, ease, closing: (
+                (1 + (law.restitution if closing > 2 else 0.0)) * closing / ease
+            )
+        ),
+    ),
+    impact(
+        name="impact-of-the-larger-sphere",
+        sentence="The spheres meet where their radii are 1 % larger.",
+        on=("clash",),
+        sees=("error", "v1.y"),
+        inside=of_arguments(overlap=lambda a, b, distance: (1.01 * a, 1.01 * b, distance)),
+    ),
+    impact(
+        name="impact-inertia-of-a-point",
+        sentence="Moments of inertia are a hundredth too large.",
+        on=("grip", "rub"),
+        sees=("error", "omega1.x"),
+        before=of_bodies(inertia=scaled(1.01)),
+    ),
+)

@@ -1,0 +1,109 @@
+"""Impacts of the rigid law in the transparent engine: where spheres meet, they exchange an impulse.
+
+Notation: n is the unit normal from body i to body j or a plane, c the closing speed, s the slip of
+the points that touch, p and -k s the impulse along and across the normal on body i.
+"""
+
+from refdem.faults import vectors as vec
+from refdem.faults.loads import meeting
+from refdem.faults.parts import ImpactParts, Moving
+from refdem.faults.state import State
+from refdem.faults.vectors import Number, Vector
+from refdem.scene.elements.contact import Contact
+
+
+def normal_impulse(law: Contact, ease: Number, closing: Number) -> Number:
+    """p = (1 + e) c/(1/m_i + 1/m_j) [N s]; `ease` is 1/m_i + 1/m_j."""
+    return (1 + law.restitution) * closing / ease
+
+
+def tangential_ease(ease: Number, turn_i: Number, turn_j: Number) -> Number:
+    """1/m_t = 1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j [1/kg]."""
+    return ease + turn_i + turn_j
+
+
+def tangential_impulse(law: Contact, ease: Number, slip: Vector, pressing: Number) -> Vector:
+    """The impulse [N s] on body i across the normal: (1 + b) m_t |s| against the slip, at most mu
+    p.
+    """
+    factor = (1 + law.slip_restitution) / ease
+    speed = vec.size(slip)
+    limit = law.friction * pressing
+    if factor * speed > limit:
+        factor = limit / speed
+    return vec.times(-factor, slip)
+
+
+def meets(closing: Number) -> bool:
+    """Spheres that touch meet if they close."""
+    return bool(closing > 0)
+
+
+SOUND_IMPACTS = ImpactParts(
+    normal_impulse=normal_impulse,
+    tangential_ease=tangential_ease,
+    tangential_impulse=tangential_impulse,
+    meets=meets,
+)
+
+APART = 1.0
+"""What stands for the margin of a pair that does not close."""
+
+
+def margin(m: Moving, state: State, number: int, h: Number) -> Number:
+    """The gap [m] of a pair that closes: below 0 it has met."""
+    _, depth, rate, _ = meeting(m.world, state, m.parts, number)
+    if m.parts.impacts.meets(rate * h):
+        return -depth
+    return APART
+
+
+def struck(m: Moving, state: State, number: int) -> None:
+    """Makes the impact of one pair: velocities, spins and the energy lost."""
+    parts = m.parts
+    world = m.world
+    law = world.law
+    i, j = world.pairs[number]
+    normal, _, closing, relative = meeting(world, state, parts, number)
+    ease = 1 / world.mass[i]
+    turns = [_turn_ease(m, i), 0.0]
+    spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
+    if j >= 0:
+        ease = ease + 1 / world.mass[j]
+        turns[1] = _turn_ease(m, j)
+        spin = vec.moved(spin, world.radius[j], parts.to_space(state.q[j], state.w[j]))
+    slip = parts.slip(relative, spin, normal)
+    pressing = parts.impacts.normal_impulse(law, ease, closing)
+    across_ease = parts.impacts.tangential_ease(ease, turns[0], turns[1])
+    rubbing = parts.impacts.tangential_impulse(law, across_ease, slip, pressing)
+    impulse = vec.moved(rubbing, -pressing, normal)
+    before = _energy(m, state, i) + _energy(m, state, j)
+    _push(m, state, i, normal, impulse, rubbing)
+    if j >= 0:
+        _push(m, state, j, normal, parts.reaction(impulse), rubbing)
+    state.work = state.work + before - _energy(m, state, i) - _energy(m, state, j)
+    m.told.append((state.t, "contact", i))
+
+
+def _turn_ease(m: Moving, i: int) -> Number:
+    """R^2/J [1/kg] of a sphere."""
+    return m.world.radius[i] * m.world.radius[i] / m.world.inertia[i][0]
+
+
+def _push(
+    m: Moving, state: State, i: int, normal: Vector, impulse: Vector, rubbing: Vector
+) -> None:
+    """v += P/m and J omega += R n x P_t: both bodies turn the same way."""
+    state.v[i] = m.parts.kicked(state.v[i], impulse, m.world.mass[i], 1.0)
+    torque = m.parts.torque_on(m.world.radius[i], normal, rubbing)
+    turning = m.parts.to_body(state.q[i], torque)
+    state.w[i] = m.parts.spun_up(state.w[i], turning, m.world.inertia[i], 1.0)
+
+
+def _energy(m: Moving, state: State, i: int) -> Number:
+    """Kinetic energy [J] of a sphere; 0 of a plane."""
+    if i < 0:
+        return 0.0
+    moving = m.world.mass[i] * vec.dot(state.v[i], state.v[i])
+    turning = vec.dot(vec.per_axis(m.world.inertia[i], state.w[i]), state.w[i])
+    return (moving + turning) / 2

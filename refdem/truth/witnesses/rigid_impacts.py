@@ -1,0 +1,294 @@
+"""Witness of rigid impacts: the unknowns of the impact from a linear system, the time of impact by
+bisection.
+
+The formulas of the truth are not used. Right after the impact the velocities and angular velocities
+of the bodies and the three components of the impulse are unknown. They obey
+
+    m (v' - v) = +-P,   J (omega' - omega) = r x (+-P) about each centre,
+    n.g' = -e n.g,   t_i.g' = -b t_i.g for two tangents t_i,
+
+a linear system that elimination solves. Where |P_t| > mu P_n comes out, the last two equations are
+those of sliding instead: the impulse has no part across the slip, and mu times the normal part
+against it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, arb_mat
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+METHOD = (
+    "balance equations of both bodies and of the contact by elimination, time of impact by"
+    " bisection, unproven (refdem/truth/witnesses/rigid_impacts.py)"
+)
+HALVINGS = 300
+Triple = list[Any]
+
+
+class Sphere:
+    """Mass, moment of inertia, radius and motion of one sphere, as balls."""
+
+    def __init__(
+        self, mass: arb, moment: arb, radius: arb, r: Triple, v: Triple, omega: Triple
+    ) -> None:
+        self.mass = mass
+        self.moment = moment
+        self.radius = radius
+        self.r = r
+        self.v = v
+        self.omega = omega
+
+    def at(self, t: arb) -> Triple:
+        """Its centre after a free flight."""
+        return [r + v * t for r, v in zip(self.r, self.v, strict=True)]
+
+
+def product(a: Sequence[Any], b: Sequence[Any]) -> Triple:
+    """The vector product, by the permutations of three indices."""
+    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
+
+
+def along(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """The scalar product."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
+
+
+def length(a: Sequence[Any]) -> arb:
+    """The length of a vector; of one that may be 0 all lengths that it may have."""
+    square = along(a, a)
+    if square > 0:
+        return arb(square.sqrt())
+    return arb(0).union(arb(square.abs_upper()).sqrt())
+
+
+def tangents(normal: Sequence[arb]) -> tuple[Triple, Triple]:
+    """Two vectors that are no multiples of each other, at right angles to the normal."""
+    least = min(range(3), key=lambda axis: abs(float(normal[axis])))
+    axis = [arb(int(i == least)) for i in range(3)]
+    first = product(normal, axis)
+    return first, product(normal, first)
+
+
+class Equations:
+    """The linear system of one impact: rows of coefficients of the velocities after it and of the
+    impulse, and right-hand sides.
+
+    Unknowns: v', omega' of each sphere, then P on the first one.
+    """
+
+    def __init__(self, spheres: Sequence[Sphere], normal: Triple) -> None:
+        self.spheres = spheres
+        self.normal = normal
+        self.count = 6 * len(spheres) + 3
+        self.rows: list[list[arb]] = []
+        self.sides: list[arb] = []
+        self.impulse = 6 * len(spheres)
+
+    def blank(self) -> list[arb]:
+        return [arb(0)] * self.count
+
+    def add(self, row: list[arb], side: arb) -> None:
+        self.rows.append(row)
+        self.sides.append(side)
+
+    def balances(self) -> None:
+        """Momentum and angular momentum of each sphere."""
+        for body, sphere in enumerate(self.spheres):
+            sign = 1 - 2 * body
+            first = 6 * body
+            lever = [sign * sphere.radius * x for x in self.normal]
+            for axis in range(3):
+                row = self.blank()
+                row[first + axis] = sphere.mass
+                row[self.impulse + axis] = arb(-sign)
+                self.add(row, sphere.mass * sphere.v[axis])
+            for axis in range(3):
+                row = self.blank()
+                row[first + 3 + axis] = sphere.moment
+                # (lever x P)_axis, with P on the first sphere and -P on the second.
+                row[self.impulse + (axis + 2) % 3] = -sign * lever[(axis + 1) % 3]
+                row[self.impulse + (axis + 1) % 3] = sign * lever[(axis + 2) % 3]
+                self.add(row, sphere.moment * sphere.omega[axis])
+
+    def contact_row(self, direction: Triple) -> list[arb]:
+        """The coefficients of the velocity of the points that touch, along a direction."""
+        row = self.blank()
+        for body, sphere in enumerate(self.spheres):
+            sign = 1 - 2 * body
+            lever = [sign * sphere.radius * x for x in self.normal]
+            # direction.(omega x lever) = omega.(lever x direction).
+            turned = product(lever, direction)
+            for axis in range(3):
+                row[6 * body + axis] = sign * direction[axis]
+                row[6 * body + 3 + axis] = sign * turned[axis]
+        return row
+
+    def contact_speed(self, direction: Triple) -> arb:
+        """The same velocity before the impact."""
+        before = []
+        for sphere in self.spheres:
+            before += [*sphere.v, *sphere.omega]
+        before += [arb(0)] * 3
+        return arb(along(self.contact_row(direction), before))
+
+    def solved(self) -> list[arb]:
+        """The unknowns."""
+        column = arb_mat([[side] for side in self.sides])
+        found = arb_mat(self.rows).solve(column)
+        return [found[row, 0] for row in range(self.count)]
+
+
+def sticking(spheres: Sequence[Sphere], normal: Triple, e: arb, b: arb) -> list[arb]:
+    """The unknowns where friction suffices."""
+    system = Equations(spheres, normal)
+    system.balances()
+    system.add(system.contact_row(normal), -e * system.contact_speed(normal))
+    for tangent in tangents(normal):
+        system.add(system.contact_row(tangent), -b * system.contact_speed(tangent))
+    return system.solved()
+
+
+def sliding(spheres: Sequence[Sphere], normal: Triple, e: arb, mu: arb) -> list[arb]:
+    """The unknowns where it does not: P lies in the plane of normal and slip, P_t = mu P_n against
+    the slip.
+    """
+    system = Equations(spheres, normal)
+    system.balances()
+    system.add(system.contact_row(normal), -e * system.contact_speed(normal))
+    first, second = tangents(normal)
+    parts = [system.contact_speed(t) / along(t, t) for t in (first, second)]
+    slip = [parts[0] * x + parts[1] * y for x, y in zip(first, second, strict=True)]
+    size = along(slip, slip).sqrt()
+    against = [x / size for x in slip]
+    across = product(normal, against)
+    row = system.blank()
+    row[system.impulse :] = across
+    system.add(row, arb(0))
+    # P.a + mu |P.n| = 0, and P.n < 0 on the first sphere.
+    row = system.blank()
+    row[system.impulse :] = [a - mu * n for a, n in zip(against, normal, strict=True)]
+    system.add(row, arb(0))
+    return system.solved()
+
+
+def struck(
+    spheres: Sequence[Sphere], normal: Triple, law: Mapping[str, arb]
+) -> tuple[list[arb], Triple]:
+    """The velocities after the impact, and the impulse on the first sphere."""
+    e = law["restitution"]
+    found = sticking(spheres, normal, e, law["tangential_restitution"])
+    impulse = found[-3:]
+    pressing = -along(impulse, normal)
+    rubbing = [p + pressing * n for p, n in zip(impulse, normal, strict=True)]
+    mu = law["friction"]
+    if along(rubbing, rubbing) > mu * mu * pressing * pressing:
+        found = sliding(spheres, normal, e, mu)
+    return found[:-3], found[-3:]
+
+
+def meeting(gap: Callable[[arb], arb], late: arb) -> arb:
+    """The time at which a gap closes, which is open at 0 and closed at `late`, by bisection."""
+    low = arb(0)
+    high = late
+    for _ in range(HALVINGS):
+        middle = ((low + high) / 2).mid()
+        if gap(middle) > 0:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def energy(spheres: Sequence[Sphere], velocities: Sequence[arb]) -> arb:
+    """The kinetic energy with these velocities [J]."""
+    found = arb(0)
+    for body, sphere in enumerate(spheres):
+        v = velocities[6 * body : 6 * body + 3]
+        omega = velocities[6 * body + 3 : 6 * body + 6]
+        found += sphere.mass * along(v, v) / 2 + sphere.moment * along(omega, omega) / 2
+    return found
+
+
+def said(
+    spheres: Sequence[Sphere],
+    moment: arb,
+    normal: Triple,
+    law: Mapping[str, arb],
+    times: Sequence[Fraction],
+) -> Said:
+    """Scalars and states of a motion that has one impact."""
+    after, impulse = struck(spheres, normal, law)
+    before: list[arb] = []
+    for sphere in spheres:
+        before += [*sphere.v, *sphere.omega]
+    pressing = -along(impulse, normal)
+    rubbing = [p + pressing * n for p, n in zip(impulse, normal, strict=True)]
+    yield (
+        None,
+        {
+            "impact_time": moment,
+            "normal_impulse": pressing,
+            "tangential_impulse": length(rubbing),
+            "energy_lost": energy(spheres, before) - energy(spheres, after),
+        },
+    )
+    for t in times:
+        since = arb_of(t) - moment
+        values: dict[str, arb] = {}
+        for body, sphere in enumerate(spheres):
+            v = sphere.v
+            omega = sphere.omega
+            place = sphere.at(arb_of(t))
+            if since > 0:
+                v = after[6 * body : 6 * body + 3]
+                omega = after[6 * body + 3 : 6 * body + 6]
+                met = sphere.at(moment)
+                place = [r + speed * since for r, speed in zip(met, v, strict=True)]
+            for kind, triple in (("r", place), ("v", v), ("omega", omega)):
+                for axis, name in enumerate("xyz"):
+                    values[f"{kind}{body + 1}.{name}"] = triple[axis]
+        yield t, values
+
+
+def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Two spheres in the frame of their centre of mass."""
+    masses = [arb_of(x) for x in vector(p, "masses")]
+    radii = [arb_of(x) for x in vector(p, "radii")]
+    factors = [arb_of(x) for x in vector(p, "inertia_factors")]
+    spins = [arb_of(x) for x in vector(p, "spins")]
+    speed = arb_of(number(p, "closing_speed"))
+    reach = radii[0] + radii[1]
+    apart = [reach * arb_of(x) for x in (number(p, "distance"), *vector(p, "offset"))]
+    spheres = []
+    for this, other, sign in ((0, 1, -1), (1, 0, 1)):
+        share = sign * masses[other] / (masses[0] + masses[1])
+        spheres.append(
+            Sphere(
+                masses[this],
+                factors[this] * masses[this] * radii[this] * radii[this],
+                radii[this],
+                [share * x for x in apart],
+                [-share * speed, arb(0), arb(0)],
+                spins[3 * this : 3 * this + 3],
+            )
+        )
+
+    def line(t: arb) -> Triple:
+        return [b - a for a, b in zip(spheres[0].at(t), spheres[1].at(t), strict=True)]
+
+    # At x = 0 the centres are closer than they ever may be.
+    moment = meeting(lambda t: along(line(t), line(t)) - reach * reach, apart[0] / speed)
+    normal = [x / reach for x in line(moment)]
+    names = ("restitution", "tangential_restitution", "friction")
+    yield from said(
+        spheres, moment, normal, {name: arb_of(number(p, name)) for name in names}, times
+    )
+
+
+WITNESSES = {"hard-spheres": Witness(METHOD, hard_spheres)}
