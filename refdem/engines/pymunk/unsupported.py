@@ -106,6 +106,8 @@ def _contact_reason(scene: Scene) -> str | None:
         return None
     if law.law != "rigid":
         return _soft_contact_reason(scene, law)
+    if "contact:tangential-restitution" in scene.features:
+        return engine_cannot("an impact that reverses the slip (friction of impulses stops it)")
     for shape, inertia in zip(scene.bodies.shape, scene.bodies.inertia, strict=True):
         if not inertia[2] > 0 and (
             isinstance(shape, Polyhedron) or (isinstance(shape, Sphere) and law.friction > 0)

@@ -61,7 +61,32 @@ AUDIT = (
         "a quaternion of any length stands for an attitude; it is divided by its length at the"
         " door",
     ),
-    Default("collision, boundary", "none", "none", "nothing meets and there is no box"),
+    Default("boundary", "none", "none", "there is no box"),
+    Default(
+        "collision, collision_resolve",
+        "none, merge",
+        "direct or line by the method, hardsphere; none without a rigid contact law",
+        "REBOUND's own hard spheres; a search at the end of every step, so that they meet late by"
+        " a step at most",
+    ),
+    Default(
+        "coefficient_of_restitution",
+        "1",
+        "the contact's, at every speed",
+        "REBOUND asks for it at every collision; the callback is Python",
+    ),
+    Default(
+        "minimum_collision_velocity",
+        "0",
+        "0",
+        "nothing is added to what the restitution leaves",
+    ),
+    Default(
+        "rand_seed",
+        "time and process",
+        "1 with collisions",
+        "those of one step are resolved in random order, and rounded otherwise in every run",
+    ),
     Default("integrator", "ias15", "the method's", "named by the request"),
     Default("leapfrog.order", "2", "2 or 8", "by the method's name"),
     Default(

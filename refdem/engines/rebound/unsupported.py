@@ -51,7 +51,12 @@ def reason(problem: Motion, method: str) -> str | None:
     unknown = [element.kind for element in scene.elements if not isinstance(element, KNOWN)]
     for kind in sorted(unknown):
         return UNKNOWN.get(kind, adapter_lacks(f"the element {kind}"))
-    return _link_reason(scene) or _contact_reason(scene) or _method_reason(scene, method)
+    return (
+        _link_reason(scene)
+        or _contact_reason(scene)
+        or _method_reason(scene, method)
+        or _edge_reason(scene, method)
+    )
 
 
 def turning(scene: Scene) -> list[int]:
@@ -68,16 +73,27 @@ def _contact_reason(scene: Scene) -> str | None:
     if not laws or not scene.has_shapes():
         return None
     law = laws[0]
-    if law.law == "rigid":
-        return adapter_lacks("instantaneous collisions of hard spheres")
     if law.friction > 0:
         return engine_cannot("friction between particles (they have no spin)")
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return engine_cannot("contact of polyhedra (particles are spheres)")
+    if law.law == "rigid":
+        return _hard_sphere_reason(scene)
     if len(scene.bodies) > MOST_TOUCHING:
         return adapter_lacks(
             f"a soft contact of more than {MOST_TOUCHING} spheres (every pair in the callback)"
         )
+    return None
+
+
+def _hard_sphere_reason(scene: Scene) -> str | None:
+    """REBOUND's hard spheres change velocities and nothing else; every pair may collide."""
+    if len(scene.elements) > 1:
+        return adapter_lacks("hard spheres on which forces act")
+    if scene.bodies.fixed.any():
+        return engine_cannot("a sphere that no collision moves (only mass resists a collision)")
+    if not scene.bodies.radius.all():
+        return adapter_lacks("points beside hard spheres")
     return None
 
 
@@ -126,13 +142,24 @@ def _method_reason(scene: Scene, method: str) -> str | None:
             "a spring whose force is not smooth where it changes sign (order 8 needs its"
             " derivatives, ias15's steps shrink to nothing)"
         )
+    if method == "whfast" and not (
+        scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
+    ):
+        return engine_cannot("a field other than one attracting centre")
+    return None
+
+
+def _edge_reason(scene: Scene, method: str) -> str | None:
+    """Leapfrog alone takes forces that set in at an edge, and both its searches find collisions."""
+    if "contact:rigid" in scene.features:
+        if method in ("leapfrog", "leapfrog-line"):
+            return None
+        return adapter_lacks("hard spheres by an integrator other than leapfrog of order 2")
+    if method == "leapfrog-line":
+        return adapter_lacks("a scene without hard spheres (it would be leapfrog once more)")
     if method != "leapfrog" and {"contact", "piecewise_field"} & scene.features:
         return engine_cannot(
             "a force that sets in at an edge (order 8 and ias15 need its derivatives; a step of bs"
             " passes an edge unseen and is off by a thousand times its tolerance)"
         )
-    if method == "whfast" and not (
-        scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
-    ):
-        return engine_cannot("a field other than one attracting centre")
     return None
