@@ -63,9 +63,11 @@ int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies,
  * size and offsets of a particle's columns in bytes. Ends are pairs of bodies, -1 the world. spring
  * (springs, 8): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m],
  * quadratic [N/m^2], cubic [N/m^3]. dashpot (dashpots, 5): damping [N s/m], van_der_pol [N s/m^3],
- * anchor. drive (drives, 6): force [N], frequency [rad/s], phase, axis (3); `clock` [s] is the
- * engine's. tension (rods) [N] is written by every evaluation of the forces. inertia (turning, 3)
- * [kg m^2], one row for each body that turns. */
+ * anchor. contact (contacts, 5): sum of the radii [m], stiffness [N/m^exponent], exponent, damping
+ * [N s/m], 1 if the force may pull, else 0. field (fields, 10): k1, k2 [N/m], x1, x2 [m], point (3)
+ * [m], axis (3) of a piecewise field. drive (drives, 6): force [N], frequency [rad/s], phase, axis
+ * (3); `clock` [s] is the engine's. tension (rods) [N] is written by every evaluation of the
+ * forces. inertia (turning, 3) [kg m^2], one row for each body that turns. */
 typedef struct {
     char *particle;
     int64_t size, position, velocity, acceleration;
@@ -79,6 +81,11 @@ typedef struct {
     int64_t dashpots;
     const int64_t *dashpot_end;
     const double *dashpot;
+    int64_t contacts;
+    const int64_t *contact_end;
+    const double *contact;
+    int64_t fields;
+    const double *field;
     int64_t drives;
     const int64_t *drive_end;
     const double *drive;
@@ -104,7 +111,7 @@ typedef struct {
 
 /* The callback `void (void *simulation)` for an engine that keeps its user's pointer (to a
  * refdem_rebound_scene) at byte `place` of a simulation; NULL if there is none. Adds gravity,
- * springs, dashpots, drives and rods to the accelerations. */
+ * springs, dashpots, contacts, fields, drives and rods to the accelerations. */
 void *refdem_rebound_forces(int64_t place);
 
 /* The callback `void (void *ode, double *rate, const double *y, double t)`: q' = q omega/2 and

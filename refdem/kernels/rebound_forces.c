@@ -19,6 +19,7 @@
 #include <assert.h>
 #include <math.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "kernels.h"
@@ -92,6 +93,42 @@ static void dashpot(const scene_t *scene, const int64_t *end, const double *p)
     add_force(scene, end, -(p[0] + p[1] * dot(d, d)), w);
 }
 
+/* Two spheres that overlap by o = (sum of the radii) - |d| press each other along d = x_a - x_b:
+ * F = k o^n + c do/dt, do/dt = -(w.d)/|d| with w = v_a - v_b; no force pulls unless it may. */
+static void contact(const scene_t *scene, const int64_t *end, const double *p)
+{
+    static const double rest[3] = {0, 0, 0};
+    double d[3], w[3];
+    difference(scene, end, scene->position, rest, d);
+    double distance = sqrt(dot(d, d));
+    double overlap = p[0] - distance;
+    if (!(overlap > 0))
+        return;
+    difference(scene, end, scene->velocity, rest, w);
+    double closing = -dot(w, d) / distance;
+    double force = p[1] * pow(overlap, p[2]) + p[3] * closing;
+    bool may_pull = p[4] != 0;
+    if (force > 0 || may_pull)
+        add_force(scene, end, force / distance, d);
+}
+
+/* Force along the axis at s = (x - point).axis: k1 (s - x1) for x1 <= s <= 0, k2 (s - x2) for
+ * 0 <= s <= x2, else none. */
+static void field(const scene_t *scene, int64_t body, const double *p)
+{
+    const int64_t end[2] = {body, -1};
+    const double *axis = p + 7;
+    double d[3];
+    difference(scene, end, scene->position, p + 4, d);
+    double s = dot(d, axis);
+    double force = 0.0;
+    if (s > p[2] && s <= 0)
+        force = p[0] * (s - p[2]);
+    else if (s > 0 && s < p[3])
+        force = p[1] * (s - p[3]);
+    add_force(scene, end, force, axis);
+}
+
 /* Adds a periodic force at the engine's clock; p: force, frequency, phase, axis (3). */
 static void drive(const scene_t *scene, const int64_t *end, const double *p)
 {
@@ -136,6 +173,11 @@ static void forces(const scene_t *scene)
         spring(scene, scene->spring_end + 2 * k, scene->spring + 8 * k);
     for (int64_t k = 0; k < scene->dashpots; k++)
         dashpot(scene, scene->dashpot_end + 2 * k, scene->dashpot + 5 * k);
+    for (int64_t k = 0; k < scene->contacts; k++)
+        contact(scene, scene->contact_end + 2 * k, scene->contact + 5 * k);
+    for (int64_t k = 0; k < scene->fields; k++)
+        for (int64_t body = 0; body < scene->bodies; body++)
+            field(scene, body, scene->field + 10 * k);
     for (int64_t k = 0; k < scene->drives; k++)
         drive(scene, scene->drive_end + 2 * k, scene->drive + 6 * k);
     for (int64_t k = 0; k < scene->rods; k++)

@@ -191,18 +191,11 @@ REFUSED = [
         Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]),
         "between bodies",
     ),
-    ("pymunk", "semi-implicit-euler", CUBIC, "nonlinear"),
     (
         "pymunk",
         "semi-implicit-euler",
-        Scene.of([POINT], [SPRING, Dashpot(a=0, van_der_pol=1.0)]),
-        "one rate",
-    ),
-    (
-        "pymunk",
-        "semi-implicit-euler",
-        Scene.of([POINT, POINT], [Dashpot(a=0, damping=1.0)]),
-        "one rate",
+        Scene.of([POINT, POINT], [Dashpot(a=0, b=1, damping=1.0)]),
+        "resists in all directions",
     ),
     ("rebound", "leapfrog", DAMPED, "dashpot"),
     (

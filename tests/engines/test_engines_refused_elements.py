@@ -5,8 +5,18 @@ import pytest
 from refdem.core import discovery
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "pymunk", "rebound"])
-@pytest.mark.parametrize("case", ["hertz-spheres", "asymmetric-field", "wedge-collision"])
+@pytest.mark.parametrize(
+    ("engine", "case"),
+    [
+        ("mujoco", "hertz-spheres"),
+        ("mujoco", "asymmetric-field"),
+        ("mujoco", "wedge-collision"),
+        ("pymunk", "kapitza-pendulum"),
+        ("pymunk", "wedge-collision"),
+        ("rebound", "wedge-collision"),
+        ("rebound", "stick-slip"),
+    ],
+)
 def test_an_adapter_refuses_what_it_does_not_carry(engine: str, case: str) -> None:
     adapter = discovery.engine(engine)
     problem = discovery.case(case).at().problem

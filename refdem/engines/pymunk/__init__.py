@@ -13,10 +13,10 @@ from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.pymunk.audit import AUDIT
 from refdem.engines.pymunk.unsupported import reason
 
-POSITION_CORRECTION = {"angular-momentum": frozenset({"contact"})}
-"""Chipmunk moves bodies that overlap apart along their normal and leaves their velocities: p n x
-(v_a - v_b) is lost or won, in proportion to the overlap, and a friction impulse acts on the two
-surfaces, which an overlap holds apart."""
+POSITION_CORRECTION = {"angular-momentum": frozenset({"contact:rigid"})}
+"""Chipmunk moves rigid bodies that overlap apart along their normal and leaves their velocities:
+p n x (v_a - v_b) is lost or won, in proportion to the overlap, and a friction impulse acts on the
+two surfaces, which an overlap holds apart. Soft contacts are springs, of which that is not true."""
 UNIT_BY_ANGLE = {
     "attitude": "the adapter makes attitudes of Chipmunk's angles, so that their norm is always 1"
 }

@@ -12,8 +12,8 @@ AUDIT = (
     Default(
         "Space.damping",
         "1",
-        "exp(-damping/mass) of the dashpots",
-        "velocities are multiplied by damping**dt, the same for all",
+        "exp(-damping/mass) of the dashpots; 1 where they are unlike or bodies turn",
+        "velocities are multiplied by damping**dt, the same for all; other dashpots are forces",
     ),
     Default("Space.sleep_time_threshold", "inf", "inf", "nothing is put to sleep"),
     Default(
@@ -63,10 +63,23 @@ AUDIT = (
     Default(
         "Body.velocity_func",
         "Euler",
-        "the same after the force of the clock's end of the step",
-        "a force that follows the clock, taken where the positions are",
+        "the same after the forces at the new place and the clock's end of the step",
+        "drives, central and piecewise fields, dashpots that Space.damping cannot say; the callback"
+        " is Python",
     ),
-    Default("DampedSpring.damping", "an argument", "0", "springs dissipate nothing"),
+    Default(
+        "DampedSpring.force_func",
+        "stiffness * (rest_length - distance)",
+        "the spring's law where it is not linear; k d^n of a soft contact while d > 0",
+        "Chipmunk asks it for the force of the spring without its damper; the callback is Python",
+    ),
+    Default(
+        "DampedSpring.damping",
+        "an argument",
+        "0; a soft contact's while its discs overlap",
+        "springs dissipate nothing; pre_solve switches the damper of a contact, which would act at"
+        " any distance",
+    ),
     Default(
         "Body.moment",
         "an argument",

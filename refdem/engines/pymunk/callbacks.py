@@ -1,15 +1,24 @@
 """What Chipmunk says by functions that it calls in every step: friction that depends on the speed,
-forces that follow the clock.
+and forces on a body that follow the clock, its place or its velocity.
 """
 
-from math import cos
+from collections.abc import Callable, Iterator
+from math import cos, hypot
 
 import pymunk
 from pymunk._chipmunk_cffi import lib as engine
 
+from refdem.engines.pymunk.unsupported import fading
 from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.slider import Slider
+
+Planar = tuple[float, float]
+BodyForce = Callable[[float, pymunk.Body], Planar]
+"""The force (x, y) [N] on a body at a time [s]; the body tells its place and velocity."""
 
 
 def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
@@ -33,28 +42,96 @@ def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
 def drive(
     space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body], start: float, step: float
 ) -> None:
-    """Forces act where Chipmunk updates a velocity: at the end of the step, where the positions
-    already are.
+    """Sets a velocity function on every body that a force from outside acts on.
+
+    Chipmunk calls it where it updates a velocity, after it has moved the body: the force is that at
+    the new place and at the end of the step, with the velocity of its beginning.
     """
     for number, body in enumerate(bodies):
-        forces = [force for force in scene.all(Force) if force.a == number]
-        if forces:
+        forces = list(_forces_on(scene, number))
+        if forces and not scene.bodies.fixed[number]:
             _push(space, body, forces, start, step)
 
 
-def _push(
-    space: pymunk.Space, body: pymunk.Body, forces: list[Force], start: float, step: float
-) -> None:
-    """Applies these forces [N] to one body; Chipmunk has counted the step that it is in."""
+def _forces_on(scene: Scene, number: int) -> Iterator[BodyForce]:
+    """The forces from outside on one body: drives, fields, and dashpots that `Space.damping` cannot
+    say.
+    """
+    mass = float(scene.bodies.mass[number])
+    for element in scene.elements:
+        if isinstance(element, Force) and element.a == number:
+            yield _periodic(element)
+        elif isinstance(element, CentralField):
+            yield _attraction(element, mass)
+        elif isinstance(element, PiecewiseField):
+            yield _slope(element)
+        elif isinstance(element, Dashpot) and element.a == number and fading(scene) is None:
+            yield _resistance(element)
 
-    def updated(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:
+
+def _periodic(drive: Force) -> BodyForce:
+    """F = amplitude cos(frequency t + phase) along the axis."""
+    (x, y) = drive.axis[:2]
+
+    def force(t: float, body: pymunk.Body) -> Planar:
+        size = drive.amplitude * cos(drive.frequency * t + drive.phase)
+        return size * x, size * y
+
+    return force
+
+
+def _attraction(field: CentralField, mass: float) -> BodyForce:
+    """F = -gm m r/|r|^3 towards the origin."""
+
+    def force(t: float, body: pymunk.Body) -> Planar:
+        (x, y) = body.position
+        distance = hypot(x, y)
+        pull = -field.gm * mass / (distance * distance * distance)
+        return pull * x, pull * y
+
+    return force
+
+
+def _slope(field: PiecewiseField) -> BodyForce:
+    """F(s) along the axis, s = (r - point).axis: k1 (s - x1) up to s = 0, then k2 (s - x2)."""
+    (axis_x, axis_y) = field.axis[:2]
+    (point_x, point_y) = field.point[:2]
+
+    def force(t: float, body: pymunk.Body) -> Planar:
+        (x, y) = body.position
+        s = (x - point_x) * axis_x + (y - point_y) * axis_y
+        if s <= 0:
+            size = field.k1 * max(s - field.x1, 0.0)
+        else:
+            size = field.k2 * min(s - field.x2, 0.0)
+        return size * axis_x, size * axis_y
+
+    return force
+
+
+def _resistance(dashpot: Dashpot) -> BodyForce:
+    """F = -(damping + van_der_pol d^2) v, where d is the distance from the dashpot's other end."""
+    (anchor_x, anchor_y) = dashpot.anchor_b[:2]
+
+    def force(t: float, body: pymunk.Body) -> Planar:
+        (x, y) = body.position
+        (v_x, v_y) = body.velocity
+        square = (x - anchor_x) ** 2 + (y - anchor_y) ** 2
+        coefficient = dashpot.damping + dashpot.van_der_pol * square
+        return -coefficient * v_x, -coefficient * v_y
+
+    return force
+
+
+def _push(
+    space: pymunk.Space, body: pymunk.Body, forces: list[BodyForce], start: float, step: float
+) -> None:
+    """Applies these forces to one body; Chipmunk has counted the step that it is in."""
+
+    def updated(body: pymunk.Body, gravity: Planar, damping: float, dt: float) -> None:
         t = start + step * engine.cpSpaceGetTimestamp(space._space)
-        sizes = [force.amplitude * cos(force.frequency * t + force.phase) for force in forces]
-        x, y = (
-            sum(size * force.axis[k] for size, force in zip(sizes, forces, strict=True))
-            for k in (0, 1)
-        )
-        body.force = (x, y)
+        components = [force(t, body) for force in forces]
+        body.force = (sum(x for x, _ in components), sum(y for _, y in components))
         pymunk.Body.update_velocity(body, gravity, damping, dt)
 
     body.velocity_func = updated

@@ -16,9 +16,9 @@ WALL = 1e3
 
 
 def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:
-    """Shapes and walls, where there is a contact law; whether there are any."""
+    """Shapes and walls, where there is a rigid contact law; whether there are any."""
     law = next(iter(scene.all(Contact)), None)
-    if law is None or not scene.has_shapes():
+    if law is None or law.law != "rigid" or not scene.has_shapes():
         return False
     shapes: list[pymunk.Shape] = []
     for body, shape in zip(bodies, scene.bodies.shape, strict=True):

@@ -8,6 +8,7 @@ import pymunk
 
 from refdem.engines.pymunk.callbacks import rubbing
 from refdem.engines.pymunk.shapes import add_shapes
+from refdem.engines.pymunk.springs import add_soft_contacts, bent
 from refdem.engines.pymunk.unsupported import fading
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
@@ -41,6 +42,7 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space.add(*joints)
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
+    add_soft_contacts(space, scene, bodies)
     if solved <= 1 and not touching:
         space.iterations = 1
     else:
@@ -96,9 +98,12 @@ def _joint(
     if isinstance(link, Slider) and link.belt_velocity:
         b = _belt(space, link)
     if isinstance(link, Spring):
-        return pymunk.DampedSpring(
+        spring = pymunk.DampedSpring(
             a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0
         )
+        if link.exponent == 1 and not link.quadratic and not link.cubic:
+            return spring
+        return bent(spring, link)
     if isinstance(link, Rod):
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
         rod.distance = link.length

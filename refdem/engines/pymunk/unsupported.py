@@ -3,10 +3,13 @@
 import numpy as np
 
 from refdem.core.problem import Motion
+from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.scene import Polyhedron, Scene, Sphere
+from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
@@ -14,56 +17,68 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 UNKNOWN = {
-    "moving_anchor": (
-        "a pivot that follows a function of time (a kinematic body keeps its velocity)"
+    "moving_anchor": engine_cannot(
+        "a pivot that follows a function of time (a kinematic body keeps its velocity for a whole"
+        " step)"
     ),
-    "string_over_wheel": "a string over a wheel (no pulley among the joints)",
-    "catch": (
-        "a hook that catches at closest approach (joints hold from the start, or"
-        " are added between steps)"
+    "string_over_wheel": engine_cannot("a string over a wheel (no pulley among the joints)"),
+    "catch": engine_cannot(
+        "a hook that catches at closest approach (joints hold from the start, or are added between"
+        " steps)"
     ),
+    "periodic_box": engine_cannot("a periodic box"),
+    "wedge": adapter_lacks("wedge (a force by the velocity function, and a body that turns)"),
 }
-KNOWN = (Contact, Dashpot, Force, Plane, Rod, Slider, Spring, UniformGravity)
+KNOWN = (
+    CentralField,
+    Contact,
+    Dashpot,
+    Force,
+    PiecewiseField,
+    Plane,
+    Rod,
+    Slider,
+    Spring,
+    UniformGravity,
+)
 
 
 def reason(problem: Motion) -> str | None:
     """None if Chipmunk can say the problem, else the missing feature."""
     scene = problem.scene
     if problem.interval < 0:
-        return "negative time steps"
+        return engine_cannot("negative time steps")
     if "dimension:3" in scene.features:
-        return "motion or rotation in three dimensions"
+        return engine_cannot("motion or rotation in three dimensions")
     for element in scene.elements:
         if not isinstance(element, KNOWN):
-            return UNKNOWN.get(
-                element.kind,
-                (
-                    f"{element.kind} (Chipmunk has no such element; a user would program it as"
-                    " a force)"
-                ),
-            )
+            return UNKNOWN.get(element.kind, adapter_lacks(f"the element {element.kind}"))
     return _element_reason(scene) or _contact_reason(scene)
 
 
 def _element_reason(scene: Scene) -> str | None:
-    """Springs are linear, dry friction acts on every velocity at once."""
-    if any(
-        spring.exponent != 1 or spring.quadratic or spring.cubic for spring in scene.all(Spring)
-    ):
-        return "a spring with a nonlinear force"
-    if scene.all(Dashpot) and fading(scene) is None:
-        return "damping other than one rate of all bodies against the world (Space.damping)"
+    """None if every dashpot, force and slider can be said, else the first that cannot."""
+    for dashpot in scene.all(Dashpot):
+        if dashpot.b >= 0:
+            return engine_cannot(
+                "a dashpot between bodies that resists in all directions (DampedSpring resists"
+                " along its line)"
+            )
+        if any(dashpot.anchor_a):
+            return adapter_lacks("a dashpot off the centre of a body")
     if any(force.b >= 0 or scene.bodies.fixed[force.a] for force in scene.all(Force)):
-        return "a force between bodies or on a fixed body (Chipmunk applies forces from outside)"
+        return adapter_lacks("a periodic force between bodies or on a fixed body")
     if scene.all(Slider) and "dimension:1" not in scene.features:
-        return "dry friction along one axis of a planar motion"
+        return engine_cannot(
+            "dry friction along one axis of a planar motion (a joint rubs in all directions)"
+        )
     return None
 
 
 def fading(scene: Scene) -> float | None:
     """The rate [1/s] at which the dashpots take velocity from every body alike.
 
-    None if they do not.
+    None if they do not: then `Space.damping` cannot say them, and they are forces.
     """
     free = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
     damping = dict.fromkeys(free, 0.0)
@@ -85,19 +100,35 @@ def fading(scene: Scene) -> float | None:
 
 
 def _contact_reason(scene: Scene) -> str | None:
-    """Contact is rigid, between circles and prisms along z."""
+    """Rigid contact is between circles and prisms along z, soft contact between circles alone."""
     law = next(iter(scene.all(Contact)), None)
     if law is None or not scene.has_shapes():
         return None
     if law.law != "rigid":
-        return f"contact:{law.law} (impulses between rigid bodies only, no contact stiffness)"
+        return _soft_contact_reason(scene, law)
+    if "contact:tangential-restitution" in scene.features:
+        return engine_cannot("an impact that reverses the slip (friction of impulses stops it)")
     for shape, inertia in zip(scene.bodies.shape, scene.bodies.inertia, strict=True):
         if not inertia[2] > 0 and (
             isinstance(shape, Polyhedron) or (isinstance(shape, Sphere) and law.friction > 0)
         ):
-            return "contact forces that turn a body without a moment of inertia"
+            return engine_cannot("contact forces that turn a body without a moment of inertia")
         if isinstance(shape, Polyhedron) and outline(shape) is None:
-            return "a polyhedron that is not a prism along z"
+            return engine_cannot("a polyhedron that is not a prism along z")
+    return None
+
+
+def _soft_contact_reason(scene: Scene, law: Contact) -> str | None:
+    """A spring with a force function pushes along the line of two centres, and nothing else."""
+    if law.friction > 0:
+        return engine_cannot(
+            "friction of a contact that has a stiffness (friction belongs to Chipmunk's own rigid"
+            " contacts; a spring acts along its line)"
+        )
+    if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
+        return engine_cannot("a soft contact of polyhedra (a spring joins two points)")
+    if scene.all(Plane):
+        return engine_cannot("a soft contact with a wall (a spring joins two points)")
     return None
 
 

@@ -25,8 +25,8 @@ AUDIT = (
     Default(
         "additional_forces",
         "none",
-        "a compiled callback if there are springs, dashpots, periodic forces, rods or uniform"
-        " gravity",
+        "a compiled callback if there are springs, dashpots, soft contacts, piecewise fields,"
+        " periodic forces, rods or uniform gravity",
         "REBOUND knows no such elements: its users program forces, and so does the adapter",
     ),
     Default(
@@ -34,6 +34,13 @@ AUDIT = (
         "no constraints",
         "multiplier force (v.v + r.a)/(r.r) in the callback",
         "the distance at the start is kept by the equations alone, nothing projects it",
+    ),
+    Default(
+        "soft contacts",
+        "no such thing",
+        "k d^n between every pair of spheres that overlap, in the callback",
+        "leapfrog alone: a step of the others passes the edge of a force unseen, or shrinks to"
+        " nothing; damped contacts need velocities, which leapfrog has half a step apart",
     ),
     Default(
         "force_is_velocity_dependent",
@@ -54,7 +61,32 @@ AUDIT = (
         "a quaternion of any length stands for an attitude; it is divided by its length at the"
         " door",
     ),
-    Default("collision, boundary", "none", "none", "nothing meets and there is no box"),
+    Default("boundary", "none", "none", "there is no box"),
+    Default(
+        "collision, collision_resolve",
+        "none, merge",
+        "direct or line by the method, hardsphere; none without a rigid contact law",
+        "REBOUND's own hard spheres; a search at the end of every step, so that they meet late by"
+        " a step at most",
+    ),
+    Default(
+        "coefficient_of_restitution",
+        "1",
+        "the contact's, at every speed",
+        "REBOUND asks for it at every collision; the callback is Python",
+    ),
+    Default(
+        "minimum_collision_velocity",
+        "0",
+        "0",
+        "nothing is added to what the restitution leaves",
+    ),
+    Default(
+        "rand_seed",
+        "time and process",
+        "1 with collisions",
+        "those of one step are resolved in random order, and rounded otherwise in every run",
+    ),
     Default("integrator", "ias15", "the method's", "named by the request"),
     Default("leapfrog.order", "2", "2 or 8", "by the method's name"),
     Default(

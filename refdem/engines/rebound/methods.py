@@ -3,13 +3,35 @@
 from refdem.core.engine import Method
 
 KEPT = frozenset({"momentum", "angular-momentum"})
+COLLISIONS = {"contact:rigid": 1}
+"""Hard spheres collide at the end of the step in which they meet, wherever they are then."""
 
 METHODS = (
     Method(
         name="leapfrog",
-        summary="drift, kick, drift; forces that depend on the place alone",
+        summary=(
+            "drift, kick, drift; forces that depend on the place alone; spheres that overlap at the"
+            " end of a step collide (direct)"
+        ),
         control="step",
         order=2,
+        order_with=COLLISIONS,
+        conserves=KEPT,
+        symplectic=True,
+        reversible=True,
+        backward=True,
+        summed_clock=True,
+        cost_rank=1,
+    ),
+    Method(
+        name="leapfrog-line",
+        summary=(
+            "leapfrog; spheres that overlapped on the straight way of a step collide at its end"
+            " (line)"
+        ),
+        control="step",
+        order=2,
+        order_with=COLLISIONS,
         conserves=KEPT,
         symplectic=True,
         reversible=True,

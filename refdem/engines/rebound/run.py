@@ -26,7 +26,7 @@ FUNCTIONS = {
 }
 FINEST_TOLERANCE = 1e-15
 """Round-off hides smaller errors: at 1e-16 bs rejects every step, however small, for ever."""
-STEPPED = {"leapfrog", "leapfrog-8", "whfast"}
+STEPPED = {"leapfrog", "leapfrog-8", "leapfrog-line", "whfast"}
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:

@@ -1,5 +1,6 @@
 """A scene in REBOUND's words: particles, callbacks, Euler's equations and the integrator."""
 
+from collections.abc import Callable
 from ctypes import addressof, c_void_p, cast
 from typing import Any
 
@@ -15,11 +16,14 @@ from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
 
 FIRST_STEP = 2.0**-8
 """First step of the adaptive integrators, in units of the sample interval: REBOUND's default is a
 thousandth of a unit of time.
 """
+ORDER_OF_COLLISIONS = 1
+"""Seed of the random order in which the collisions of one step are resolved."""
 SWINGING = 1e-10
 """epsilon of ias15 with springs and rods, in place of REBOUND's 1e-9.
 
@@ -37,6 +41,7 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     _set_integrator(sim, request)
     first = _add_particles(sim, scene)
     _place(sim, fields, first)
+    _set_collisions(sim, scene, request.method)
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
         sim._additional_forces = AFF(
@@ -53,10 +58,13 @@ def function_address(name: str) -> int:
 
 def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
     """The integrator of the method and its first step, with the direction of time."""
-    name, _, order = request.method.partition("-")
+    name, _, _ = request.method.partition("-")
     sim.integrator = name
     if name == "leapfrog":
-        sim.integrator.order = int(order or 2)
+        if request.method == "leapfrog-8":
+            sim.integrator.order = 8
+        else:
+            sim.integrator.order = 2
         sim.dt = request.signed_step
     elif name == "whfast":
         sim.dt = request.problem.interval
@@ -87,8 +95,13 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
         sim.add(m=sum(centre.gm for centre in centres))
         sim.N_active = 1
     columns = scene.bodies
-    for mass, (x, y, z), (vx, vy, vz), fixed in zip(
-        columns.mass, columns.position, columns.velocity, columns.fixed, strict=True
+    for mass, radius, (x, y, z), (vx, vy, vz), fixed in zip(
+        columns.mass,
+        columns.radius,
+        columns.position,
+        columns.velocity,
+        columns.fixed,
+        strict=True,
     ):
         if fixed:
             still = {}
@@ -99,8 +112,38 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
             attracting = 0.0
         else:
             attracting = mass
-        sim.add(m=attracting, x=x, y=y, z=z, **still)
+        sim.add(m=attracting, r=radius, x=x, y=y, z=z, **still)
     return len(centres[:1])
+
+
+def _set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
+    """REBOUND's own hard spheres, where the contact law is rigid: searched for at the end of every
+    step, and resolved with the law's restitution.
+
+    direct finds pairs that overlap then, line also those that did on the straight way of the step.
+    """
+    for law in scene.all(Contact):
+        if law.law != "rigid":
+            continue
+        if method == "leapfrog-line":
+            sim.collision = "line"
+        else:
+            sim.collision = "direct"
+        sim.collision_resolve = "hardsphere"
+        sim.coefficient_of_restitution = _always(float(law.restitution))
+        # Collisions of a step are resolved in a random order, whose seed is else the clock's.
+        sim.rand_seed = ORDER_OF_COLLISIONS
+
+
+def _always(restitution: float) -> Callable[[Any, float], float]:
+    """What REBOUND asks at every collision: the coefficient of restitution, here the same at every
+    approaching speed [m/s].
+    """
+
+    def coefficient(simulation: Any, speed: float) -> float:
+        return restitution
+
+    return coefficient
 
 
 def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:

@@ -6,11 +6,10 @@ import pytest
 from refdem.core.problem import Motion
 from refdem.engines.pymunk import ENGINE
 from refdem.scene import Body, Scene, Sphere, box
-from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 BALL = Body(mass=1.0, inertia=(0.1, 0.1, 0.1), position=(1.0, 0.0, 0.0), shape=Sphere(radius=0.5))
@@ -29,9 +28,14 @@ FLAT = Body(mass=1.0, position=(0.0, 0.5, 0.0), shape=box(1.0, 1.0, 1.0))
             Scene.of([BLOCK], [Plane(), UniformGravity(g=(0.0, 0.0, -9.8)), Contact(law="rigid")]),
             "three dimensions",
         ),
-        (Scene.of([POINT], [CentralField(gm=1.0)]), "central_field"),
-        (Scene.of([BALL], [Contact(law="linear", stiffness=10.0)]), "no contact stiffness"),
-        (Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=3.0)]), "nonlinear"),
+        (
+            Scene.of([BALL], [Contact(law="linear", stiffness=10.0, friction=0.5)]),
+            "friction of a contact that has a stiffness",
+        ),
+        (
+            Scene.of([POINT, BALL], [Dashpot(a=0, b=1, damping=1.0)]),
+            "resists in all directions",
+        ),
         (
             Scene.of([SLOPED], [Slider(a=0, friction=0.1, normal_force=1.0)]),
             "dry friction along one axis",

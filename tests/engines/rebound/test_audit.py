@@ -8,8 +8,9 @@ from refdem.core.problem import Motion, Request
 from refdem.engines.rebound import ENGINE
 from refdem.engines.rebound.fields import fields_of
 from refdem.engines.rebound.simulation import simulation_of
-from refdem.scene import Body, Scene
+from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 
@@ -91,3 +92,18 @@ def test_bs_gets_the_tolerance_twice():
 def test_every_setting_is_named_once():
     names = [line.setting for line in ENGINE.audit]
     assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(("method", "search"), [("leapfrog", "direct"), ("leapfrog-line", "line")])
+def test_hard_spheres_are_rebound_s_own_collisions_and_nothing_else_collides(method, search):
+    comes_with = rebound.Simulation()
+    assert comes_with.minimum_collision_velocity == 0.0
+    balls = [
+        Body(mass=1.0, position=(3.0 * n, 0.0, 0.0), shape=Sphere(radius=0.5 + n)) for n in (0, 1)
+    ]
+    sim = made(Scene.of(balls, [Contact(law="rigid", restitution=0.5)]), method, step=0.25)
+    assert sim.collision == search
+    assert sim.rand_seed == 1
+    assert [particle.r for particle in sim.particles] == [0.5, 1.5]
+    soft = made(Scene.of(balls, [Contact(law="linear", stiffness=1.0)]), "leapfrog", step=0.25)
+    assert soft.collision == "none"

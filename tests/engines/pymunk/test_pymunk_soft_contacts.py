@@ -1,0 +1,180 @@
+"""Forces that Chipmunk asks its user for, against certified truth: soft contacts and springs by
+`force_func`, fields and dashpots by `velocity_func`.
+"""
+
+from fractions import Fraction
+
+import numpy as np
+import pymunk
+import pytest
+
+from refdem.core import discovery
+from refdem.core.balance import angular, linear
+from refdem.core.problem import Motion, Request
+from refdem.engines.pymunk import ENGINE, callbacks, springs
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.plane import Plane
+
+METHOD = ENGINE.methods[0]
+OBLIQUE = {"damping": "0", "angle": "1/2", "masses": "1,3", "radii": "1/2,3/4"}
+SPINNING = {"angle": "-3/4", "masses": "1,1/8", "spins": "0,0,1,0,0,-2", "cutoff": "zero_force"}
+SETTINGS = [
+    ("two-spheres", {}),
+    ("two-spheres", {"cutoff": "zero_force"}),
+    ("two-spheres", {"cutoff": "zero_force", "damping": "8"}),
+    ("two-spheres", OBLIQUE),
+    ("two-spheres", SPINNING),
+    ("hertz-spheres", {}),
+    ("hertz-spheres", {"effective_mass": "2", "closing_speed": "1/8"}),
+    ("power-oscillator", {}),
+    ("power-oscillator", {"exponent": "3", "stiffness": "2", "amplitude": "3/4"}),
+    ("duffing", {"beta": "-1/4", "duration": "4"}),
+    ("quadratic-response", {"duration": "4"}),
+    ("van-der-pol", {"mu": "3/4", "duration": "4"}),
+    ("two-body-orbit", {"eccentricity": "1/4", "gm": "2", "duration": "4"}),
+    ("asymmetric-field", {}),
+    ("asymmetric-field", {"v0": "-1", "x0": "5/4"}),
+]
+
+
+def error(case, given, steps):
+    """The largest error of any quantity in units of its scale, with this many steps a sample."""
+    instance = discovery.case(case).at(samples="8", **given)
+    assert ENGINE.unsupported_motion(instance.problem, METHOD) is None
+    step = instance.problem.interval / steps
+    run, _ = ENGINE.run(Request(problem=instance.problem, method=METHOD.name, step=step))
+    seen = instance.observe(run)
+    truth = instance.truth()
+    largest = 0.0
+    for row, t in enumerate(instance.problem.times):
+        certified = truth.at(Fraction(float(t)))
+        for name, quantity in instance.quantities.items():
+            departure = abs(seen[name][row] - float(certified[name].mid)) / quantity.scale
+            largest = max(largest, departure)
+    return largest
+
+
+@pytest.mark.parametrize(("case", "given"), SETTINGS, ids=str)
+def test_a_force_by_callback_is_that_of_certified_truth_at_first_order(case, given):
+    """A jump of the force between two steps scatters the observed order, so that two halvings are
+    looked at together.
+    """
+    coarse = error(case, given, 256)
+    fine = error(case, given, 1024)
+    assert fine < 1e-2
+    assert np.log2(coarse / fine) / 2 == pytest.approx(1, abs=0.35)
+
+
+def _times(factor, make):
+    """The maker of a force function, whose forces are `factor` times what they should be."""
+
+    def planted(*given):
+        force = make(*given)
+
+        def wrong(t, body):
+            return tuple(factor * component for component in force(t, body))
+
+        return wrong
+
+    return planted
+
+
+@pytest.mark.parametrize(
+    ("maker", "case", "given"),
+    [
+        ("_attraction", "two-body-orbit", {"duration": "4"}),
+        ("_slope", "asymmetric-field", {}),
+        ("_resistance", "van-der-pol", {"mu": "3/4", "duration": "4"}),
+        ("_periodic", "quadratic-response", {"duration": "4"}),
+    ],
+)
+@pytest.mark.parametrize("factor", [-1.0, 0.5])
+def test_a_wrong_sign_or_factor_of_a_force_shows(monkeypatch, maker, case, given, factor):
+    monkeypatch.setattr(callbacks, maker, _times(factor, getattr(callbacks, maker)))
+    assert error(case, given, 1024) > 3e-2
+
+
+@pytest.mark.parametrize(
+    ("case", "given"),
+    [("two-spheres", OBLIQUE), ("two-spheres", {}), ("hertz-spheres", {}), ("duffing", {})],
+)
+def test_a_wrong_factor_of_a_spring_s_force_shows(monkeypatch, case, given):
+    class Weak(pymunk.DampedSpring):
+        def __setattr__(self, name, value):
+            if name == "force_func":
+                super().__setattr__(name, lambda joint, distance: 0.75 * value(joint, distance))
+            else:
+                super().__setattr__(name, value)
+
+    monkeypatch.setattr("pymunk.DampedSpring", Weak)
+    assert error(case, given, 1024) > 2e-2
+
+
+def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
+    class Undamped(pymunk.DampedSpring):
+        damping = property(lambda self: 0.0, lambda self, value: None)
+
+    monkeypatch.setattr("pymunk.DampedSpring", Undamped)
+    assert error("two-spheres", {}, 1024) > 3e-2
+
+
+def test_the_force_that_must_not_pull_asks_how_fast_the_discs_close(monkeypatch):
+    given = {"cutoff": "zero_force", "damping": "8"}
+    right = springs._closing
+    monkeypatch.setattr(springs, "_closing", lambda joint: -right(joint))
+    assert error("two-spheres", given, 1024) > 3e-2
+
+
+def meeting(count, **law):
+    """Discs in a row, of unequal masses and radii, that spin and run into each other off centre."""
+    bodies = [
+        Body(
+            mass=1.0 + n,
+            inertia=(0.1 * (1 + n),) * 3,
+            position=(1.3 * n, 0.2 * n * n, 0.0),
+            velocity=(1.0 - n, 0.1 * n, 0.0),
+            omega=(0.0, 0.0, 2.0 - n),
+            shape=Sphere(radius=0.5 + 0.05 * n),
+        )
+        for n in range(count)
+    ]
+    return Scene.of(bodies, [Contact(stiffness=500.0, **law)])
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+@pytest.mark.parametrize(
+    "law", [{"law": "linear"}, {"law": "linear", "damping": 3.0}, {"law": "hertz"}]
+)
+def test_soft_contacts_keep_momentum_and_angular_momentum_to_round_off(run, count, law):
+    scene = meeting(count, **law)
+    assert METHOD.keeps("momentum", scene.features)
+    assert METHOD.keeps("angular-momentum", scene.features)
+    moved = run(scene, 2.0, 32, 2.0**-8)
+    exchanged = np.abs(moved.velocity - moved.velocity[0]).max()
+    assert exchanged > 0.5
+    total = linear(scene, moved)
+    assert np.abs(total - total[0]).max() < 1e-13
+    turn = angular(scene, moved)["total"]
+    assert np.abs(turn - turn[0]).max() < 1e-12
+
+
+def test_a_dashpot_on_a_body_that_turns_leaves_its_turning_alone(run):
+    body = Body(mass=2.0, inertia=(1.0,) * 3, velocity=(1.0, 0.0, 0.0), omega=(0.0, 0.0, 0.75))
+    moved = run(Scene.of([body], [Dashpot(a=0, damping=0.5)]), 2.0, 8, 2.0**-12)
+    np.testing.assert_allclose(moved.velocity[:, 0, 0], np.exp(-0.25 * moved.t), atol=1e-3)
+    assert np.ptp(moved.omega[:, 0, 2]) == 0
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "words"),
+    [
+        ({"friction": 0.25}, [], "engine cannot: friction of a contact that has a stiffness"),
+        ({}, [Plane(normal=(0.0, 1.0, 0.0))], "engine cannot: a soft contact with a wall"),
+    ],
+)
+def test_what_a_spring_cannot_say_of_a_contact_is_refused(law, more, words):
+    scene = meeting(2, law="linear", **law)
+    problem = Motion(Scene.of(scene.bodies.single(), [*scene.elements, *more]), np.arange(3) / 2)
+    assert words in str(ENGINE.unsupported_motion(problem, METHOD))
