@@ -104,7 +104,7 @@ def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Points sorted by cell.
+    """Points sorted by the cell that they are in.
 
     `at` (N, 3) is the cell of each point, `cells` (3,) the number of cells along each axis,
     `starts` (cells + 1,) the rank of each cell's first point.
