@@ -82,55 +82,33 @@ class Reversal(Check):
             return [undecided(self.name, "return", no_truth(subject))]
         level = _level(subject)
         growth = float(truth.growth()[-1])
-        # The smallest of three bounds counts: what the claims allow, what the forward run's error
-        # against truth implies, and what the defect at a larger step implies.
-        allowed = _size(subject, level)
-        basis = (
-            "truncation error of the forward and backward runs, the first amplified on the way back"
-        )
-        if _is_exact(subject):
-            basis = (
-                "a reversible method returns to round-off, c u sqrt(n) forward and"
-                " backward, times the sensitivity S of both"
-            )
+        findings: list[Finding] = []
         if _has_order(subject) and len(subject.levels) > 1:
-            order = self._order(subject, runs, growth)
-        else:
-            order = []
-        if allowed > HORIZON:
-            return order or [
-                undecided(
-                    self.name,
-                    "return",
-                    (
-                        "the bound on the return error exceeds a tenth of the scale: the run is"
-                        " longer than the predictability horizon"
-                    ),
-                )
-            ]
-        extrapolated = _fallen(subject, runs, level, growth)
-        observed = _shown(subject, runs, level)
-        if observed < allowed:
-            allowed = observed
-            basis = "the backward run may add as much error as the forward run is seen to have"
-        if allowed > extrapolated:
-            basis = "truncation error extrapolated from a larger step with the claimed order"
-        return order + [
-            judged(
-                check=self.name,
-                quantity=variant.change,
-                value=_defect(subject, runs[variant].trajectory, variant.change),
-                bound=min(allowed, extrapolated),
-                unit="1",
-                basis=basis,
-                what=(
-                    "The distance from the initial state after running forward and backward"
-                    f" ({variant.change}), relative to each scale,"
-                ),
+            findings = self._order(subject, runs, growth)
+        if _size(subject, level) > HORIZON:
+            why = (
+                "the bound on the return error exceeds a tenth of the scale: the run is"
+                " longer than the predictability horizon"
             )
-            for variant in self.needs(subject)
-            if variant.level == level and variant.goes_on
-        ]
+            return findings or [undecided(self.name, "return", why)]
+        bound, basis = _return_bound(subject, runs, level, growth)
+        for variant in self.needs(subject):
+            if variant.level == level and variant.goes_on:
+                findings.append(
+                    judged(
+                        check=self.name,
+                        quantity=variant.change,
+                        value=_defect(subject, runs[variant].trajectory, variant.change),
+                        bound=bound,
+                        unit="1",
+                        basis=basis,
+                        what=(
+                            "The distance from the initial state after running forward and backward"
+                            f" ({variant.change}), relative to each scale,"
+                        ),
+                    )
+                )
+        return findings
 
     def _order(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
@@ -182,6 +160,32 @@ class Reversal(Check):
                 ),
             )
         ]
+
+
+def _return_bound(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
+) -> tuple[float, str]:
+    """The bound on the return defect at a level, with its basis.
+
+    It is the smallest of three: what the claims allow, what the forward run's error against truth
+    implies, and what the defect at a larger step implies.
+    """
+    bound = _size(subject, level)
+    basis = "truncation error of the forward and backward runs, the first amplified on the way back"
+    if _is_exact(subject):
+        basis = (
+            "a reversible method returns to round-off, c u sqrt(n) forward and"
+            " backward, times the sensitivity S of both"
+        )
+    observed = _shown(subject, runs, level)
+    if observed < bound:
+        bound = observed
+        basis = "the backward run may add as much error as the forward run is seen to have"
+    extrapolated = _fallen(subject, runs, level, growth)
+    if extrapolated < bound:
+        bound = extrapolated
+        basis = "truncation error extrapolated from a larger step with the claimed order"
+    return bound, basis
 
 
 def _fallen(

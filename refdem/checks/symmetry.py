@@ -104,59 +104,54 @@ class Symmetry(Check):
         scale.
         """
         plain, perturbed, *others = self.needs(subject)
-        pictures = [
-            variant
-            for variant in others
-            if variant.level == plain.level and variant.change in symmetry.NAMES
-        ]
-        base = runs[plain].trajectory
-        growth = growth_of(subject, _least_moved(subject, runs, perturbed), base)
+        growth = growth_of(subject, _least_moved(subject, runs, perturbed), runs[plain].trajectory)
         findings = []
-        for variant in pictures:
+        for variant in others:
+            is_picture = variant.level == plain.level and variant.change in symmetry.NAMES
             # An engine may refuse a picture only when it runs.
-            if variant not in runs:
-                continue
-            view = symmetry.of(subject.instance, variant.change)
-            decided = _decided_by_rounding(subject, runs, growth, variant.change)
-            bounds = round_off(subject, view) * growth + decided
-            count = scored(bounds)
-            if count < 2:
-                findings.append(
-                    undecided(
-                        self.name,
-                        variant.change,
-                        "round-off may exceed a tenth of the scale before the second sample",
-                    )
-                )
-                continue
-            difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
-            if (
-                variant.change == "rotated"
-                and _has_axes(subject)
-                and np.any(difference[:count] > bounds[:count])
-            ):
-                findings.append(self._rotated(subject, runs, growth, decided))
-                continue
-            findings.append(
-                worst(
-                    check=self.name,
-                    quantity=variant.change,
-                    t=subject.instance.times[:count],
-                    values=difference[:count],
-                    allowed=bounds[:count],
-                    unit="1",
-                    basis=_basis(subject),
-                    what=(
-                        f"The difference between the motion and its {variant.change} counterpart,"
-                        " relative to each scale,"
-                    ),
-                )
-            )
+            if is_picture and variant in runs:
+                findings.append(self._picture(subject, runs, variant, growth))
         return findings or [
             undecided(
                 self.name, "any", "the engine refused every symmetry of the scene during the run"
             )
         ]
+
+    def _picture(
+        self,
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
+        variant: Variant,
+        growth: Array,
+    ) -> Finding:
+        """The finding that the run of a picture, transformed back, is the plain run; `growth` (T,)
+        is that of errors.
+        """
+        base = runs[Variant(variant.level)].trajectory
+        view = symmetry.of(subject.instance, variant.change)
+        decided = _decided_by_rounding(subject, runs, growth, variant.change)
+        bounds = round_off(subject, view) * growth + decided
+        count = scored(bounds)
+        if count < 2:
+            why = "round-off may exceed a tenth of the scale before the second sample"
+            return undecided(self.name, variant.change, why)
+        difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
+        exceeds = bool(np.any(difference[:count] > bounds[:count]))
+        if variant.change == "rotated" and _has_axes(subject) and exceeds:
+            return self._rotated(subject, runs, growth, decided)
+        return worst(
+            check=self.name,
+            quantity=variant.change,
+            t=subject.instance.times[:count],
+            values=difference[:count],
+            allowed=bounds[:count],
+            unit="1",
+            basis=_basis(subject),
+            what=(
+                f"The difference between the motion and its {variant.change} counterpart,"
+                " relative to each scale,"
+            ),
+        )
 
     def _rotated(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, decided: Array
