@@ -62,55 +62,64 @@ class ContactChannels(Check):
         """
         run = runs[subject.finest].trajectory
         meeting = _of_states(subject.instance.scene, run)
-        length = subject.instance.scales.length
-        rounded = _rounded_overlap(subject, run)
-        peak = float(np.max(meeting.force))
-        compared = []
+        findings = []
         if "overlap" in run.channels:
-            difference = (
-                np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
-            )
-            basis = "the channel must follow from the positions in the same row, to round-off"
-            compared.append(
-                ("overlap", run.t, difference, np.full(len(difference), rounded), basis)
-            )
-        # Where the overlap is within rounding of 0, rounding decides whether a dashpot acts.
-        is_resolved = np.abs(meeting.overlap) > rounded * length
+            findings.append(self._overlap(subject, run, meeting))
+        if "contact_force" in run.channels:
+            findings += self._force(subject, run, meeting)
+        return findings
+
+    def _overlap(self, subject: Subject, run: Trajectory, meeting: "_Meeting") -> Finding:
+        """The finding that the reported overlap is the largest max(0, d) of the state."""
+        length = subject.instance.scales.length
+        difference = np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
+        return worst(
+            check=self.name,
+            quantity="overlap",
+            t=run.t,
+            values=difference,
+            allowed=_rounded_overlap(subject, run),
+            unit="1",
+            basis="the channel must follow from the positions in the same row, to round-off",
+            what=_what("overlap"),
+        )
+
+    def _force(self, subject: Subject, run: Trajectory, meeting: "_Meeting") -> list[Finding]:
+        """The finding that the reported force is the largest of the state, relative to the peak.
+
+        None where no force is ever seen, or only within rounding of overlap 0: there rounding
+        decides whether a dashpot acts.
+        """
+        peak = float(np.max(meeting.force))
+        rounded = _rounded_overlap(subject, run) * subject.instance.scales.length
+        is_resolved = np.abs(meeting.overlap) > rounded
+        if not (peak > 0 and is_resolved.any()):
+            return []
         # The extra tolerance is the change of the dashpot's force in half a step.
-        if "contact_force" in run.channels and peak > 0 and is_resolved.any():
-            difference, tolerance = _off_force(subject, run, meeting)
-            allowed = np.full(
-                len(difference), _rounded_force(subject, run, meeting) + tolerance / peak
-            )
-            basis = (
-                "the channel must follow from positions and velocities in the same row"
-                " (or half a step earlier), to round-off"
-            )
-            compared.append(
-                (
-                    "contact_force",
-                    run.t[is_resolved],
-                    difference[is_resolved] / peak,
-                    allowed[is_resolved],
-                    basis,
-                )
-            )
+        difference, tolerance = _off_force(subject, run, meeting)
         return [
             worst(
                 check=self.name,
-                quantity=name,
-                t=t,
-                values=values,
-                allowed=allowed,
+                quantity="contact_force",
+                t=run.t[is_resolved],
+                values=difference[is_resolved] / peak,
+                allowed=_rounded_force(subject, run, meeting) + tolerance / peak,
                 unit="1",
-                basis=basis,
-                what=(
-                    f"The difference between the reported {name.replace('_', ' ')} and the one"
-                    " computed from the state, relative to its scale,"
+                basis=(
+                    "the channel must follow from positions and velocities in the same row"
+                    " (or half a step earlier), to round-off"
                 ),
+                what=_what("contact force"),
             )
-            for name, t, values, allowed, basis in compared
         ]
+
+
+def _what(channel: str) -> str:
+    """The phrase that names the measured difference of a channel."""
+    return (
+        f"The difference between the reported {channel} and the one"
+        " computed from the state, relative to its scale,"
+    )
 
 
 def _largest(run: Trajectory, channel: str) -> Array:

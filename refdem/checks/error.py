@@ -110,31 +110,19 @@ class Error(Check):
         """The finding on one quantity: its error at the level where it is the largest share of its
         bound.
 
-        Only levels with a sharp bound (at most a tenth of the signal) count; a level beyond its
-        bound always counts. `errors_by_level` and `bounds` hold arrays (count,) by level, up to
-        each level's horizon; `signal` (until,) is how far the true quantity moves. All are in units
-        of the quantity's scale.
+        `errors_by_level` and `bounds` hold arrays (count,) by level, up to each level's horizon;
+        `signal` (until,) is how far the true quantity moves. All are in units of the quantity's
+        scale.
         """
-        sights: dict[float, Sight] = {}
-        shares: dict[float, float] = {}
-        for level, allowed in bounds.items():
-            count = len(allowed)
-            sights[level] = sharpest(allowed, signal[:count])
-            shares[level] = float(np.max(errors_by_level[level][:count] / allowed))
         if not bounds:
-            return undecided(
-                self.name,
-                quantity,
-                "at every level the bound exceeds a tenth of the scale before the second sample",
-            )
-        # NaN counts as beyond its bound: `not share <= 1`.
-        decisive = [
-            level for level in bounds if not sights[level].is_blind or not shares[level] <= 1
-        ]
-        worst_level = _worst_level(decisive or list(bounds), shares)
-        count = len(bounds[worst_level])
-        error = errors_by_level[worst_level][:count]
+            why = "at every level the bound exceeds a tenth of the scale before the second sample"
+            return undecided(self.name, quantity, why)
+        sights = {level: sharpest(bound, signal[: len(bound)]) for level, bound in bounds.items()}
+        worst_level = _decisive_level(errors_by_level, bounds, sights)
         allowed = bounds[worst_level]
+        count = len(allowed)
+        error = errors_by_level[worst_level][:count]
+        # The sample at which the error is the largest share of its bound.
         point = int(np.argmax(error / allowed))
         levels = [
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
@@ -292,6 +280,24 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
         else:
             signals[name] = np.zeros_like(movement)
     return signals
+
+
+def _decisive_level(
+    errors_by_level: Mapping[float, Array],
+    bounds: Mapping[float, Array],
+    sights: Mapping[float, Sight],
+) -> float:
+    """The level whose error is the largest share of its bound.
+
+    Only levels with a sharp bound (at most a tenth of the signal) count, if there are any; a level
+    beyond its bound always counts.
+    """
+    shares: dict[float, float] = {}
+    for level, bound in bounds.items():
+        shares[level] = float(np.max(errors_by_level[level][: len(bound)] / bound))
+    # NaN counts as beyond its bound: `not share <= 1`.
+    decisive = [level for level in bounds if not sights[level].is_blind or not shares[level] <= 1]
+    return _worst_level(decisive or list(bounds), shares)
 
 
 def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
