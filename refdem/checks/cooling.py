@@ -136,7 +136,7 @@ class Cooling(Check):
         contact_times = [event.time for event in run.events if event.kind == "contact"]
         if not contact_times or count < len(run.t):
             return findings
-        return findings + self._meetings(gas, run, temperature, len(contact_times))
+        return findings + self._collision_findings(gas, run, temperature, len(contact_times))
 
     def _temperature(self, gas: Gas, t: Array, temperature: Array, haff: float) -> Finding:
         """ln T against Haff's law.
@@ -188,7 +188,7 @@ class Cooling(Check):
             what="The excess kurtosis of the velocities at the end",
         )
 
-    def _meetings(
+    def _collision_findings(
         self, gas: Gas, run: Trajectory, temperature: Array, observed: int
     ) -> list[Finding]:
         """Number of collisions against the integral of w_c; and the mean energy loss of a

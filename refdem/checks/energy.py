@@ -73,7 +73,7 @@ class Energy(Check):
         findings = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
         if len(subject.levels) > 1:
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
-        reports_work = _work(subject, runs[subject.finest]) is not None
+        reports_work = _dissipated_work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
         if reports_work and not scene.is_driven() and not _stiffens(scene):
             findings.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
@@ -102,9 +102,9 @@ class Energy(Check):
             return undecided(self.name, quantity, measured)
         what, imbalance = measured
         claimed, basis = subject.kept("energy", variant.level)
-        of_places = subject.round_off(variant.level) * _of_positions(subject)
-        rounding = of_places + _of_falling(subject, variant.level)
-        of_rods = _of_rods(subject)
+        of_places = subject.round_off(variant.level) * _position_rounding(subject)
+        rounding = of_places + _fall_rounding(subject, variant.level)
+        of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         coarse_imbalance = self._imbalance(subject, runs[Variant(subject.levels[0])])
         # A rise above an earlier value is often 0 by chance, and does not fall with the order.
@@ -153,7 +153,7 @@ class Energy(Check):
         # A body in the centre of attraction has infinite energy: the difference is NaN and fails.
         with np.errstate(invalid="ignore"):
             imbalance = np.abs(energy - energy[0]) / scale
-        work = _work(subject, run)
+        work = _dissipated_work(subject, run)
         if work is None and _stiffens(scene):
             return (
                 "a tangential spring that stiffens with its load exchanges energy, and"
@@ -209,7 +209,9 @@ class Energy(Check):
         level = subject.levels[-1]
         order = subject.order
         truncation = subject.method.constant * (level / subject.instance.scales.tau) ** order
-        rounding = subject.round_off(level) * _of_positions(subject) + _of_falling(subject, level)
+        rounding = subject.round_off(level) * _position_rounding(subject) + _fall_rounding(
+            subject, level
+        )
         allowed = TERMS * (truncation + rounding)
         return judged(
             check=self.name,
@@ -254,7 +256,7 @@ def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Vari
     return Variant(subject.levels[0])
 
 
-def _work(subject: Subject, run: CompletedRun) -> Array | None:
+def _dissipated_work(subject: Subject, run: CompletedRun) -> Array | None:
     """The dissipated work [J] that a run reports; None if it reports none.
 
     None also for a method that computes it as the missing energy, since the balance then holds by
@@ -278,7 +280,7 @@ def _stiffens(scene: Scene) -> bool:
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
-def _of_rods(subject: Subject) -> Array | float:
+def _rod_rounding(subject: Subject) -> Array | float:
     """Round-off (T,) of rod lengths, c u sqrt(n) t/tau, where methods with a tolerance integrate
     rods as forces.
 
@@ -301,7 +303,7 @@ def _of_rods(subject: Subject) -> Array | float:
     return drift
 
 
-def _of_falling(subject: Subject, level: float) -> float:
+def _fall_rounding(subject: Subject, level: float) -> float:
     """Round-off of velocities that constant gravity increases by the same amount at every step, and
     of the positions they carry.
     """
@@ -311,7 +313,7 @@ def _of_falling(subject: Subject, level: float) -> float:
     return 0.0
 
 
-def _of_positions(subject: Subject) -> float:
+def _position_rounding(subject: Subject) -> float:
     """Round-off of positions as energy, relative to the initial energy E0: force sqrt(2 k E0) times
     u L, over E0.
 

@@ -82,7 +82,7 @@ class Equilibrium(Check):
         phase = phase[is_small]
         first = delta * np.cosh(phase)
         third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
-        allowed = _in_proportion(subject, delta)[is_small]
+        allowed = _angle_error(subject, delta)[is_small]
         return worst(
             check=self.name,
             quantity="departure",
@@ -111,7 +111,7 @@ class Equilibrium(Check):
         so theta differs from delta cos(w0 t) by at most delta^3 (w0 t/16 + 1/96).
         """
         phase = w0 * np.abs(t - t[0])
-        allowed = _in_proportion(subject, delta) * (1 + phase)
+        allowed = _angle_error(subject, delta) * (1 + phase)
         first = delta * np.cos(phase)
         third = np.abs(delta) ** 3 * (phase / 16 + 1 / 96)
         bounded = worst(
@@ -139,7 +139,7 @@ class Equilibrium(Check):
         return [bounded, swing]
 
 
-def _in_proportion(subject: Subject, delta: float) -> Array:
+def _angle_error(subject: Subject, delta: float) -> Array:
     """Truncation and round-off (T,) [rad].
 
     Next to an equilibrium the equation is linear, so the truncation error of fixed steps is

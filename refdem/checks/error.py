@@ -74,9 +74,9 @@ class Error(Check):
         for name in names:
             by_level = {level: of_level[name] for level, of_level in errors_at.items()}
             findings.append(self._finding(subject, runs, name, by_level, signals[name], bounds))
-        return findings + self._unsaid(subject, names)
+        return findings + self._missing_quantities(subject, names)
 
-    def _unsaid(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
+    def _missing_quantities(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
         """One finding on the quantities of a static question that the engine does not report.
 
         A static question (mass properties, identities) asks for each number by itself, so an answer
@@ -140,7 +140,7 @@ class Error(Check):
             unit="1",
             basis=_basis(subject, worst_level, settled=has_settled),
             what=_what(subject, quantity, worst_level, point, count),
-            sight=min(sights.values(), key=_part),
+            sight=min(sights.values(), key=_bound_over_signal),
             levels=tuple(levels),
             series=curve(subject.instance.times[:count], error, allowed),
             order_seen=_order_seen(subject, levels),
@@ -161,14 +161,14 @@ def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[floa
     for level in subject.levels:
         allowed = subject.bound(level)
         if level == subject.levels[-1]:
-            allowed = _sharpened(allowed, _settling(subject, runs))
+            allowed = _smaller_bound(allowed, _error_from_halvings(subject, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             bounds[level] = allowed[:count]
     return bounds
 
 
-def _sharpened(allowed: Array, estimate: Array | None) -> Array:
+def _smaller_bound(allowed: Array, estimate: Array | None) -> Array:
     """The smaller of the bound on the state and of the estimated error `estimate` (count,), until
     the bound exceeds COURSE.
     """
@@ -184,7 +184,7 @@ def _sharpened(allowed: Array, estimate: Array | None) -> Array:
     return bound
 
 
-def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
+def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
     """Bound (count,) on the error at the finest level from the change at the last halvings, in
     units of the scales; None if unknown.
 
@@ -231,11 +231,11 @@ def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array |
     may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = room * change + rounding
     if may_straddle:
-        allowed = allowed + ROOM * (_straddled(instance, fine, count) * subject.levels[-1])
+        allowed = allowed + ROOM * (_kink_rate(instance, fine, count) * subject.levels[-1])
     return allowed
 
 
-def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
+def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
     """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
     each sample.
 
@@ -310,7 +310,7 @@ def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
     return max(levels, key=lambda level: ratios[level])
 
 
-def _part(sight: Sight) -> float:
+def _bound_over_signal(sight: Sight) -> float:
     """The bound over the signal; infinite without a signal."""
     if sight.sharpness is None:
         return np.inf

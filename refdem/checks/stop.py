@@ -108,7 +108,7 @@ class Stop(Check):
             observed = t[moving_samples[-1]]
         else:
             observed = 0.0
-        unseen = _unseen(subject, visible * scales.speed, place)
+        unseen = _invisible_time(subject, visible * scales.speed, place)
         slack = subject.instance.problem.interval + unseen
         return judged(
             check=self.name,
@@ -127,7 +127,7 @@ class Stop(Check):
         )
 
 
-def _unseen(subject: Subject, speed: float, place: float) -> float:
+def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     """Longest time [s] before the stop in which the motion may be invisible, because it is slower
     than `speed` [m/s].
 

@@ -86,10 +86,10 @@ class Symmetry(Check):
         pictures = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
         extra: tuple[Variant, ...] = ()
         if _has_axes(subject) and Variant(level, "rotated") in pictures:
-            second_level = _beside(subject)
+            second_level = _second_level(subject)
             extra = (Variant(second_level), Variant(second_level, "rotated"))
-        if _decides(subject) and subject.method.control == "step":
-            extra = (*extra, *_draws(subject, level), *_coarser(subject))
+        if _rounding_decides(subject) and subject.method.control == "step":
+            extra = (*extra, *_further_perturbations(subject, level), *_coarser_run(subject))
         elif subject.method.control == "tolerance":
             extra = tuple(Variant(looser) for looser in subject.levels[:-1])
         return (
@@ -215,7 +215,7 @@ def _has_axes(subject: Subject) -> bool:
     return turns and subject.method.control == "step" and len(subject.levels) > 1
 
 
-def _beside(subject: Subject) -> float:
+def _second_level(subject: Subject) -> float:
     """The level to compare with that of `level_for`: the other end of the ladder of steps."""
     is_finest = level_for(subject) == subject.levels[-1]
     if is_finest:
@@ -227,7 +227,7 @@ def level_for(subject: Subject) -> float:
     """The coarsest level, where a small step hides nothing; the finest where truncation has to be
     allowed for.
     """
-    if _decides(subject):
+    if _rounding_decides(subject):
         return subject.levels[-1]
     return subject.levels[0]
 
@@ -266,12 +266,12 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
     without perturbed runs.
     """
     error = np.full_like(growth, round_off(subject, view))
-    if _decides(subject):
+    if _rounding_decides(subject):
         error += 2 * subject.truncation(level_for(subject))
     return error * growth
 
 
-def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
+def _further_perturbations(subject: Subject, level: float) -> tuple[Variant, ...]:
     """Perturbed starts by further amounts, on either side of any threshold within a rounding of the
     start.
     """
@@ -279,7 +279,7 @@ def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
-def _coarser(subject: Subject) -> tuple[Variant, ...]:
+def _coarser_run(subject: Subject) -> tuple[Variant, ...]:
     """The plain run at twice the step, which shows the error that contact iterations leave; none
     without such iterations.
     """
@@ -306,19 +306,21 @@ def _decided_by_rounding(
     few roundings has the other one. Where no perturbed start shows a difference, no decision
     depended on a rounding.
 
-    Chosen step sizes always depend on roundings: see `_chosen`. Iterations over contacts of rigid
-    bodies that take the contacts in another order leave another part of the truncation error in the
-    forces, as the run at twice the step shows.
+    Chosen step sizes always depend on roundings: see `_difference_of_step_choices`. Iterations over
+    contacts of rigid bodies that take the contacts in another order leave another part of the
+    truncation error in the forces, as the run at twice the step shows.
     """
-    if not _decides(subject):
+    if not _rounding_decides(subject):
         return np.zeros(len(growth))
     level = level_for(subject)
     base = runs[Variant(level)].trajectory
     truncation: Array = 2 * subject.truncation(level) * growth
     if subject.method.control != "step":
-        return np.minimum(truncation, _chosen(subject, runs, growth, picture))
+        return np.minimum(truncation, _difference_of_step_choices(subject, runs, growth, picture))
     perturbed_runs = [
-        runs[variant].trajectory for variant in _moved(subject, level) if variant in runs
+        runs[variant].trajectory
+        for variant in _perturbed_variants(subject, level)
+        if variant in runs
     ]
     if not perturbed_runs:
         return truncation
@@ -342,7 +344,7 @@ def _left_by_iterations(
     rounding: Array = _many_roundings(subject, picture) * growth
     if picture not in REORDERED:
         return rounding
-    coarser = _coarser(subject)
+    coarser = _coarser_run(subject)
     if not coarser or coarser[0] not in runs:
         return np.full(len(growth), np.inf)
     change = distances(
@@ -361,7 +363,7 @@ def _many_roundings(subject: Subject, picture: str) -> float:
     )
 
 
-def _looser(subject: Subject, picture: str) -> float | None:
+def _looser_tolerance(subject: Subject, picture: str) -> float | None:
     """The tightest tolerance that ran and is at least as loose as the picture makes the finest one;
     None without one.
 
@@ -373,7 +375,7 @@ def _looser(subject: Subject, picture: str) -> float | None:
     return next((level for level in reversed(subject.levels[:-1]) if level >= effective), None)
 
 
-def _chosen(
+def _difference_of_step_choices(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
     """Difference (T,) that other choices of steps may make: the error of a run with a looser
@@ -385,7 +387,7 @@ def _chosen(
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
-    looser = _looser(subject, picture)
+    looser = _looser_tolerance(subject, picture)
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
     observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
@@ -411,22 +413,25 @@ def _least_moved(
     )
 
 
-def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
+def _perturbed_variants(subject: Subject, level: float) -> tuple[Variant, ...]:
     """The perturbed variants of a level: `perturbation`, and all DRAWS."""
-    return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
+    return (
+        Variant(level, "perturbed", perturbation(subject.method)),
+        *_further_perturbations(subject, level),
+    )
 
 
 def _basis(subject: Subject) -> str:
     """The basis of the bound in words."""
     differs = "round-off"
-    if _decides(subject):
+    if _rounding_decides(subject):
         differs = "round-off, and discrete decisions that it flips in perturbed starts,"
     return (
         f"the laws of mechanics are invariant, so only {differs} amplified by the motion may differ"
     )
 
 
-def _decides(subject: Subject) -> bool:
+def _rounding_decides(subject: Subject) -> bool:
     """True if the last bit may decide something.
 
     That is which step size is chosen, or in which step a contact begins or a body sticks, for

@@ -70,7 +70,7 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
         i, j = np.triu_indices(count, 1)
         if among is not None:
             both_orders = np.concatenate([i, j]), np.concatenate([j, i])
-            i, j = _led_by(among, *both_orders)
+            i, j = _with_first_in(among, *both_orders)
         yield i, j
         return
     # The cell (N, 3) of each point, and its index, x running fastest. Points sorted by cell are
@@ -96,7 +96,7 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
             yield order[first], order[second]
 
 
-def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
+def _with_first_in(among: Whole, i: Whole, j: Whole) -> Pairs:
     """The pairs whose first index is among the given ones."""
     led = np.isin(i, among)
     return i[led], j[led]
@@ -147,7 +147,7 @@ class Grid:
             low = points + 1
         else:
             low = self.starts[first_cell]
-        yield _within(points, low, self.starts[last_cell + 1])
+        yield _pairs_with_range(points, low, self.starts[last_cell + 1])
         if not self.periodic:
             return
         # At the edge of a periodic row one of the three cells is at its other end. Of two opposite
@@ -157,12 +157,12 @@ class Grid:
                 continue
             at_edge = np.flatnonzero(x == edge)
             opposite_cell = base[at_edge] + cell
-            yield _within(
+            yield _pairs_with_range(
                 points[at_edge], self.starts[opposite_cell], self.starts[opposite_cell + 1]
             )
 
 
-def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
+def _pairs_with_range(points: Whole, low: Whole, high: Whole) -> Pairs:
     """Every point with all points of ranks `low` up to `high`, except itself."""
     counts = high - low
     first = np.repeat(points, counts)

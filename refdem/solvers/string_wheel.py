@@ -54,7 +54,7 @@ class StringWheel(KernelSolver):
         """None for two points in gravity that fit the string, else the reason."""
         if not single.gravity(problem.scene).any():
             return "nothing pulls the string taut: there is no gravity"
-        return _astray(problem.scene)
+        return _misfit(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Masses, wheel and gravity; rows for r, theta, u and theta'."""
@@ -86,7 +86,7 @@ class StringWheel(KernelSolver):
                 f" {t[status - 1]:.6g} s"
             )
         (states,) = call.outputs
-        position, velocity = _places(scene, *_frame(scene), states)
+        position, velocity = _positions_and_velocities(scene, *_frame(scene), states)
         return Trajectory.of_points(t, position, velocity)
 
 
@@ -127,7 +127,7 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     return np.array([r, theta, velocity @ along, rate])
 
 
-def _astray(scene: Scene) -> str | None:
+def _misfit(scene: Scene) -> str | None:
     """None if the counterweight hangs vertically from its side of the wheel, the pendulum is off
     the wheel, and the string does not stretch, else the reason.
     """
@@ -146,7 +146,7 @@ def _astray(scene: Scene) -> str | None:
     return None
 
 
-def _places(
+def _positions_and_velocities(
     scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array
 ) -> tuple[Array, Array]:
     """Position and velocity (T, 2, 3) from rows r, theta, u, theta'; row 0 is the given start."""
