@@ -114,11 +114,13 @@ def _rate(arm: Array, velocity: Array, t: Array) -> float:
     Positions give the angle between two samples modulo 2 pi; v/r gives how many whole turns a
     coarse sampling leaves out.
     """
+    # Angles are counted about the normal r x v of the plane of motion.
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
     sine = np.cross(arm[:-1], arm[1:]) @ normal
     cosine = np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
+    # The angle |v|/|r| dt, accurate enough to count whole turns.
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
     whole_turns = 2 * np.pi * np.round((expected - angle) / (2 * np.pi))
     return float(np.sum(angle + whole_turns) / (t[-1] - t[0]))

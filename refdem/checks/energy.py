@@ -106,20 +106,16 @@ class Energy(Check):
         rounding = of_places + _fall_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
-        coarse_imbalance = self._imbalance(subject, runs[Variant(subject.levels[0])])
+        coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
         # A rise above an earlier value is often 0 by chance, and does not fall with the order.
-        two_sided = not what.startswith("The rise")
-        if (
-            variant == subject.finest
-            and len(subject.levels) > 2
-            and two_sided
-            and not isinstance(coarse_imbalance, str)
-        ):
+        is_two_sided = not what.startswith("The rise")
+        has_levels = variant == subject.finest and len(subject.levels) > 2
+        if has_levels and is_two_sided and not isinstance(coarse, str):
+            _, coarse_imbalance = coarse
             # Equal terms that are added up step by step, as in free flight, round alike.
             summation = flight(subject.instance, subject.method, variant.level)
-            extrapolated = left_at_finest(subject, coarse_imbalance[1]) + TERMS * COUNTING_FLOOR * (
-                rounding + of_rods + summation
-            )
+            floor = TERMS * COUNTING_FLOOR * (rounding + of_rods + summation)
+            extrapolated = left_at_finest(subject, coarse_imbalance) + floor
             if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"

@@ -43,22 +43,17 @@ class Stop(Check):
         t = subject.instance.times
         scales = subject.instance.scales
         if stop >= t[-1]:
-            return [
-                undecided(
-                    self.name,
-                    "stop",
-                    f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s",
-                )
-            ]
+            why = f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s"
+            return [undecided(self.name, "stop", why)]
         level = subject.levels[-1]
         allowed = float(subject.bound(level)[-1])
         rounding = subject.round_off(level)
+        # An error of the state by its bound shifts the stop by at most that many tau.
         after = t > stop + allowed * scales.tau
         position_error = abs(float(run.position[-1, 0, 0]) - place) / scales.length
+        creep = 0.0
         if after.any():
             creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
-        else:
-            creep = 0.0
         return [
             judged(
                 check=self.name,

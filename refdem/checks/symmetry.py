@@ -165,30 +165,17 @@ class Symmetry(Check):
         """
         coarsest = subject.levels[0]
         finest = subject.levels[-1]
-        view = symmetry.of(subject.instance, "rotated")
-        rotated = {
-            level: view.undone(runs[Variant(level, "rotated")].trajectory)
-            for level in (coarsest, finest)
-        }
-        # Largest scaled differences (T,) between the rotated and the plain run at both levels.
-        coarse = distances(subject.instance, rotated[coarsest], runs[Variant(coarsest)].trajectory)
-        fine = distances(subject.instance, rotated[finest], runs[Variant(finest)].trajectory)
+        coarse = _rotation_difference(subject, runs, coarsest)
+        fine = _rotation_difference(subject, runs, finest)
         order = subject.order
+        truncation = (2 * subject.truncation(finest)) * growth
+        count = scored(truncation)
+        # The difference at the coarsest level, fallen with the order less 1/2, or round-off.
         octaves = np.log2(coarsest / finest)
-        allowed = (2 * subject.truncation(finest)) * growth
-        count = scored(allowed)
-        largest = float(np.max(fine))
-        # The difference at the coarsest level, fallen with the order less 1/2.
         extrapolated = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
-        floor = np.maximum(
-            extrapolated, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
-        )
-        what = (
-            "The difference between the motion and its rotated counterpart at the"
-            " finest step, relative to each scale"
-        )
-        bounds = np.minimum(allowed, floor) + decided
-        largest_coarse = float(np.max(coarse))
+        view = symmetry.of(subject.instance, "rotated")
+        rounding = 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
+        bounds = np.minimum(truncation, np.maximum(extrapolated, rounding)) + decided
         return worst(
             check=self.name,
             quantity="rotated",
@@ -201,10 +188,22 @@ class Symmetry(Check):
                 f" order {order} at both steps and fall with it"
             ),
             what=(
-                f"{what} ({largest:.2g}; at {coarsest / finest:.0f} times the step"
-                f" {largest_coarse:.2g}),"
+                "The difference between the motion and its rotated counterpart at the"
+                f" finest step, relative to each scale ({float(np.max(fine)):.2g};"
+                f" at {coarsest / finest:.0f} times the step {float(np.max(coarse)):.2g}),"
             ),
         )
+
+
+def _rotation_difference(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
+) -> Array:
+    """Largest scaled difference (T,) between the plain run at a level and the rotated one, rotated
+    back.
+    """
+    view = symmetry.of(subject.instance, "rotated")
+    rotated_back = view.undone(runs[Variant(level, "rotated")].trajectory)
+    return distances(subject.instance, rotated_back, runs[Variant(level)].trajectory)
 
 
 def _has_axes(subject: Subject) -> bool:

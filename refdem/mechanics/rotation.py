@@ -17,6 +17,7 @@ def about_axis(axis: int, angle: float) -> Array:
     from the tip of the axis.
     """
     turn = np.eye(3)
+    # i and j are the other two axes, so that (axis, i, j) is right-handed.
     i = (axis + 1) % 3
     j = (axis + 2) % 3
     turn[i, i] = np.cos(angle)
