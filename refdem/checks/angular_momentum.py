@@ -135,6 +135,7 @@ class AngularMomentum(Check):
         scales = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
         distance = np.linalg.norm(scene.bodies.position, axis=1)
         speed = np.linalg.norm(scene.bodies.velocity, axis=1)
+        # |dL| <= sum m (|r| dv + |v| dr) + J domega for errors of one scale of each quantity.
         spin_error = scene.bodies.inertia.max(axis=1).sum() * scales["omega"]
         orbital_error = scene.bodies.mass @ (distance * scales["v"] + speed * scales["r"])
         sensitivity = (orbital_error + spin_error) / angular_scale(subject.instance)

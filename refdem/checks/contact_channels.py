@@ -191,15 +191,13 @@ def _pair_states(scene: Scene, run: Trajectory) -> _PairStates:
     relative = run.velocity[:, i] - run.velocity[:, j]
     distance = np.linalg.norm(branch, axis=-1)
     radius = scene.bodies.radius
+    # 1/m_eff = 1/m_i + 1/m_j, with 1/m = 0 for fixed bodies; of two fixed ones it is infinite.
     inverse = np.where(scene.bodies.fixed, 0.0, 1.0 / scene.bodies.mass)
     with np.errstate(divide="ignore"):
         effective = 1.0 / (inverse[i] + inverse[j])
-    return _PairStates(
-        law,
-        effective,
-        radius[i] + radius[j] - distance,
-        np.sum(relative * branch, axis=-1) / distance,
-    )
+    overlap = radius[i] + radius[j] - distance
+    closing = np.sum(relative * branch, axis=-1) / distance
+    return _PairStates(law, effective, overlap, closing)
 
 
 def _force_difference(

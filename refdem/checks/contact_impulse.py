@@ -342,6 +342,7 @@ def _contact_geometry(scene: Scene, run: Trajectory) -> tuple[Array, Array, Arra
         height = (run.position[:, 0] - np.array(wall.point)) @ outward
         normals: Array = np.broadcast_to(-outward, run.position[:, 0].shape)
         return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ outward, normals
+    # Two spheres: the branch vector from the first centre to the second.
     branch = run.position[:, 1] - run.position[:, 0]
     distance = np.linalg.norm(branch, axis=-1)
     normal: Array = branch / distance[:, None]

@@ -200,14 +200,14 @@ class Energy(Check):
         (Hairer, Lubich and Wanner 2006, chapter IX).
         """
         energy = mechanical(subject.instance.scene, run.trajectory) / energy_scale(subject.instance)
+        # Means over a quarter remove most of the bounded oscillation of the energy error.
         quarter = max(1, len(energy) // 4)
         drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
         level = subject.levels[-1]
         order = subject.order
         truncation = subject.method.constant * (level / subject.instance.scales.tau) ** order
-        rounding = subject.round_off(level) * _position_rounding(subject) + _fall_rounding(
-            subject, level
-        )
+        of_places = subject.round_off(level) * _position_rounding(subject)
+        rounding = of_places + _fall_rounding(subject, level)
         allowed = TERMS * (truncation + rounding)
         return judged(
             check=self.name,
@@ -292,6 +292,7 @@ def _rod_rounding(subject: Subject) -> Array | float:
         or method.control != "tolerance"
     ):
         return 0.0
+    # Methods with a tolerance choose their steps: at most so many per tau.
     steps = max(float(len(t)), CLOCK_STEPS * scales.duration / scales.tau)
     drift: Array = (
         ROUND_OFF_FACTOR * method.round_off * np.sqrt(steps) * np.abs(t - t[0]) / scales.tau

@@ -172,6 +172,7 @@ def _angles(scene: Scene, position: Array) -> Array:
     side of the start.
     """
     gravity = np.array(scene.all(UniformGravity)[0].g)
+    # The direction from the pivot to the equilibrium.
     vertical = gravity / np.linalg.norm(gravity)
     if _is_top(scene):
         vertical = -vertical
@@ -179,6 +180,8 @@ def _angles(scene: Scene, position: Array) -> Array:
     start = _arms(scene, scene.bodies.position[0])
     across = start - (start @ vertical) * vertical
     across_length = float(np.linalg.norm(across))
+    # Signed towards the side of the start; exactly at the equilibrium the distance from the
+    # vertical.
     if across_length > 0:
         horizontal = arm @ across / across_length
     else:

@@ -217,6 +217,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     last_change = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
     room = room_of(subject)
+    # Factor by which the error falls from one level to the next.
     ratio = 2.0**order
     if method.control == "tolerance":
         ratio = subject.levels[-2] / subject.levels[-1]
@@ -224,6 +225,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
             return None
     elif not kinked(instance):
         room /= ratio - 1.0
+    # The larger of the last change and of what the one before implies for it, so far.
     change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
     if method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.

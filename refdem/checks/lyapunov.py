@@ -250,6 +250,7 @@ class Lyapunov(Check):
         else:
             factor = SLOWER
             exception = f"and few grow less by a factor of {SLOWER:g}"
+        # While the run is on the true trajectory, its growth is between S/SLOWER and FASTER S.
         tight = float(np.log(factor)) / duration
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight

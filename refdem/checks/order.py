@@ -172,13 +172,13 @@ class Order(Check):
         )
         if not all_resolved:
             return []
+        # Octaves by which the error rises at each halving.
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
         rises_throughout = min(rises) > RISE
         if kinked(subject.instance):
             slope, deviation, _ = mean_order(levels, largest)
-            rises_throughout = (
-                rises_throughout and slope < -RISE and subject.order - slope > SURE * deviation
-            )
+            is_beyond_chance = slope < -RISE and subject.order - slope > SURE * deviation
+            rises_throughout = rises_throughout and is_beyond_chance
         rise = 0.0
         if rises_throughout:
             rise = max(0.0, sum(rises))
@@ -325,9 +325,10 @@ class Order(Check):
         # `deviation` is expected of errors that kinks scatter, `shown` that of these errors.
         slope, deviation, shown = mean_order(steps, largest)
         deficit = claimed - slope
-        scatter = min(
-            SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
-        )
+        # The scatter that excuses a deficit: SURE deviations, or less if these errors lie close to
+        # a line, by Student's quantile for their degrees of freedom.
+        quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
+        scatter = min(SURE * deviation, max(LINE, quantile * shown))
         if 0.5 < deficit <= scatter:
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"

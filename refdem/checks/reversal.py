@@ -247,12 +247,12 @@ def _claimed_forward_error(subject: Subject, level: float) -> float:
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
+    # Round-off c u sqrt(2 n), of the steps of both ways, and of sums whose terms repeat, times S.
     summation = clock(subject.instance, subject.method, level) + flight(
         subject.instance, subject.method, level
     )
-    return (math.sqrt(2.0) * subject.round_off(level) + summation) * float(
-        subject.truth.growth()[-1]
-    )
+    rounding = math.sqrt(2.0) * subject.round_off(level) + summation
+    return rounding * float(subject.truth.growth()[-1])
 
 
 def _defect_from_observed_error(
@@ -279,10 +279,10 @@ def _defect_from_observed_error(
         room = ROOM
     else:
         room = room_of(subject)
-    observed = room * float(
-        largest_so_far(subject, compared_level, runs[Variant(compared_level)].trajectory, truth)[-1]
-    )
+    run = runs[Variant(compared_level)].trajectory
+    observed = room * float(largest_so_far(subject, compared_level, run, truth)[-1])
     reached = observed + COUNTING_FLOOR * subject.noise(level)
+    # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])
     else:

@@ -138,9 +138,11 @@ def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     deceleration = (friction - spring_force) / float(scene.bodies.mass.sum())
     tau = subject.instance.scales.tau
     surely_seen = 2 * speed
+    # The largest speed of the last half cycle, a tau.
     fastest = deceleration * tau
     if fastest > surely_seen:
         return float(np.pi / 2 * surely_seen / deceleration)
+    # Never fast enough in the last half cycle, which lasts pi tau.
     longest = np.pi * tau
     truth = certified(subject)
     assert truth is not None

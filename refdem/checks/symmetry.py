@@ -323,6 +323,7 @@ def _decided_by_rounding(
     ]
     if not perturbed_runs:
         return truncation
+    # What decisions by rounding make of the plain run, seen in its perturbed starts.
     largest = np.maximum.reduce([distances(subject.instance, run, base) for run in perturbed_runs])
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):

@@ -122,6 +122,7 @@ def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
         place, speed = _opening(scene, run)
         changes = {"joint": place / scales.length, "joint velocity": speed / scales.speed}
     spins = _spins(scene, run)
+    # One scale for both: the larger of them; a top at rest has none and takes m L v.
     momentum_scale = (
         max(float(np.max(np.abs(spin))) for spin in spins.values())
         or scales.mass * scales.length * scales.speed
@@ -155,11 +156,11 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     else:
         axis = np.array([0.0, 0.0, 1.0])
     attitude = run.attitude[:, joint.a]
+    # J omega_body, in principal axes.
     spin_body = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
-    total = rotated(attitude, spin_body) + bodies.mass[joint.a] * np.cross(
-        arm, run.velocity[:, joint.a]
-    )
+    orbital = bodies.mass[joint.a] * np.cross(arm, run.velocity[:, joint.a])
+    total = rotated(attitude, spin_body) + orbital
     momenta = {"L_z": total @ axis}
     is_symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
         joint.anchor_a[:2]

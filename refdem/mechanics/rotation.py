@@ -72,6 +72,7 @@ def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
 
 def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
     """The unit quaternion (4,) of Euler angles z-x-z (1.76) to (1.79); its w may be negative."""
+    # The product of the quaternions of Rz(phi), Rx(theta) and Rz(psi).
     c = np.cos(theta / 2)
     s = np.sin(theta / 2)
     half_sum = (phi + psi) / 2

@@ -89,6 +89,7 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
         normal = -np.array(plane.normal)
         depth = (bodies.position[i] - np.array(plane.point)) @ normal
         return float(bodies.radius[i] + depth), normal
+    # Two spheres: R_i + R_j - |r_j - r_i|.
     line = bodies.position[j] - bodies.position[i]
     distance = float(np.linalg.norm(line))
     return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance

@@ -215,6 +215,7 @@ def _misfit(problem: Ensemble) -> str | None:
     origin, axis = _frame(problem)
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
     off_line = np.linalg.norm(arms - (arms @ axis)[:, None] * axis, axis=1)
+    # Dry friction acts along the slider's axis only.
     slider = next(iter(problem.scene.all(Slider)), None)
     if slider is not None and abs(abs(float(axis @ np.array(slider.axis))) - 1) > OFF:
         return "the starts do not lie on the slider's line"

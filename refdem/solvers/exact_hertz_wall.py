@@ -65,6 +65,7 @@ class ExactHertzWall(SceneSolver):
         law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         radius = bodies.radius[0]
+        # 2/5 m R^2, for which the impulse on the slip has the factor 7/2.
         solid_moment = 0.4 * bodies.mass[0] * radius**2
         is_solid = np.all(np.abs(bodies.inertia[0] - solid_moment) <= ROUNDED * solid_moment)
         if law.friction > 0 and (law.branch != "R" or not is_solid):

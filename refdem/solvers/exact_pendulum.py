@@ -79,6 +79,7 @@ def _misfit(scene: Scene) -> str | None:
     if abs(arm @ velocity) > PLANAR * distance * speed:
         return "the point starts with a speed along the rod"
     g = float(np.linalg.norm(gravity))
+    # The normal of the plane of arm and gravity must be perpendicular to the velocity.
     out_of_plane = abs(np.cross(arm, gravity) @ velocity)
     if out_of_plane > PLANAR * distance * g * speed:
         return "the motion is not in a plane: a spherical pendulum"

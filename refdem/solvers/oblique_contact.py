@@ -156,6 +156,7 @@ def initial_state(scene: Scene, axes: Array) -> Array:
     overlap = contact_distance - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     if abs(overlap) <= ROUNDED * contact_distance:
         overlap = 0.0
+    # The overlap shrinks as the second sphere moves along the first axis.
     rate = -(relative @ axes[0])
     transverse = relative @ axes[1]
     spins = bodies.omega @ axes[2]

@@ -117,6 +117,7 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     y = arm @ down
     radius = string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
+    # The argument of (y + i x)(r - i R) = (y r + x R) + i (x r - y R).
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
@@ -139,8 +140,10 @@ def _misfit(scene: Scene) -> str | None:
     speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
+    # The counterweight hangs a radius to the other side of the axis.
     if abs(arm @ out + string.radius) > FITS * extent or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
+    # The string is inextensible: what the pendulum draws, u, the counterweight rises.
     if abs(velocity @ down + u) > FITS * speed:
         return "the string starts with a speed that its ends do not share"
     return None
