@@ -161,7 +161,9 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
     """
     belt = Belt(subject.instance.scene)
     scales = subject.instance.scales
+    # Nothing changes faster than once per tau, so |g''| <= 1/tau^2 in units of the scales.
     bend = scales.tau**-2
+    # A friction force that falls with the speed lets errors of the velocity grow.
     growth = 1 / scales.tau + belt.weakening
     # The scalars stick_1, slip_1, cross_1, ... of truth hold (time, radius).
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]

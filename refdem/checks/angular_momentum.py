@@ -34,7 +34,7 @@ class AngularMomentum(Check):
         """Scenes in which something can turn and no torque about the origin acts from outside."""
         if {"dimension:1"} == subject.instance.scene.features & {"dimension:1", "rotation"}:
             return "all motion is along one line through the origin"
-        if _law_turns(subject):
+        if _law_changes_total(subject):
             return None
         return torque_reason(subject.instance.scene)
 
@@ -42,7 +42,7 @@ class AngularMomentum(Check):
         """The coarsest level, where L is kept to round-off; the finest, where it is compared with
         truth; both, where its error must fall with the step.
         """
-        if _law_turns(subject):
+        if _law_changes_total(subject):
             return (subject.finest,)
         return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
 
@@ -50,9 +50,11 @@ class AngularMomentum(Check):
         """One finding for the total; where no element acts, also one each for orbital and spin
         part.
         """
-        if _law_turns(subject):
+        if _law_changes_total(subject):
             return [self._against_truth(subject, runs[subject.finest].trajectory)]
-        return [self._kept(subject, runs, name) for name in _parts(subject.instance.scene)]
+        return [
+            self._kept(subject, runs, name) for name in _conserved_parts(subject.instance.scene)
+        ]
 
     def _kept(self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str) -> Finding:
         """The finding that one part, `name`, is constant: at the coarsest level to round-off, else
@@ -133,6 +135,7 @@ class AngularMomentum(Check):
         scales = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
         distance = np.linalg.norm(scene.bodies.position, axis=1)
         speed = np.linalg.norm(scene.bodies.velocity, axis=1)
+        # |dL| <= sum m (|r| dv + |v| dr) + J domega for errors of one scale of each quantity.
         spin_error = scene.bodies.inertia.max(axis=1).sum() * scales["omega"]
         orbital_error = scene.bodies.mass @ (distance * scales["v"] + speed * scales["r"])
         sensitivity = (orbital_error + spin_error) / angular_scale(subject.instance)
@@ -158,7 +161,7 @@ KINDS = ("r", "v", "omega")
 """Prefixes of the names of the truth's quantities: r1.x, v2.y, omega1.z, ..."""
 
 
-def _parts(scene: Scene) -> tuple[str, ...]:
+def _conserved_parts(scene: Scene) -> tuple[str, ...]:
     """Names of the parts that are conserved: the total; where no element acts, also each part by
     itself.
     """
@@ -177,7 +180,7 @@ def _judged_level(subject: Subject) -> Variant:
     return subject.finest
 
 
-def _law_turns(subject: Subject) -> bool:
+def _law_changes_total(subject: Subject) -> bool:
     """True for two spheres whose contact law changes total angular momentum, in a case that has
     truth for r, v, omega of both.
 

@@ -55,48 +55,28 @@ class Apsides(Check):
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding: |A - A0| or |T - T0| against the error bounds of r and v, propagated to
         first order.
-
-        |dA| <= (2 |v| |r| dv + |v|^2 dr)/gm + dr/|r|, and |dT| <= 2 (k |r| dr + m |v| dv)/(2 E0),
-        where dr and dv are the bound times the scales of length and speed.
         """
         run = runs[subject.finest].trajectory
         scene = subject.instance.scene
-        scales = subject.instance.scales
         r = run.position[:, 0]
         v = run.velocity[:, 0]
-        distance = np.linalg.norm(r, axis=1)
-        speed = np.linalg.norm(v, axis=1)
         field = _attraction(scene)
         if field:
-            invariant = laplace(r, v, field.gm)
             name = "Laplace vector"
-            # |dA| per unit of the scaled error: (2 |v| |r| dv + |v|^2 dr)/gm + dr/|r|.
-            sensitivity = (
-                2 * speed * distance * scales.speed + speed**2 * scales.length
-            ) / field.gm + scales.length / distance
+            invariant = laplace(r, v, field.gm)
+            sensitivity = _laplace_sensitivity(subject, r, v, field.gm)
         else:
             spring = scene.all(Spring)[0]
             arm = r - np.asarray(spring.anchor_b)
-            mass = float(scene.bodies.mass[0])
-            invariant = fradkin(arm, v, mass, spring.stiffness)
             name = "Fradkin tensor"
-            # |dT| per unit of the scaled error: 2 (k |r| dr + m |v| dv)/(2 E0).
-            terms = (
-                spring.stiffness * np.linalg.norm(arm, axis=1) * scales.length
-                + mass * speed * scales.speed
-            )
-            sensitivity = 2 * terms / (mass * speed[0] ** 2 + spring.stiffness * (arm[0] @ arm[0]))
+            invariant = fradkin(arm, v, float(scene.bodies.mass[0]), spring.stiffness)
+            sensitivity = _fradkin_sensitivity(subject, arm, v, spring.stiffness)
         allowed, basis = subject.kept("apsides", subject.levels[-1])
         quantity = name.split()[0].lower()
         count = scored(sensitivity * allowed)
         if count < min(2, len(sensitivity)):
-            return [
-                undecided(
-                    self.name,
-                    quantity,
-                    "the bound exceeds a tenth of the orbit before the second sample",
-                )
-            ]
+            why = "the bound exceeds a tenth of the orbit before the second sample"
+            return [undecided(self.name, quantity, why)]
         change = np.linalg.norm((invariant - invariant[0]).reshape(len(invariant), -1), axis=1)
         return [
             worst(
@@ -116,10 +96,36 @@ class Apsides(Check):
         ]
 
 
-def laplace(r: Array, v: Array, gm: float) -> Array:
-    """Laplace's vector A = v x (r x v)/gm - r/|r| (T, 3) of positions r and velocities v (T,
-    3).
+def _laplace_sensitivity(subject: Subject, r: Array, v: Array, gm: float) -> Array:
+    """Change (T,) of Laplace's vector per scaled error of r and v, to first order.
+
+    |dA| <= (2 |v| |r| dv + |v|^2 dr)/gm + dr/|r|, with dr and dv the scales of length and speed.
     """
+    scales = subject.instance.scales
+    distance = np.linalg.norm(r, axis=1)
+    speed = np.linalg.norm(v, axis=1)
+    sensitivity: Array = (
+        2 * speed * distance * scales.speed + speed**2 * scales.length
+    ) / gm + scales.length / distance
+    return sensitivity
+
+
+def _fradkin_sensitivity(subject: Subject, arm: Array, v: Array, stiffness: float) -> Array:
+    """Change (T,) of Fradkin's tensor per scaled error of r and v, to first order.
+
+    |dT| <= 2 (k |r| dr + m |v| dv)/(2 E0), with 2 E0 = m v0^2 + k r0^2, and dr and dv the scales of
+    length and speed.
+    """
+    scales = subject.instance.scales
+    mass = float(subject.instance.scene.bodies.mass[0])
+    speed = np.linalg.norm(v, axis=1)
+    terms = stiffness * np.linalg.norm(arm, axis=1) * scales.length + mass * speed * scales.speed
+    sensitivity: Array = 2 * terms / (mass * speed[0] ** 2 + stiffness * (arm[0] @ arm[0]))
+    return sensitivity
+
+
+def laplace(r: Array, v: Array, gm: float) -> Array:
+    """Laplace's vector A = v x (r x v)/gm - r/|r| (T, 3) of positions r and velocities v (T, 3)."""
     vector: Array = np.cross(v, np.cross(r, v)) / gm - r / np.linalg.norm(r, axis=1)[:, None]
     return vector
 

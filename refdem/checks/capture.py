@@ -46,57 +46,65 @@ class Capture(Check):
         hook = next(hook for hook in scene.all(Catch) if hook.b < 0)
         arm = run.position[:, hook.a] - np.array(hook.anchor_b)
         velocity = run.velocity[:, hook.a]
-        distance = np.linalg.norm(arm, axis=1)
-        # On the circle r . v = 0; on the straight line before the capture it is not.
-        radial = np.abs(np.sum(arm * velocity, axis=1))
-        is_circling = radial < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
-        caught = np.flatnonzero(is_circling)
+        caught = np.flatnonzero(_is_circling(arm, velocity))
         if len(caught) < 3 or len(caught) < len(run.t) - caught[0]:
-            return [
-                undecided(
-                    self.name,
-                    "omega",
-                    ("fewer than three samples follow the catch, or the body is not held after it"),
-                )
-            ]
+            why = "fewer than three samples follow the catch, or the body is not held after it"
+            return [undecided(self.name, "omega", why)]
         first = caught[0] + 1
-        bound = float(subject.bound(subject.levels[-1])[-1])
-        omega_run = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
+        omega_run = _rate(arm[first:], velocity[first:], run.t[first:])
         omega = truth.scalars["omega"][0]
         inertia = truth.scalars["inertia"][0]
+        # At the end of the run: r, v and L = m |r x v|.
+        distance = np.linalg.norm(arm, axis=1)[-1]
+        speed = np.linalg.norm(velocity[-1])
         angular_momentum = scene.bodies.mass[hook.a] * np.linalg.norm(
             np.cross(arm[-1], velocity[-1])
         )
-        errors = {
-            "omega": (
+        return [
+            self._error(
+                subject,
+                "omega",
                 omega_run / omega - 1,
                 (
                     "The relative error of the angular velocity after the catch, compared"
                     " with v/r at the catch,"
                 ),
             ),
-            "speed": (
-                np.linalg.norm(velocity[-1]) / (omega_run * distance[-1]) - 1,
+            self._error(
+                subject,
+                "speed",
+                speed / (omega_run * distance) - 1,
                 "The deviation of the final v/(r omega) from 1",
             ),
-            "inertia": (
+            self._error(
+                subject,
+                "inertia",
                 angular_momentum / omega_run / inertia - 1,
                 "The relative error of L/omega, compared with m r^2,",
             ),
-        }
-        return [
-            judged(
-                check=self.name,
-                quantity=name,
-                value=abs(float(value)),
-                bound=bound,
-                sight=Sight(bound, 1.0),
-                unit="1",
-                basis="the error bound of the state at the end of the run",
-                what=what,
-            )
-            for name, (value, what) in errors.items()
         ]
+
+    def _error(self, subject: Subject, quantity: str, error: float, what: str) -> Finding:
+        """The finding on one relative error, against the state's bound at the end of the run."""
+        bound = float(subject.bound(subject.levels[-1])[-1])
+        return judged(
+            check=self.name,
+            quantity=quantity,
+            value=abs(float(error)),
+            bound=bound,
+            sight=Sight(bound, 1.0),
+            unit="1",
+            basis="the error bound of the state at the end of the run",
+            what=what,
+        )
+
+
+def _is_circling(arm: Array, velocity: Array) -> Array:
+    """True (T,) where r.v = 0 to a part in 1000: on the circle, not on the line before it."""
+    radial = np.abs(np.sum(arm * velocity, axis=1))
+    distance = np.linalg.norm(arm, axis=1)
+    is_circling: Array = radial < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
+    return is_circling
 
 
 def _rate(arm: Array, velocity: Array, t: Array) -> float:
@@ -106,11 +114,13 @@ def _rate(arm: Array, velocity: Array, t: Array) -> float:
     Positions give the angle between two samples modulo 2 pi; v/r gives how many whole turns a
     coarse sampling leaves out.
     """
+    # Angles are counted about the normal r x v of the plane of motion.
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
     sine = np.cross(arm[:-1], arm[1:]) @ normal
     cosine = np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
+    # The angle |v|/|r| dt, accurate enough to count whole turns.
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
     whole_turns = 2 * np.pi * np.round((expected - angle) / (2 * np.pi))
     return float(np.sum(angle + whole_turns) / (t[-1] - t[0]))

@@ -44,7 +44,7 @@ class Constraint(Check):
         coarsest = Variant(subject.levels[0])
         allowed, basis = subject.kept("constraint", variant.level)
         # Positions far from the origin are rounded in proportion to their distance.
-        rounding = subject.round_off(variant.level) * _farthest(subject)
+        rounding = subject.round_off(variant.level) * _position_scale(subject)
         allowed = allowed + rounding - subject.round_off(variant.level)
         drifts = _drifts(subject, runs[variant].trajectory)
         coarse_drifts = _drifts(subject, runs[coarsest].trajectory)
@@ -87,12 +87,12 @@ def _judged_level(subject: Subject) -> Variant:
     return subject.finest
 
 
-def _farthest(subject: Subject) -> float:
+def _position_scale(subject: Subject) -> float:
     """Largest distance of a rod's end from the origin over the length scale, at least 1.
 
     A length is a difference of positions, so it is rounded in proportion to their size.
     """
-    position, attitude = _start(subject)
+    position, attitude = _initial_pose(subject)
     farthest = 1.0
     for rod in subject.instance.scene.all(Rod):
         for end in rod.ends(position, attitude):
@@ -100,7 +100,7 @@ def _farthest(subject: Subject) -> float:
     return farthest
 
 
-def _start(subject: Subject) -> tuple[Array, Array]:
+def _initial_pose(subject: Subject) -> tuple[Array, Array]:
     """Initial positions (1, N, 3) and attitudes (1, N, 4)."""
     bodies = subject.instance.scene.bodies
     return bodies.position[None], bodies.attitude[None]

@@ -61,56 +61,69 @@ class ContactChannels(Check):
         relative to the length scale and to the largest force.
         """
         run = runs[subject.finest].trajectory
-        meeting = _of_states(subject.instance.scene, run)
-        length = subject.instance.scales.length
-        rounded = _rounded_overlap(subject, run)
-        peak = float(np.max(meeting.force))
-        compared = []
+        pair_states = _pair_states(subject.instance.scene, run)
+        findings = []
         if "overlap" in run.channels:
-            difference = (
-                np.abs(_largest(run, "overlap") - np.maximum(meeting.overlap, 0.0)) / length
-            )
-            basis = "the channel must follow from the positions in the same row, to round-off"
-            compared.append(
-                ("overlap", run.t, difference, np.full(len(difference), rounded), basis)
-            )
-        # Where the overlap is within rounding of 0, rounding decides whether a dashpot acts.
-        is_resolved = np.abs(meeting.overlap) > rounded * length
+            findings.append(self._overlap(subject, run, pair_states))
+        if "contact_force" in run.channels:
+            findings += self._force(subject, run, pair_states)
+        return findings
+
+    def _overlap(self, subject: Subject, run: Trajectory, pair_states: "_PairStates") -> Finding:
+        """The finding that the reported overlap is the largest max(0, d) of the state."""
+        length = subject.instance.scales.length
+        difference = (
+            np.abs(_largest(run, "overlap") - np.maximum(pair_states.overlap, 0.0)) / length
+        )
+        return worst(
+            check=self.name,
+            quantity="overlap",
+            t=run.t,
+            values=difference,
+            allowed=_overlap_rounding(subject, run),
+            unit="1",
+            basis="the channel must follow from the positions in the same row, to round-off",
+            what=_what("overlap"),
+        )
+
+    def _force(
+        self, subject: Subject, run: Trajectory, pair_states: "_PairStates"
+    ) -> list[Finding]:
+        """The finding that the reported force is the largest of the state, relative to the peak.
+
+        None where no force is ever seen, or only within rounding of overlap 0: there rounding
+        decides whether a dashpot acts.
+        """
+        peak = float(np.max(pair_states.force))
+        rounded = _overlap_rounding(subject, run) * subject.instance.scales.length
+        is_resolved = np.abs(pair_states.overlap) > rounded
+        if not (peak > 0 and is_resolved.any()):
+            return []
         # The extra tolerance is the change of the dashpot's force in half a step.
-        if "contact_force" in run.channels and peak > 0 and is_resolved.any():
-            difference, tolerance = _off_force(subject, run, meeting)
-            allowed = np.full(
-                len(difference), _rounded_force(subject, run, meeting) + tolerance / peak
-            )
-            basis = (
-                "the channel must follow from positions and velocities in the same row"
-                " (or half a step earlier), to round-off"
-            )
-            compared.append(
-                (
-                    "contact_force",
-                    run.t[is_resolved],
-                    difference[is_resolved] / peak,
-                    allowed[is_resolved],
-                    basis,
-                )
-            )
+        difference, tolerance = _force_difference(subject, run, pair_states)
         return [
             worst(
                 check=self.name,
-                quantity=name,
-                t=t,
-                values=values,
-                allowed=allowed,
+                quantity="contact_force",
+                t=run.t[is_resolved],
+                values=difference[is_resolved] / peak,
+                allowed=_force_rounding(subject, run, pair_states) + tolerance / peak,
                 unit="1",
-                basis=basis,
-                what=(
-                    f"The difference between the reported {name.replace('_', ' ')} and the one"
-                    " computed from the state, relative to its scale,"
+                basis=(
+                    "the channel must follow from positions and velocities in the same row"
+                    " (or half a step earlier), to round-off"
                 ),
+                what=_what("contact force"),
             )
-            for name, t, values, allowed, basis in compared
         ]
+
+
+def _what(channel: str) -> str:
+    """The phrase that names the measured difference of a channel."""
+    return (
+        f"The difference between the reported {channel} and the one"
+        " computed from the state, relative to its scale,"
+    )
 
 
 def _largest(run: Trajectory, channel: str) -> Array:
@@ -122,8 +135,9 @@ def _largest(run: Trajectory, channel: str) -> Array:
 
 
 @dataclass(frozen=True)
-class _Meeting:
-    """Overlaps and normal forces that the states of a run imply, for every pair of spheres.
+class _PairStates:
+    """Overlaps and closing speeds of every pair of spheres in a run's states, with the forces that
+    they imply.
 
     The contact law is F = k d^e + c d', with overlap d and closing speed d'; forces that pull count
     as 0.
@@ -143,9 +157,9 @@ class _Meeting:
     @property
     def force(self) -> Array:
         """The largest force (T,) [N], with the velocities of the row."""
-        return self._pressing(np.ones_like(self.effective))
+        return self._largest_force(np.ones_like(self.effective))
 
-    def of_half_step(self, h: float) -> Array:
+    def force_half_step_earlier(self, h: float) -> Array:
         """The largest force (T,) [N] with velocities half a step h/2 earlier, as a leapfrog has
         them.
 
@@ -153,21 +167,21 @@ class _Meeting:
         v + F h/(2 m_eff). F = k d^e + c (v + F h/(2 m_eff)) gives F = (k d^e + c v)/(1 - c h/(2
         m_eff)).
         """
-        return self._pressing(1.0 - self.law.damping * h / (2 * self.effective))
+        return self._largest_force(1.0 - self.law.damping * h / (2 * self.effective))
 
-    def _pressing(self, part: Array) -> Array:
-        """The largest (T,) [N] of max(0, (k d^e + c d')/part) over all pairs, with `part` (P,) of
-        each pair.
+    def _largest_force(self, divisor: Array) -> Array:
+        """The largest (T,) [N] over all pairs of max(0, (k d^e + c d')/divisor), with the divisor
+        (P,) of each pair.
         """
         depth = np.maximum(self.overlaps, 0.0)
         pressing = (
             self.law.stiffness * depth**self.law.exponent + self.law.damping * self.closing
-        ) / part
+        ) / divisor
         largest: Array = np.where(self.overlaps > 0, np.maximum(pressing, 0.0), 0.0).max(axis=1)
         return largest
 
 
-def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
+def _pair_states(scene: Scene, run: Trajectory) -> _PairStates:
     """Overlaps, closing speeds and effective masses of all pairs of spheres, from positions and
     velocities.
     """
@@ -177,42 +191,45 @@ def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
     relative = run.velocity[:, i] - run.velocity[:, j]
     distance = np.linalg.norm(branch, axis=-1)
     radius = scene.bodies.radius
+    # 1/m_eff = 1/m_i + 1/m_j, with 1/m = 0 for fixed bodies; of two fixed ones it is infinite.
     inverse = np.where(scene.bodies.fixed, 0.0, 1.0 / scene.bodies.mass)
     with np.errstate(divide="ignore"):
         effective = 1.0 / (inverse[i] + inverse[j])
-    return _Meeting(
-        law,
-        effective,
-        radius[i] + radius[j] - distance,
-        np.sum(relative * branch, axis=-1) / distance,
-    )
+    overlap = radius[i] + radius[j] - distance
+    closing = np.sum(relative * branch, axis=-1) / distance
+    return _PairStates(law, effective, overlap, closing)
 
 
-def _off_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> tuple[Array, float]:
+def _force_difference(
+    subject: Subject, run: Trajectory, pair_states: _PairStates
+) -> tuple[Array, float]:
     """Difference (T,) [N] between the reported force and the one from the state, and an extra
     tolerance [N].
 
     A leapfrog evaluates the dashpot with velocities of half a step earlier. For two spheres with no
-    force but contact and gravity that force is known exactly (`of_half_step`), and the smaller of
-    both differences counts. With more bodies or forces it is known only up to the change of the
-    dashpot force in half a step, at most c h/m_eff of the largest force: the extra tolerance.
+    force but contact and gravity that force is known exactly (`force_half_step_earlier`), and the
+    smaller of both differences counts. With more bodies or forces it is known only up to the change
+    of the dashpot force in half a step, at most c h/m_eff of the largest force: the extra
+    tolerance.
     """
     reported = _largest(run, "contact_force")
-    difference = np.abs(reported - meeting.force)
-    if meeting.law.damping == 0 or subject.method.control != "step":
+    difference = np.abs(reported - pair_states.force)
+    if pair_states.law.damping == 0 or subject.method.control != "step":
         return difference, 0.0
     scene = subject.instance.scene
     level = subject.levels[-1]
-    half_step_share = meeting.law.damping * level / float(np.min(meeting.effective))
+    half_step_share = pair_states.law.damping * level / float(np.min(pair_states.effective))
     is_contact_only = all(
         isinstance(element, Contact | UniformGravity) for element in scene.elements
     )
     if len(scene.bodies) > 2 or not is_contact_only or half_step_share > 1.0:
-        return difference, half_step_share * float(np.max(meeting.force))
-    return np.minimum(difference, np.abs(reported - meeting.of_half_step(level))), 0.0
+        return difference, half_step_share * float(np.max(pair_states.force))
+    return np.minimum(
+        difference, np.abs(reported - pair_states.force_half_step_earlier(level))
+    ), 0.0
 
 
-def _rounded_overlap(subject: Subject, run: Trajectory) -> float:
+def _overlap_rounding(subject: Subject, run: Trajectory) -> float:
     """Rounding of an overlap R + R' - |r' - r|, in units of the length scale.
 
     It is a difference of numbers as large as positions and radii, each rounded here and in the run.
@@ -226,20 +243,24 @@ def _rounded_overlap(subject: Subject, run: Trajectory) -> float:
     )
 
 
-def _rounded_force(subject: Subject, run: Trajectory, meeting: _Meeting) -> float:
+def _force_rounding(subject: Subject, run: Trajectory, pair_states: _PairStates) -> float:
     """Rounding of a force, relative to the largest: of k d^e (e times that of d, relative to the
     largest d), and of the dashpot's velocities.
     """
     length = subject.instance.scales.length
     of_overlap = (
-        meeting.law.exponent
-        * _rounded_overlap(subject, run)
+        pair_states.law.exponent
+        * _overlap_rounding(subject, run)
         * length
-        / float(np.max(meeting.overlap))
+        / float(np.max(pair_states.overlap))
     )
     speed = float(np.max(np.abs(run.velocity)))
     of_speed = (
-        8 * subject.method.round_off * meeting.law.damping * speed / float(np.max(meeting.force))
+        8
+        * subject.method.round_off
+        * pair_states.law.damping
+        * speed
+        / float(np.max(pair_states.force))
     )
     return subject.round_off(subject.levels[-1]) + of_overlap + of_speed
 

@@ -90,20 +90,20 @@ class ContactImpulse(Check):
         """The coarsest level, where a force that is late by a step is furthest off, with a sample
         every few steps.
         """
-        return (_dense(subject),)
+        return (_dense_variant(subject),)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Findings `normal`, `cone` and `sliding`, where they apply, in units of mass times speed
         scale.
         """
-        run = runs[_dense(subject)].trajectory
+        run = runs[_dense_variant(subject)].trajectory
         scene = subject.instance.scene
         law = scene.all(Contact)[0]
         unit = scene.bodies.mass[0] * subject.instance.scales.speed
         fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
         rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
         findings = [self._normal(subject, run, unit, rounding)]
-        presses = _presses(scene, run)
+        presses = _pushing_intervals(scene, run)
         if law.friction > 0 and law.tangential_stiffness == 0 and presses.any():
             findings.append(
                 worst(
@@ -134,10 +134,10 @@ class ContactImpulse(Check):
         wall; none if it never does.
         """
         law = scene.all(Contact)[0]
-        _, _, normal = _meeting(scene, run)
+        _, _, normal = _contact_geometry(scene, run)
         normal_impulse, tangential_impulse, _ = _impulses(scene, run, normal)
-        slides, slip_turn = _slides(scene, run)
-        is_judged = np.logical_and(_presses(scene, run), slides)
+        slides, slip_turn = _sliding_intervals(scene, run)
+        is_judged = np.logical_and(_pushing_intervals(scene, run), slides)
         if not is_judged.any():
             return []
         # Forces whose directions differ by up to `slip_turn` add up to less, by no more than that.
@@ -171,12 +171,12 @@ class ContactImpulse(Check):
         """
         scene = subject.instance.scene
         law = scene.all(Contact)[0]
-        overlap, rate, normal = _meeting(scene, run)
+        overlap, rate, normal = _contact_geometry(scene, run)
         interval = np.diff(run.t)
-        force = _forces(law, overlap, rate)
-        touch_force = _at_touch(law, overlap, rate)
-        low = _around(np.minimum(force, touch_force), np.minimum)
-        high = _around(np.maximum(force, touch_force), np.maximum)
+        force = _normal_force(law, overlap, rate)
+        touch_force = _force_at_touch(law, overlap, rate)
+        low = _extreme_nearby(np.minimum(force, touch_force), np.minimum)
+        high = _extreme_nearby(np.maximum(force, touch_force), np.maximum)
         normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
         below = np.maximum(0.0, low * interval - normal_impulse)
         above = np.maximum(0.0, normal_impulse - high * interval)
@@ -186,8 +186,8 @@ class ContactImpulse(Check):
         # along another, in proportion to the angle between them.
         largest = float(np.max(np.abs(force)))
         interval_share = interval / subject.instance.scales.tau
-        touches_near = _around(overlap > 0, np.logical_or)
-        touches_throughout = _around(overlap > 0, np.logical_and)
+        touches_near = _extreme_nearby(overlap > 0, np.logical_or)
+        touches_throughout = _extreme_nearby(overlap > 0, np.logical_and)
         begins_or_ends = touches_near & ~touches_throughout
         relative_change = np.where(begins_or_ends, interval_share, interval_share**2 / 2.0)
         curvature = largest * interval * relative_change
@@ -210,7 +210,7 @@ class ContactImpulse(Check):
         )
 
 
-def _dense(subject: Subject) -> Variant:
+def _dense_variant(subject: Subject) -> Variant:
     """The coarsest level with 2^k samples in place of one, as many as leave STEPS_A_SAMPLE steps
     between them.
     """
@@ -228,23 +228,23 @@ def _dense(subject: Subject) -> Variant:
     return Variant(level)
 
 
-def _presses(scene: Scene, run: Trajectory) -> Array:
+def _pushing_intervals(scene: Scene, run: Trajectory) -> Array:
     """Intervals (T - 1,) with a contact in which every force pushes.
 
     Codes agree on the friction limit mu Fn there; not at the end of a contact, where a dashpot may
     pull and the force at a sample is no longer positive.
     """
     law = scene.all(Contact)[0]
-    overlap, rate, _ = _meeting(scene, run)
+    overlap, rate, _ = _contact_geometry(scene, run)
     touches = overlap > 0
-    force = _forces(law, overlap, rate)
+    force = _normal_force(law, overlap, rate)
     never_pulls = law.damping == 0 or law.cutoff == "zero_force"
     if never_pulls:
         return np.asarray(touches[1:] | touches[:-1])
     return np.asarray(touches[1:] & (force[1:] > 0))
 
 
-def _slides(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
+def _sliding_intervals(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
     """Intervals (T - 1,) in which a sphere slips along its wall throughout, and the turn of the
     slip direction [rad].
 
@@ -252,7 +252,7 @@ def _slides(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
     interval than its change between them.
     """
     law = scene.all(Contact)[0]
-    overlap, _, normal = _meeting(scene, run)
+    overlap, _, normal = _contact_geometry(scene, run)
     arm_length = scene.bodies.radius[0] - SHORT_OF_RADIUS[law.branch] * np.maximum(overlap, 0.0)
     contact_velocity = run.velocity[:, 0] + np.cross(run.omega[:, 0], arm_length[:, None] * normal)
     slip = contact_velocity - np.sum(contact_velocity * normal, axis=-1)[:, None] * normal
@@ -266,7 +266,7 @@ def _slides(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
     return is_sliding, turn
 
 
-def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
+def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:
     """The normal force F = k d^e + c d' (T,) [N], positive where it pushes; 0 without overlap
     d.
     """
@@ -277,7 +277,7 @@ def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
     return force
 
 
-def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
+def _force_at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
     """The limit of the force (T,) [N] for overlap 0, c d', at samples next to the begin or end of a
     contact; elsewhere the force itself.
     """
@@ -285,13 +285,13 @@ def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
     pushes = law.damping * rate
     if law.cutoff == "zero_force":
         pushes = np.maximum(pushes, 0.0)
-    changes = _around(touches, np.logical_or) & ~_around(touches, np.logical_and)
+    changes = _extreme_nearby(touches, np.logical_or) & ~_extreme_nearby(touches, np.logical_and)
     is_near = np.concatenate([changes, [False]]) | np.concatenate([[False], changes])
-    force: Array = np.where(is_near, pushes, _forces(law, overlap, rate))
+    force: Array = np.where(is_near, pushes, _normal_force(law, overlap, rate))
     return force
 
 
-def _around(values: Any, extreme: Any) -> Any:
+def _extreme_nearby(values: Any, extreme: Any) -> Any:
     """The extreme (T - 1,) of the values at the four samples around each interval: its ends, and
     one further on either side.
     """
@@ -324,7 +324,7 @@ def _outside_cone(scene: Scene, run: Trajectory) -> Array:
     normal; 0 inside.
     """
     law = scene.all(Contact)[0]
-    _, _, normal = _meeting(scene, run)
+    _, _, normal = _contact_geometry(scene, run)
     normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
     half_angle = np.minimum(np.arctan(law.friction) + normal_turn, np.pi / 2)
     # Distance from the cone J_t <= tan(a) J_n, measured at right angles to its side:
@@ -333,7 +333,7 @@ def _outside_cone(scene: Scene, run: Trajectory) -> Array:
     return np.maximum(0.0, beyond)
 
 
-def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
+def _contact_geometry(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
     """Overlap (T,) [m], its rate (T,) [m/s], and the unit normal (T, 3) from the first sphere to
     the second, or into the wall.
     """
@@ -342,6 +342,7 @@ def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
         height = (run.position[:, 0] - np.array(wall.point)) @ outward
         normals: Array = np.broadcast_to(-outward, run.position[:, 0].shape)
         return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ outward, normals
+    # Two spheres: the branch vector from the first centre to the second.
     branch = run.position[:, 1] - run.position[:, 0]
     distance = np.linalg.norm(branch, axis=-1)
     normal: Array = branch / distance[:, None]

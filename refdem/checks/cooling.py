@@ -10,7 +10,6 @@ elastic gas obey Maxwell's distribution.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -137,7 +136,7 @@ class Cooling(Check):
         contact_times = [event.time for event in run.events if event.kind == "contact"]
         if not contact_times or count < len(run.t):
             return findings
-        return findings + self._meetings(gas, run, temperature, len(contact_times))
+        return findings + self._collision_findings(gas, run, temperature, len(contact_times))
 
     def _temperature(self, gas: Gas, t: Array, temperature: Array, haff: float) -> Finding:
         """ln T against Haff's law.
@@ -189,7 +188,7 @@ class Cooling(Check):
             what="The excess kurtosis of the velocities at the end",
         )
 
-    def _meetings(
+    def _collision_findings(
         self, gas: Gas, run: Trajectory, temperature: Array, observed: int
     ) -> list[Finding]:
         """Number of collisions against the integral of w_c; and the mean energy loss of a
@@ -199,53 +198,49 @@ class Cooling(Check):
             run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n
         )
         expected = float(expected_so_far[-1])
-        inelasticity = 1 - gas.restitution**2
         if expected < FEWEST:
-            return [
-                undecided(
-                    self.name,
-                    "collisions",
-                    (
-                        f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a"
-                        " mean"
-                    ),
-                )
-            ]
-        allowed = ERRORS / np.sqrt(expected) + THEORY + gas.softness
-        what = (
-            f"The relative error of the number of collisions ({observed}, expected {expected:.5g})"
-        )
+            why = f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean"
+            return [undecided(self.name, "collisions", why)]
+        allowed = float(ERRORS / np.sqrt(expected) + THEORY + gas.softness)
         basis = f"{ERRORS:g} standard errors of the count, and {THEORY:.0%} for kinetic theory"
-        common: dict[str, Any] = {
-            "check": self.name,
-            "unit": "1",
-            "bound": float(allowed),
-            "basis": basis,
-        }
-        findings = [
-            judged(
-                quantity="collisions",
-                value=abs(observed / expected - 1),
-                what=f"{what}",
-                **common,
-            )
-        ]
+        count = judged(
+            check=self.name,
+            quantity="collisions",
+            value=abs(observed / expected - 1),
+            bound=allowed,
+            unit="1",
+            basis=basis,
+            what=(
+                "The relative error of the number of collisions"
+                f" ({observed}, expected {expected:.5g})"
+            ),
+        )
         work = run.channels.get("dissipated_work")
-        if work is not None and inelasticity > 0:
-            # The mean of T over collisions: each interval counts as often as spheres collide in it.
-            in_interval = np.diff(expected_so_far)
-            interval_temperature = np.sqrt(temperature[1:] * temperature[:-1])
-            mean_temperature = float(np.sum(in_interval * interval_temperature)) / expected
-            loss_ratio = float(np.sum(work[-1])) / (observed * inelasticity * mean_temperature)
-            loss_what = (
-                "The relative error of the energy lost per collision, compared with (1 - e^2) T,"
-            )
-            common |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
-            common |= {"basis": f"{basis}, and the collisions still in progress at the end"}
-            findings.append(
-                judged(quantity="loss", value=abs(loss_ratio - 1), what=loss_what, **common)
-            )
-        return findings
+        inelasticity = 1 - gas.restitution**2
+        if work is None or not inelasticity > 0:
+            return [count]
+        mean_temperature = _mean_over_collisions(temperature, expected_so_far)
+        loss_ratio = float(np.sum(work[-1])) / (observed * inelasticity * mean_temperature)
+        loss = judged(
+            check=self.name,
+            quantity="loss",
+            value=abs(loss_ratio - 1),
+            bound=allowed + gas.lasts / float(run.t[-1] - run.t[0]),
+            unit="1",
+            basis=f"{basis}, and the collisions still in progress at the end",
+            what="The relative error of the energy lost per collision, compared with (1 - e^2) T,",
+        )
+        return [count, loss]
+
+
+def _mean_over_collisions(temperature: Array, n_collisions: Array) -> float:
+    """The mean temperature at a collision, from samples (T,) of it and of the collisions so far.
+
+    Each interval between samples counts as often as spheres collide in it.
+    """
+    in_interval = np.diff(n_collisions)
+    interval_temperature = np.sqrt(temperature[1:] * temperature[:-1])
+    return float(np.sum(in_interval * interval_temperature)) / float(n_collisions[-1])
 
 
 def are_alike(scene: Scene) -> bool:

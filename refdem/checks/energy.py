@@ -96,7 +96,7 @@ class Energy(Check):
         findings = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
         if len(subject.levels) > 1:
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
-        reports_work = _work(subject, runs[subject.finest]) is not None
+        reports_work = _dissipated_work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
         if reports_work and not scene.is_driven() and not _stiffens(scene):
             findings.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
@@ -124,23 +124,18 @@ class Energy(Check):
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         claimed, basis = subject.kept("energy", variant.level)
-        of_places = subject.round_off(variant.level) * _of_positions(subject)
-        rounding = of_places + _of_falling(subject, variant.level)
-        of_rods = _of_rods(subject)
+        of_places = subject.round_off(variant.level) * _position_rounding(subject)
+        rounding = of_places + _fall_rounding(subject, variant.level)
+        of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
         # A rise above an earlier value is often 0 by chance, and does not fall with the order.
-        if (
-            variant == subject.finest
-            and len(subject.levels) > 2
-            and not measured.is_rise
-            and not isinstance(coarse, str)
-        ):
+        has_levels = variant == subject.finest and len(subject.levels) > 2
+        if has_levels and not measured.is_rise and not isinstance(coarse, str):
             # Equal terms that are added up step by step, as in free flight, round alike.
             summation = flight(subject.instance, subject.method, variant.level)
-            extrapolated = left_at_finest(subject, coarse.change) + TERMS * COUNTING_FLOOR * (
-                rounding + of_rods + summation
-            )
+            floor = TERMS * COUNTING_FLOOR * (rounding + of_rods + summation)
+            extrapolated = left_at_finest(subject, coarse.change) + floor
             if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"
@@ -173,7 +168,7 @@ class Energy(Check):
         # A body in the centre of attraction has infinite energy: the difference is NaN and fails.
         with np.errstate(invalid="ignore"):
             change = np.abs(energy - energy[0]) / scale
-        work = _work(subject, run)
+        work = _dissipated_work(subject, run)
         if work is None and _stiffens(scene):
             return (
                 "a tangential spring that stiffens with its load exchanges energy, and"
@@ -249,12 +244,14 @@ class Energy(Check):
         (Hairer, Lubich and Wanner 2006, chapter IX).
         """
         energy = mechanical(subject.instance.scene, run.trajectory) / energy_scale(subject.instance)
+        # Means over a quarter remove most of the bounded oscillation of the energy error.
         quarter = max(1, len(energy) // 4)
         drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
         level = subject.levels[-1]
         order = subject.order
         truncation = subject.method.constant * (level / subject.instance.scales.tau) ** order
-        rounding = subject.round_off(level) * _of_positions(subject) + _of_falling(subject, level)
+        of_places = subject.round_off(level) * _position_rounding(subject)
+        rounding = of_places + _fall_rounding(subject, level)
         allowed = TERMS * (truncation + rounding)
         return judged(
             check=self.name,
@@ -315,7 +312,7 @@ def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Vari
     return Variant(subject.levels[0])
 
 
-def _work(subject: Subject, run: CompletedRun) -> Array | None:
+def _dissipated_work(subject: Subject, run: CompletedRun) -> Array | None:
     """The dissipated work [J] that a run reports; None if it reports none.
 
     None also for a method that computes it as the missing energy, since the balance then holds by
@@ -339,7 +336,7 @@ def _stiffens(scene: Scene) -> bool:
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
-def _of_rods(subject: Subject) -> Array | float:
+def _rod_rounding(subject: Subject) -> Array | float:
     """Round-off (T,) of rod lengths, c u sqrt(n) t/tau, where methods with a tolerance integrate
     rods as forces.
 
@@ -355,6 +352,7 @@ def _of_rods(subject: Subject) -> Array | float:
         or method.control != "tolerance"
     ):
         return 0.0
+    # Methods with a tolerance choose their steps: at most so many per tau.
     steps = max(float(len(t)), CLOCK_STEPS * scales.duration / scales.tau)
     drift: Array = (
         ROUND_OFF_FACTOR * method.round_off * np.sqrt(steps) * np.abs(t - t[0]) / scales.tau
@@ -362,7 +360,7 @@ def _of_rods(subject: Subject) -> Array | float:
     return drift
 
 
-def _of_falling(subject: Subject, level: float) -> float:
+def _fall_rounding(subject: Subject, level: float) -> float:
     """Round-off of velocities that constant gravity increases by the same amount at every step, and
     of the positions they carry.
     """
@@ -372,7 +370,7 @@ def _of_falling(subject: Subject, level: float) -> float:
     return 0.0
 
 
-def _of_positions(subject: Subject) -> float:
+def _position_rounding(subject: Subject) -> float:
     """Round-off of positions as energy, relative to the initial energy E0: force sqrt(2 k E0) times
     u L, over E0.
 

@@ -56,14 +56,18 @@ class EnergyReturn(Check):
             kinetic(scene, runs[variant].trajectory) for variant in self.needs(subject)
         )
         speeds = truth.value("v")[[0, -1]]
+        # The gain that truth has: m (v_T^2 - v_0^2)/2.
         true_gain = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
+        # A relative error of the velocity is scaled by its largest value.
         unit = instance.scales.energy * fastest**2
         gain = forward[-1] - forward[0]
         return_gain = backward[-1] - backward[0]
         allowed = float(subject.bound(subject.levels[-1])[-1])
         growth = float(truth.growth()[-1])
         is_exact = subject.method.reversible or subject.method.control == "exact"
+        # Errors of the forward run grow on the way back as well. A reversible method undoes its own
+        # truncation there, so that only round-off remains.
         if is_exact:
             velocity_error = 2 * subject.round_off(subject.levels[-1]) * growth**2
             return_basis = "round-off of the forward and the backward run"

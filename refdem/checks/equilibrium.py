@@ -82,7 +82,7 @@ class Equilibrium(Check):
         phase = phase[is_small]
         first = delta * np.cosh(phase)
         third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
-        allowed = _in_proportion(subject, delta)[is_small]
+        allowed = _angle_error(subject, delta)[is_small]
         return worst(
             check=self.name,
             quantity="departure",
@@ -111,7 +111,7 @@ class Equilibrium(Check):
         so theta differs from delta cos(w0 t) by at most delta^3 (w0 t/16 + 1/96).
         """
         phase = w0 * np.abs(t - t[0])
-        allowed = _in_proportion(subject, delta) * (1 + phase)
+        allowed = _angle_error(subject, delta) * (1 + phase)
         first = delta * np.cos(phase)
         third = np.abs(delta) ** 3 * (phase / 16 + 1 / 96)
         bounded = worst(
@@ -139,7 +139,7 @@ class Equilibrium(Check):
         return [bounded, swing]
 
 
-def _in_proportion(subject: Subject, delta: float) -> Array:
+def _angle_error(subject: Subject, delta: float) -> Array:
     """Truncation and round-off (T,) [rad].
 
     Next to an equilibrium the equation is linear, so the truncation error of fixed steps is
@@ -172,6 +172,7 @@ def _angles(scene: Scene, position: Array) -> Array:
     side of the start.
     """
     gravity = np.array(scene.all(UniformGravity)[0].g)
+    # The direction from the pivot to the equilibrium.
     vertical = gravity / np.linalg.norm(gravity)
     if _is_top(scene):
         vertical = -vertical
@@ -179,6 +180,8 @@ def _angles(scene: Scene, position: Array) -> Array:
     start = _arms(scene, scene.bodies.position[0])
     across = start - (start @ vertical) * vertical
     across_length = float(np.linalg.norm(across))
+    # Signed towards the side of the start; exactly at the equilibrium the distance from the
+    # vertical.
     if across_length > 0:
         horizontal = arm @ across / across_length
     else:

@@ -74,9 +74,9 @@ class Error(Check):
         for name in names:
             by_level = {level: of_level[name] for level, of_level in errors_at.items()}
             findings.append(self._finding(subject, runs, name, by_level, signals[name], bounds))
-        return findings + self._unsaid(subject, names)
+        return findings + self._missing_quantities(subject, names)
 
-    def _unsaid(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
+    def _missing_quantities(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
         """One finding on the quantities of a static question that the engine does not report.
 
         A static question (mass properties, identities) asks for each number by itself, so an answer
@@ -110,31 +110,19 @@ class Error(Check):
         """The finding on one quantity: its error at the level where it is the largest share of its
         bound.
 
-        Only levels with a sharp bound (at most a tenth of the signal) count; a level beyond its
-        bound always counts. `errors_by_level` and `bounds` hold arrays (count,) by level, up to
-        each level's horizon; `signal` (until,) is how far the true quantity moves. All are in units
-        of the quantity's scale.
+        `errors_by_level` and `bounds` hold arrays (count,) by level, up to each level's horizon;
+        `signal` (until,) is how far the true quantity moves. All are in units of the quantity's
+        scale.
         """
-        sights: dict[float, Sight] = {}
-        shares: dict[float, float] = {}
-        for level, allowed in bounds.items():
-            count = len(allowed)
-            sights[level] = sharpest(allowed, signal[:count])
-            shares[level] = float(np.max(errors_by_level[level][:count] / allowed))
         if not bounds:
-            return undecided(
-                self.name,
-                quantity,
-                "at every level the bound exceeds a tenth of the scale before the second sample",
-            )
-        # NaN counts as beyond its bound: `not share <= 1`.
-        decisive = [
-            level for level in bounds if not sights[level].is_blind or not shares[level] <= 1
-        ]
-        worst_level = _worst_level(decisive or list(bounds), shares)
-        count = len(bounds[worst_level])
-        error = errors_by_level[worst_level][:count]
+            why = "at every level the bound exceeds a tenth of the scale before the second sample"
+            return undecided(self.name, quantity, why)
+        sights = {level: sharpest(bound, signal[: len(bound)]) for level, bound in bounds.items()}
+        worst_level = _decisive_level(errors_by_level, bounds, sights)
         allowed = bounds[worst_level]
+        count = len(allowed)
+        error = errors_by_level[worst_level][:count]
+        # The sample at which the error is the largest share of its bound.
         point = int(np.argmax(error / allowed))
         levels = [
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
@@ -152,7 +140,7 @@ class Error(Check):
             unit="1",
             basis=_basis(subject, worst_level, settled=has_settled),
             what=_what(subject, quantity, worst_level, point, count),
-            sight=min(sights.values(), key=_part),
+            sight=min(sights.values(), key=_bound_over_signal),
             levels=tuple(levels),
             series=curve(subject.instance.times[:count], error, allowed),
             order_seen=_order_seen(subject, levels),
@@ -173,14 +161,14 @@ def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[floa
     for level in subject.levels:
         allowed = subject.bound(level)
         if level == subject.levels[-1]:
-            allowed = _sharpened(allowed, _settling(subject, runs))
+            allowed = _smaller_bound(allowed, _error_from_halvings(subject, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             bounds[level] = allowed[:count]
     return bounds
 
 
-def _sharpened(allowed: Array, estimate: Array | None) -> Array:
+def _smaller_bound(allowed: Array, estimate: Array | None) -> Array:
     """The smaller of the bound on the state and of the estimated error `estimate` (count,), until
     the bound exceeds COURSE.
     """
@@ -196,7 +184,7 @@ def _sharpened(allowed: Array, estimate: Array | None) -> Array:
     return bound
 
 
-def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
+def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
     """Bound (count,) on the error at the finest level from the change at the last halvings, in
     units of the scales; None if unknown.
 
@@ -229,6 +217,7 @@ def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array |
     last_change = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
     room = room_of(subject)
+    # Factor by which the error falls from one level to the next.
     ratio = 2.0**order
     if method.control == "tolerance":
         ratio = subject.levels[-2] / subject.levels[-1]
@@ -236,6 +225,7 @@ def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array |
             return None
     elif not kinked(instance):
         room /= ratio - 1.0
+    # The larger of the last change and of what the one before implies for it, so far.
     change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
     if method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.
@@ -243,11 +233,11 @@ def _settling(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array |
     may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = room * change + rounding
     if may_straddle:
-        allowed = allowed + ROOM * (_straddled(instance, fine, count) * subject.levels[-1])
+        allowed = allowed + ROOM * (_kink_rate(instance, fine, count) * subject.levels[-1])
     return allowed
 
 
-def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
+def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
     """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
     each sample.
 
@@ -294,6 +284,24 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
     return signals
 
 
+def _decisive_level(
+    errors_by_level: Mapping[float, Array],
+    bounds: Mapping[float, Array],
+    sights: Mapping[float, Sight],
+) -> float:
+    """The level whose error is the largest share of its bound.
+
+    Only levels with a sharp bound (at most a tenth of the signal) count, if there are any; a level
+    beyond its bound always counts.
+    """
+    shares: dict[float, float] = {}
+    for level, bound in bounds.items():
+        shares[level] = float(np.max(errors_by_level[level][: len(bound)] / bound))
+    # NaN counts as beyond its bound: `not share <= 1`.
+    decisive = [level for level in bounds if not sights[level].is_blind or not shares[level] <= 1]
+    return _worst_level(decisive or list(bounds), shares)
+
+
 def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
     """The level with the largest error relative to its bound; a level whose error is NaN comes
     first.
@@ -304,7 +312,7 @@ def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
     return max(levels, key=lambda level: ratios[level])
 
 
-def _part(sight: Sight) -> float:
+def _bound_over_signal(sight: Sight) -> float:
     """The bound over the signal; infinite without a signal."""
     if sight.sharpness is None:
         return np.inf

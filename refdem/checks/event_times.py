@@ -202,14 +202,10 @@ def predicted(
                 f" {error:.2g} shifts it by more than tau/10"
             )
             return Predicted(events, last, last, reason)
-        shift_as_observed = shift(
-            error_at(crossing, observed_bound, times), crossing
-        ) + interpolated(subject, crossing)
-        allowed = (
-            min(shift_by_claims, shift_as_observed)
-            + crossing.radius
-            + ticks(subject, crossing.time)
-        )
+        observed_error = error_at(crossing, observed_bound, times)
+        shift_as_observed = shift(observed_error, crossing) + interpolated(subject, crossing)
+        smaller_shift = min(shift_by_claims, shift_as_observed)
+        allowed = smaller_shift + crossing.radius + ticks(subject, crossing.time)
         if crossing.time > end:
             return Predicted(events, end, min(end, crossing.time - allowed), truth.reason)
         events[kind].append((crossing, allowed))

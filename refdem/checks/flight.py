@@ -62,10 +62,10 @@ class Flight(Check):
         scales = subject.instance.scales
         rounding = subject.round_off(subject.levels[-1])
         displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
-        is_free = _is_alone(scene, run, displacement, rounding)
+        is_free = _is_in_free_flight(scene, run, displacement, rounding)
         if not is_free.any():
             return []
-        deviation = _off(scene, run.position[1:] - run.position[:-1] - displacement)
+        deviation = _nearest_image(scene, run.position[1:] - run.position[:-1] - displacement)
         distance_scales = np.max(np.abs(run.position)) / scales.length
         path_scales = np.max(np.abs(run.velocity)) * scales.duration / scales.length
         # r + v h is rounded the same way at every step while r keeps its exponent, so that these
@@ -96,7 +96,9 @@ class Flight(Check):
         ]
 
 
-def _is_alone(scene: Scene, run: Trajectory, displacement: Array, rounding: float) -> Array:
+def _is_in_free_flight(
+    scene: Scene, run: Trajectory, displacement: Array, rounding: float
+) -> Array:
     """True (T - 1, N) where a body is in free flight: its velocity is unchanged, and its straight
     path ends inside every wall.
 
@@ -114,7 +116,7 @@ def _is_alone(scene: Scene, run: Trajectory, displacement: Array, rounding: floa
     return result
 
 
-def _off(scene: Scene, difference: Array) -> Array:
+def _nearest_image(scene: Scene, difference: Array) -> Array:
     """Differences of positions (T - 1, N, 3) [m]; in a periodic box those to the nearest image."""
     for box in scene.all(PeriodicBox):
         difference = box.nearest(difference)

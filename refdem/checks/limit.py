@@ -61,28 +61,15 @@ class Limit(Check):
         coarse, middle, fine = (runs[variant].trajectory for variant in self.needs(subject))
         count = min(truth.until, scored(subject.bound(subject.levels[-3])))
         if count < 2:
-            return [
-                undecided(
-                    self.name,
-                    "state",
-                    (
-                        "the predictability horizon of the third finest step is before the second"
-                        " sample"
-                    ),
-                )
-            ]
+            why = "the predictability horizon of the third finest step is before the second sample"
+            return [undecided(self.name, "state", why)]
         order = subject.order
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
         floor = 3 * float(np.max(subject.noise(subject.levels[-1]) * truth.growth()[:count]))
         largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if largest[1] > floor and np.log2(largest[0] / largest[1]) < order - SETTLED:
-            return [
-                undecided(
-                    self.name,
-                    "state",
-                    f"errors do not yet fall with order {order}; see the check `order`",
-                )
-            ]
+            why = f"errors do not yet fall with order {order}; see the check `order`"
+            return [undecided(self.name, "state", why)]
         # E(h) = (2^p e(h/2) - e(h))/(2^p - 1) of both pairs of neighbouring levels.
         coarse_limit, fine_limit = (
             (2**order * b - a) / (2**order - 1) for a, b in pairwise(errors)

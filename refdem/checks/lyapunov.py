@@ -128,37 +128,31 @@ class Lyapunov(Check):
         """Findings on the class of the motion, and, where truth is certified, on the exponent."""
         plain, beside = self.needs(subject)
         if beside not in runs:
-            return [
-                undecided(
-                    self.name, "exponent", "the engine refused the perturbed start during the run"
-                )
-            ]
+            why = "the engine refused the perturbed start during the run"
+            return [undecided(self.name, "exponent", why)]
         apart = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
-        saturated = np.flatnonzero(apart > SATURATED)
-        if len(saturated):
-            count = int(saturated[0])
-        else:
-            count = len(apart)
         if not apart[0] > 0:
             return [undecided(self.name, "exponent", "the perturbed start equals the plain one")]
+        count = _until_saturated(apart)
         if count < FEWEST:
-            return [
-                undecided(
-                    self.name,
-                    "exponent",
-                    (
-                        f"neighbouring trajectories saturate after {count} samples; request more"
-                        " samples"
-                    ),
-                )
-            ]
+            why = f"neighbouring trajectories saturate after {count} samples; request more samples"
+            return [undecided(self.name, "exponent", why)]
         t = subject.instance.times[:count]
         # Neighbours that meet by rounding have distance 0, whose logarithm is infinite: a floor of
         # 2^-20.
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
+        if subject.instance.case.is_chaotic(subject.instance.p):
+            return self._of_chaotic_motion(subject, t, seen)
+        return [self._of_regular_motion(subject, runs[plain], apart[:count], seen)]
+
+    def _of_chaotic_motion(self, subject: Subject, t: Array, seen: Growth) -> list[Finding]:
+        """The findings that the motion is chaotic and its exponent that of truth, over times t
+        (T,).
+
+        Undecided where the true motion itself is not clearly chaotic over this time.
+        """
         truth = certified(subject)
-        if not subject.instance.case.is_chaotic(subject.instance.p):
-            return [self._of_regular_motion(subject, runs[plain], apart[:count], seen)]
+        count = len(t)
         if truth is None or truth.until < count:
             if truth:
                 why = f"truth is certified for only {truth.until} of {count} samples"
@@ -166,21 +160,17 @@ class Lyapunov(Check):
                 why = no_truth(subject)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
         true_growth = growth(t, truth.growth()[:count])
-        if not (
-            true_growth.power > CLEAR * LARGEST_POWER
-            and true_growth.exponent > CLEAR * ERRORS * true_growth.error
-        ):
+        is_fast = true_growth.power > CLEAR * LARGEST_POWER
+        is_positive = true_growth.exponent > CLEAR * ERRORS * true_growth.error
+        if not (is_fast and is_positive):
             until = subject.instance.problem.when(t[-1])
             size = f"{true_growth.exponent:.2g} +- {true_growth.error:.1g}"
             why = (
                 f"until {until} the neighbours of the true motion diverge with exponent"
-                f" {size} and power {true_growth.power:.2g}"
+                f" {size} and power {true_growth.power:.2g}, which is not enough to call the motion"
+                " chaotic"
             )
-            return [
-                undecided(
-                    self.name, "class", f"{why}, which is not enough to call the motion chaotic"
-                )
-            ]
+            return [undecided(self.name, "class", why)]
         return [self._positive(seen), self._against_truth(subject, seen, true_growth, t)]
 
     def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
@@ -260,6 +250,7 @@ class Lyapunov(Check):
         else:
             factor = SLOWER
             exception = f"and few grow less by a factor of {SLOWER:g}"
+        # While the run is on the true trajectory, its growth is between S/SLOWER and FASTER S.
         tight = float(np.log(factor)) / duration
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight
@@ -282,6 +273,14 @@ class Lyapunov(Check):
                 f" {true.exponent:.4g})"
             ),
         )
+
+
+def _until_saturated(apart: Array) -> int:
+    """Number of samples before the distance (T,) of neighbours first exceeds SATURATED."""
+    saturated = np.flatnonzero(apart > SATURATED)
+    if len(saturated):
+        return int(saturated[0])
+    return len(apart)
 
 
 CHECK = Lyapunov()

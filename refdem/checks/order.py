@@ -96,7 +96,7 @@ class Order(Check):
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
-        errors_at = _seen(subject, runs, truth)
+        errors_at = _errors_at_levels(subject, runs, truth)
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
         return [self._state(subject, runs, truth, errors_at), *self._growth(subject, errors_at)]
@@ -114,7 +114,7 @@ class Order(Check):
         errors the order is that of the last pairs (`_deficit`), the mean over all levels where
         kinks scatter them (`_mean`), or none, where all are round-off (`_nothing_left`).
         """
-        counting, common = _counting(subject)
+        counting, common = _counting_levels(subject)
         if len(counting) < 3:
             levels = len(self.needs(subject))
             why = (
@@ -172,13 +172,13 @@ class Order(Check):
         )
         if not all_resolved:
             return []
+        # Octaves by which the error rises at each halving.
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
         rises_throughout = min(rises) > RISE
         if kinked(subject.instance):
             slope, deviation, _ = mean_order(levels, largest)
-            rises_throughout = (
-                rises_throughout and slope < -RISE and subject.order - slope > SURE * deviation
-            )
+            is_beyond_chance = slope < -RISE and subject.order - slope > SURE * deviation
+            rises_throughout = rises_throughout and is_beyond_chance
         rise = 0.0
         if rises_throughout:
             rise = max(0.0, sum(rises))
@@ -325,9 +325,10 @@ class Order(Check):
         # `deviation` is expected of errors that kinks scatter, `shown` that of these errors.
         slope, deviation, shown = mean_order(steps, largest)
         deficit = claimed - slope
-        scatter = min(
-            SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
-        )
+        # The scatter that excuses a deficit: SURE deviations, or less if these errors lie close to
+        # a line, by Student's quantile for their degrees of freedom.
+        quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
+        scatter = min(SURE * deviation, max(LINE, quantile * shown))
         if 0.5 < deficit <= scatter:
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"
@@ -335,7 +336,7 @@ class Order(Check):
             )
             return undecided(self.name, "state", why)
         if deficit > 0.5:
-            basis += "; " + _declared(subject)
+            basis += "; " + _declaration_hint(subject)
         return judged(
             check=self.name,
             quantity="state",
@@ -438,10 +439,13 @@ def _misfits(
     if not errors[-1].size:
         return None
     order = subject.order
-    return Misfits(claimed=_left(errors, order, order + 1), lower=_left(errors, order - 1, order))
+    return Misfits(
+        claimed=_fit_residual(errors, order, order + 1),
+        lower=_fit_residual(errors, order - 1, order),
+    )
 
 
-def _left(errors: Sequence[Array], first: float, second: float) -> float:
+def _fit_residual(errors: Sequence[Array], first: float, second: float) -> float:
     """Largest relative residual at h/4 of a h^first + b h^second, fitted to the errors at h and
     h/2.
 
@@ -454,7 +458,7 @@ def _left(errors: Sequence[Array], first: float, second: float) -> float:
     return float(np.max(np.abs(fine - fitted)) / np.max(np.abs(fine)))
 
 
-def _declared(subject: Subject) -> str:
+def _declaration_hint(subject: Subject) -> str:
     """What the author of a method may declare in `refdem.toml` if its order is known to be lower
     here.
     """
@@ -464,7 +468,9 @@ def _declared(subject: Subject) -> str:
     return "no force in the scene explains a lower order"
 
 
-def _seen(subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth) -> Seen:
+def _errors_at_levels(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth
+) -> Seen:
     """Scaled errors of every quantity, at every level from which an order is read."""
     levels = order_levels(subject.instance, subject.levels)
     return {
@@ -478,7 +484,7 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
     return max(float(np.max(error[:common])) for error in scaled.values())
 
 
-def _counting(subject: Subject) -> tuple[list[float], int]:
+def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the number of
     samples that all of them score.
 

@@ -74,15 +74,13 @@ class PhaseArea(Check):
             share = BROKEN
         polygon_error = polygon(x, v, share) / initial
         count = truth.until
+        # From the first sample at which the polygon is too coarse on nothing is judged.
         too_coarse = np.flatnonzero(polygon_error > COARSE)
         if len(too_coarse):
             count = min(count, int(too_coarse[0]))
         if count < MIN_SAMPLES:
-            return [
-                undecided(
-                    self.name, "area", "the outline has too few points for the way it stretches"
-                )
-            ]
+            why = "the outline has too few points for the way it stretches"
+            return [undecided(self.name, "area", why)]
         error = np.abs(phase_area(x, v)[:count] - truth.value("area")[:count]) / initial
         rounding_error = rounding(subject, x, v)[:count] * truth.growth()[:count] / initial
         allowed = polygon_error[:count] + rounding_error

@@ -42,6 +42,7 @@ class Rest(Check):
         scales = subject.instance.scales
         moved = run.position - subject.instance.scene.bodies.position
         displacement = np.linalg.norm(moved, axis=-1).max(axis=1)
+        # The mean speed of creep over the second half, for the finding's sentence.
         half = len(displacement) // 2
         creep = (displacement[-1] - displacement[half]) / abs(run.t[-1] - run.t[half])
         measured = {

@@ -59,12 +59,12 @@ class Reversal(Check):
             changes: tuple[Change, ...] = ("reversed", "backward")
         else:
             changes = ("reversed",)
-        level = _level(subject)
+        level = _judged_level(subject)
         if _has_order(subject):
             pair = subject.levels[-2:]
         else:
             pair = ()
-        compared = Variant(_telling(subject, level))
+        compared = Variant(_compared_level(subject, level))
         variants = (
             Variant(level),
             compared,
@@ -80,57 +80,35 @@ class Reversal(Check):
         truth = certified(subject)
         if truth is None:
             return [undecided(self.name, "return", no_truth(subject))]
-        level = _level(subject)
+        level = _judged_level(subject)
         growth = float(truth.growth()[-1])
-        # The smallest of three bounds counts: what the claims allow, what the forward run's error
-        # against truth implies, and what the defect at a larger step implies.
-        allowed = _size(subject, level)
-        basis = (
-            "truncation error of the forward and backward runs, the first amplified on the way back"
-        )
-        if _is_exact(subject):
-            basis = (
-                "a reversible method returns to round-off, c u sqrt(n) forward and"
-                " backward, times the sensitivity S of both"
-            )
+        findings: list[Finding] = []
         if _has_order(subject) and len(subject.levels) > 1:
-            order = self._order(subject, runs, growth)
-        else:
-            order = []
-        if allowed > HORIZON:
-            return order or [
-                undecided(
-                    self.name,
-                    "return",
-                    (
-                        "the bound on the return error exceeds a tenth of the scale: the run is"
-                        " longer than the predictability horizon"
-                    ),
-                )
-            ]
-        extrapolated = _fallen(subject, runs, level, growth)
-        observed = _shown(subject, runs, level)
-        if observed < allowed:
-            allowed = observed
-            basis = "the backward run may add as much error as the forward run is seen to have"
-        if allowed > extrapolated:
-            basis = "truncation error extrapolated from a larger step with the claimed order"
-        return order + [
-            judged(
-                check=self.name,
-                quantity=variant.change,
-                value=_defect(subject, runs[variant].trajectory, variant.change),
-                bound=min(allowed, extrapolated),
-                unit="1",
-                basis=basis,
-                what=(
-                    "The distance from the initial state after running forward and backward"
-                    f" ({variant.change}), relative to each scale,"
-                ),
+            findings = self._order(subject, runs, growth)
+        if _claimed_defect(subject, level) > HORIZON:
+            why = (
+                "the bound on the return error exceeds a tenth of the scale: the run is"
+                " longer than the predictability horizon"
             )
-            for variant in self.needs(subject)
-            if variant.level == level and variant.goes_on
-        ]
+            return findings or [undecided(self.name, "return", why)]
+        bound, basis = _return_bound(subject, runs, level, growth)
+        for variant in self.needs(subject):
+            if variant.level == level and variant.goes_on:
+                findings.append(
+                    judged(
+                        check=self.name,
+                        quantity=variant.change,
+                        value=_defect(subject, runs[variant].trajectory, variant.change),
+                        bound=bound,
+                        unit="1",
+                        basis=basis,
+                        what=(
+                            "The distance from the initial state after running forward and backward"
+                            f" ({variant.change}), relative to each scale,"
+                        ),
+                    )
+                )
+        return findings
 
     def _order(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
@@ -184,7 +162,33 @@ class Reversal(Check):
         ]
 
 
-def _fallen(
+def _return_bound(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
+) -> tuple[float, str]:
+    """The bound on the return defect at a level, with its basis.
+
+    It is the smallest of three: what the claims allow, what the forward run's error against truth
+    implies, and what the defect at a larger step implies.
+    """
+    bound = _claimed_defect(subject, level)
+    basis = "truncation error of the forward and backward runs, the first amplified on the way back"
+    if _is_exact(subject):
+        basis = (
+            "a reversible method returns to round-off, c u sqrt(n) forward and"
+            " backward, times the sensitivity S of both"
+        )
+    observed = _defect_from_observed_error(subject, runs, level)
+    if observed < bound:
+        bound = observed
+        basis = "the backward run may add as much error as the forward run is seen to have"
+    extrapolated = _extrapolated_defect(subject, runs, level, growth)
+    if extrapolated < bound:
+        bound = extrapolated
+        basis = "truncation error extrapolated from a larger step with the claimed order"
+    return bound, basis
+
+
+def _extrapolated_defect(
     subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
 ) -> float:
     """Bound on the defect at a level: that of a coarser level divided by 2^(p octaves), with room;
@@ -204,18 +208,18 @@ def _is_exact(subject: Subject) -> bool:
     return subject.method.reversible or subject.method.control == "exact"
 
 
-def _size(subject: Subject, level: float) -> float:
+def _claimed_defect(subject: Subject, level: float) -> float:
     """Bound on the return defect at a level, from the claims of the method; needs truth.
 
     Let D(s) be the Jacobian of the flow from the start to time s. An error e made at time s becomes
     D(T) D(s)^-1 e at the end, and the way back takes it to D(s)^-1 e: to first order it undoes the
     growth on the way forward, and S counts once.
     """
-    reached = _reached(subject, level)
-    return _there_and_back(subject, reached * _unbent(subject), reached)
+    reached = _claimed_forward_error(subject, level)
+    return _defect_bound(subject, reached * _return_amplification(subject), reached)
 
 
-def _unbent(subject: Subject) -> float:
+def _return_amplification(subject: Subject) -> float:
     """Factor by which the way back may amplify errors, if S amplified them forward.
 
     The flow of a reversible scene is symplectic: D^-1 is D transposed with rows and columns in
@@ -230,7 +234,7 @@ def _unbent(subject: Subject) -> float:
     return min(float(columns), float(subject.truth.growth()[-1]))
 
 
-def _there_and_back(subject: Subject, each: float, reached: float) -> float:
+def _defect_bound(subject: Subject, each: float, reached: float) -> float:
     """Defect bound 2 (each + reached^2 S): each way adds `each`, and the error `reached` at the end
     adds its square to second order.
     """
@@ -238,20 +242,22 @@ def _there_and_back(subject: Subject, each: float, reached: float) -> float:
     return 2 * (each + reached**2 * float(subject.truth.growth()[-1]))
 
 
-def _reached(subject: Subject, level: float) -> float:
+def _claimed_forward_error(subject: Subject, level: float) -> float:
     """Bound on the error at the end of the forward run, from the claims of the method."""
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
+    # Round-off c u sqrt(2 n), of the steps of both ways, and of sums whose terms repeat, times S.
     summation = clock(subject.instance, subject.method, level) + flight(
         subject.instance, subject.method, level
     )
-    return (math.sqrt(2.0) * subject.round_off(level) + summation) * float(
-        subject.truth.growth()[-1]
-    )
+    rounding = math.sqrt(2.0) * subject.round_off(level) + summation
+    return rounding * float(subject.truth.growth()[-1])
 
 
-def _shown(subject: Subject, runs: Mapping[Variant, CompletedRun], level: float) -> float:
+def _defect_from_observed_error(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
+) -> float:
     """Bound on the return defect from the observed error of the forward run against truth; infinite
     if unknown.
 
@@ -264,7 +270,7 @@ def _shown(subject: Subject, runs: Mapping[Variant, CompletedRun], level: float)
     """
     truth = certified(subject)
     assert truth is not None
-    compared_level = _telling(subject, level)
+    compared_level = _compared_level(subject, level)
     if truth.until < len(subject.instance.times) or (
         subject.method.control == "tolerance" and compared_level == level
     ):
@@ -273,18 +279,18 @@ def _shown(subject: Subject, runs: Mapping[Variant, CompletedRun], level: float)
         room = ROOM
     else:
         room = room_of(subject)
-    observed = room * float(
-        largest_so_far(subject, compared_level, runs[Variant(compared_level)].trajectory, truth)[-1]
-    )
+    run = runs[Variant(compared_level)].trajectory
+    observed = room * float(largest_so_far(subject, compared_level, run, truth)[-1])
     reached = observed + COUNTING_FLOOR * subject.noise(level)
+    # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])
     else:
-        amplification = _unbent(subject)
-    return _there_and_back(subject, reached * amplification, reached)
+        amplification = _return_amplification(subject)
+    return _defect_bound(subject, reached * amplification, reached)
 
 
-def _telling(subject: Subject, level: float) -> float:
+def _compared_level(subject: Subject, level: float) -> float:
     """The level whose observed error stands for that of the way back.
 
     Methods with a tolerance may choose other steps on the way back, so a looser level is taken.
@@ -294,7 +300,7 @@ def _telling(subject: Subject, level: float) -> float:
     return level
 
 
-def _level(subject: Subject) -> float:
+def _judged_level(subject: Subject) -> float:
     """The level that is judged: the finest, or the first of its halves at which the way back is
     predictable.
     """
@@ -302,7 +308,7 @@ def _level(subject: Subject) -> float:
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
         return finest
     finer = (finest / 2**k for k in range(FURTHER + 1))
-    return next((level for level in finer if _size(subject, level) <= HORIZON), finest)
+    return next((level for level in finer if _claimed_defect(subject, level) <= HORIZON), finest)
 
 
 def _has_order(subject: Subject) -> bool:

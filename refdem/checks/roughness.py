@@ -13,7 +13,8 @@ from refdem.checks.cooling import DILUTE, ERRORS, FEWEST, SHORT, THEORY, are_ali
 from refdem.core.balance import mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import undecided, worst
+from refdem.core.judgement import Array, undecided, worst
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.mechanics.gas import collisions, rough_temperatures
 from refdem.scene import Scene
@@ -73,49 +74,44 @@ class Roughness(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Two findings: the total energy, and the rotational temperature against kinetic
-        theory.
-        """
+        """Two findings: the total energy, and the rotational temperature against kinetic theory."""
         if subject.truth is None or "collision_frequency" not in subject.truth.scalars:
             return [undecided(self.name, "energy", "the collision frequency is not certified")]
         scene = subject.instance.scene
         run = runs[subject.finest].trajectory
         frequency = subject.truth.scalars["collision_frequency"][0]
         n = len(scene.bodies)
-        mass = float(scene.bodies.mass[0])
-        law = scene.all(Contact)[0]
-        temperature = subject.instance.p.t0
-        softness = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
-        # Volume of the spheres over that of the box, n pi/6 (2 R/L)^3.
-        packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
+        packing, softness = _packing_and_softness(scene, frequency)
         if packing > DILUTE or softness > SHORT:
-            return [
-                undecided(
-                    self.name,
-                    "energy",
-                    (
-                        f"collisions are not binary: the packing fraction is {packing:.2g} and"
-                        f" contact time times collision frequency is {softness:.2g}"
-                    ),
-                )
-            ]
+            why = (
+                f"collisions are not binary: the packing fraction is {packing:.2g} and"
+                f" contact time times collision frequency is {softness:.2g}"
+            )
+            return [undecided(self.name, "energy", why)]
         t = run.t - run.t[0]
-        translational, rotational = rough_temperatures(t, temperature, frequency, _inertia(scene))
-        n_collisions = collisions(t, translational, frequency / np.sqrt(temperature), n)
+        t0 = subject.instance.p.t0
+        translational, rotational = rough_temperatures(t, t0, frequency, _inertia(scene))
+        n_collisions = collisions(t, translational, frequency / np.sqrt(t0), n)
         expected = n_collisions[-1]
         if expected < FEWEST:
-            return [
-                undecided(
-                    self.name,
-                    "spin",
-                    f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean",
-                )
-            ]
-        energy = mechanical(scene, run)
+            why = f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean"
+            return [undecided(self.name, "spin", why)]
+        # The part of the energy that contacts in progress store, and its scatter.
         stored = softness + ERRORS * np.sqrt(softness / n)
         # Rotational temperature: sum J omega^2 over the 3 n degrees of freedom.
         observed = np.einsum("nk,tnk->t", scene.bodies.inertia, run.omega**2) / (3 * n)
-        energies = worst(
+        error = np.abs(observed - rotational) / t0
+        # The gain is a sum over the collisions so far, of relative standard error sqrt(2/number).
+        scatter = ERRORS * rotational / t0 * np.sqrt(2 / np.maximum(n_collisions, 1))
+        return [
+            self._energy(scene, run, stored),
+            self._spin(run, error, scatter + THEORY + stored),
+        ]
+
+    def _energy(self, scene: Scene, run: Trajectory, stored: float) -> Finding:
+        """The finding that the total energy is constant, up to the part `stored` in contacts."""
+        energy = mechanical(scene, run)
+        return worst(
             check=self.name,
             quantity="energy",
             t=run.t,
@@ -128,14 +124,15 @@ class Roughness(Check):
             ),
             what="The relative change of kinetic, rotational and contact energy",
         )
-        spins = worst(
+
+    def _spin(self, run: Trajectory, error: Array, allowed: Array) -> Finding:
+        """The finding on the rotational temperature, both (T,) in units of the initial one."""
+        return worst(
             check=self.name,
             quantity="spin",
             t=run.t,
-            values=np.abs(observed - rotational) / temperature,
-            allowed=ERRORS * rotational / temperature * np.sqrt(2 / np.maximum(n_collisions, 1))
-            + THEORY
-            + stored,
+            values=error,
+            allowed=allowed,
             unit="1",
             basis=(
                 f"{ERRORS:g} standard errors of the gain in the collisions so far,"
@@ -146,7 +143,21 @@ class Roughness(Check):
                 " to the initial temperature,"
             ),
         )
-        return [energies, spins]
+
+
+def _packing_and_softness(scene: Scene, frequency: float) -> tuple[float, float]:
+    """Packing fraction, and contact time times collision frequency (both [1]).
+
+    n spheres of radius R in a box of edge L fill n pi/6 (2 R/L)^3 of it. An undamped contact of two
+    masses m lasts pi sqrt(m/(2 k)).
+    """
+    bodies = scene.bodies
+    law = scene.all(Contact)[0]
+    box = scene.all(PeriodicBox)[0]
+    mass = float(bodies.mass[0])
+    packing = len(bodies) * np.pi / 6 * (2 * bodies.radius[0] / box.size) ** 3
+    softness = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
+    return float(packing), float(softness)
 
 
 def _inertia(scene: Scene) -> float:

@@ -16,6 +16,7 @@ from refdem.core.finding import Finding
 from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import scored
 from refdem.core.variant import Variant
+from refdem.scene import Scene
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -59,37 +60,25 @@ class SecondIntegral(Check):
             return [undecided(self.name, "I", no_truth(subject))]
         allowed = subject.bound(subject.levels[-1])
         count = scored(allowed)
-        g = float(
-            np.linalg.norm(
-                sum(np.array(field.g) for field in subject.instance.scene.all(UniformGravity))
-            )
-        )
-        measured = {
-            name: v[:count]
-            for name, v in subject.instance.observe(runs[subject.finest].trajectory).items()
-        }
-        known = {name: truth.value(name)[:count] for name in measured}
+        g = float(np.linalg.norm(gravity(subject.instance.scene)))
+        observed = subject.instance.observe(runs[subject.finest].trajectory)
+        state = {name: values[:count] for name, values in observed.items()}
+        true_state = {name: truth.value(name)[:count] for name in state}
         # I changes its sign with every turn, so that theta must be within half a turn of truth.
-        turns = np.round((known["theta"] - measured["theta"]) / (2 * np.pi))
-        run_integral = _integral({**measured, "theta": measured["theta"] + 2 * np.pi * turns}, g)
-        true_integral = _integral(known, g)
-        speed = np.hypot(measured["rdot"], measured["r"] * measured["thetadot"])
-        r_squared = measured["r"] ** 2
-        scale = float(np.max(r_squared * np.abs(measured["thetadot"]) * speed + g * r_squared))
-        drift = float(np.max(np.abs(true_integral - true_integral[0]))) / scale
+        turns = np.round((true_state["theta"] - state["theta"]) / (2 * np.pi))
+        state["theta"] = state["theta"] + 2 * np.pi * turns
+        integral = _integral(state, g)
+        true_integral = _integral(true_state, g)
+        scale = _largest_term(state, g)
+        change = integral - integral[0]
+        true_change = true_integral - true_integral[0]
+        drift = float(np.max(np.abs(true_change))) / scale
         bound = TERMS * float(allowed[count - 1])
         return [
             judged(
                 check=self.name,
                 quantity="I",
-                value=float(
-                    np.max(
-                        np.abs(
-                            (run_integral - run_integral[0]) - (true_integral - true_integral[0])
-                        )
-                    )
-                )
-                / scale,
+                value=float(np.max(np.abs(change - true_change))) / scale,
                 bound=bound,
                 sight=Sight(bound, 1.0),
                 unit="1",
@@ -102,12 +91,27 @@ class SecondIntegral(Check):
         ]
 
 
+def gravity(scene: Scene) -> Array:
+    """Sum of all uniform gravity fields (3,) [m/s^2]."""
+    total: Array = np.asarray(sum(np.array(field.g) for field in scene.all(UniformGravity)))
+    return total
+
+
+def _largest_term(state: Mapping[str, Array], g: float) -> float:
+    """Largest r^2 |w| v + g r^2 over the run, with v the speed of the pendulum: the size of I."""
+    w = state["thetadot"]
+    speed = np.hypot(state["rdot"], state["r"] * w)
+    r_squared = state["r"] ** 2
+    return float(np.max(r_squared * np.abs(w) * speed + g * r_squared))
+
+
 def _integral(state: Mapping[str, Array], g: float) -> Array:
     """The second integral I (T,) from r, theta, rdot and thetadot."""
     r = state["r"]
     w = state["thetadot"]
     sine = np.sin(state["theta"] / 2)
     cosine = np.cos(state["theta"] / 2)
+    # I = r^2 w (r' cos(theta/2) - r w sin(theta/2)/2) + g r^2 sin(theta/2) cos^2(theta/2).
     integral: Array = (
         r**2 * w * (state["rdot"] * cosine - r * w / 2 * sine) + g * r**2 * sine * cosine**2
     )

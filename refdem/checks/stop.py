@@ -43,22 +43,17 @@ class Stop(Check):
         t = subject.instance.times
         scales = subject.instance.scales
         if stop >= t[-1]:
-            return [
-                undecided(
-                    self.name,
-                    "stop",
-                    f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s",
-                )
-            ]
+            why = f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s"
+            return [undecided(self.name, "stop", why)]
         level = subject.levels[-1]
         allowed = float(subject.bound(level)[-1])
         rounding = subject.round_off(level)
+        # An error of the state by its bound shifts the stop by at most that many tau.
         after = t > stop + allowed * scales.tau
         position_error = abs(float(run.position[-1, 0, 0]) - place) / scales.length
+        creep = 0.0
         if after.any():
             creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
-        else:
-            creep = 0.0
         return [
             judged(
                 check=self.name,
@@ -108,7 +103,7 @@ class Stop(Check):
             observed = t[moving_samples[-1]]
         else:
             observed = 0.0
-        unseen = _unseen(subject, visible * scales.speed, place)
+        unseen = _invisible_time(subject, visible * scales.speed, place)
         slack = subject.instance.problem.interval + unseen
         return judged(
             check=self.name,
@@ -127,7 +122,7 @@ class Stop(Check):
         )
 
 
-def _unseen(subject: Subject, speed: float, place: float) -> float:
+def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     """Longest time [s] before the stop in which the motion may be invisible, because it is slower
     than `speed` [m/s].
 
@@ -143,9 +138,11 @@ def _unseen(subject: Subject, speed: float, place: float) -> float:
     deceleration = (friction - spring_force) / float(scene.bodies.mass.sum())
     tau = subject.instance.scales.tau
     surely_seen = 2 * speed
+    # The largest speed of the last half cycle, a tau.
     fastest = deceleration * tau
     if fastest > surely_seen:
         return float(np.pi / 2 * surely_seen / deceleration)
+    # Never fast enough in the last half cycle, which lasts pi tau.
     longest = np.pi * tau
     truth = certified(subject)
     assert truth is not None

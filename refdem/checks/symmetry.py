@@ -86,10 +86,10 @@ class Symmetry(Check):
         pictures = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
         extra: tuple[Variant, ...] = ()
         if _has_axes(subject) and Variant(level, "rotated") in pictures:
-            second_level = _beside(subject)
+            second_level = _second_level(subject)
             extra = (Variant(second_level), Variant(second_level, "rotated"))
-        if _decides(subject) and subject.method.control == "step":
-            extra = (*extra, *_draws(subject, level), *_coarser(subject))
+        if _rounding_decides(subject) and subject.method.control == "step":
+            extra = (*extra, *_further_perturbations(subject, level), *_coarser_run(subject))
         elif subject.method.control == "tolerance":
             extra = tuple(Variant(looser) for looser in subject.levels[:-1])
         return (
@@ -104,59 +104,54 @@ class Symmetry(Check):
         scale.
         """
         plain, perturbed, *others = self.needs(subject)
-        pictures = [
-            variant
-            for variant in others
-            if variant.level == plain.level and variant.change in symmetry.NAMES
-        ]
-        base = runs[plain].trajectory
-        growth = growth_of(subject, _least_moved(subject, runs, perturbed), base)
+        growth = growth_of(subject, _least_moved(subject, runs, perturbed), runs[plain].trajectory)
         findings = []
-        for variant in pictures:
+        for variant in others:
+            is_picture = variant.level == plain.level and variant.change in symmetry.NAMES
             # An engine may refuse a picture only when it runs.
-            if variant not in runs:
-                continue
-            view = symmetry.of(subject.instance, variant.change)
-            decided = _decided_by_rounding(subject, runs, growth, variant.change)
-            bounds = round_off(subject, view) * growth + decided
-            count = scored(bounds)
-            if count < 2:
-                findings.append(
-                    undecided(
-                        self.name,
-                        variant.change,
-                        "round-off may exceed a tenth of the scale before the second sample",
-                    )
-                )
-                continue
-            difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
-            if (
-                variant.change == "rotated"
-                and _has_axes(subject)
-                and np.any(difference[:count] > bounds[:count])
-            ):
-                findings.append(self._rotated(subject, runs, growth, decided))
-                continue
-            findings.append(
-                worst(
-                    check=self.name,
-                    quantity=variant.change,
-                    t=subject.instance.times[:count],
-                    values=difference[:count],
-                    allowed=bounds[:count],
-                    unit="1",
-                    basis=_basis(subject),
-                    what=(
-                        f"The difference between the motion and its {variant.change} counterpart,"
-                        " relative to each scale,"
-                    ),
-                )
-            )
+            if is_picture and variant in runs:
+                findings.append(self._picture(subject, runs, variant, growth))
         return findings or [
             undecided(
                 self.name, "any", "the engine refused every symmetry of the scene during the run"
             )
         ]
+
+    def _picture(
+        self,
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
+        variant: Variant,
+        growth: Array,
+    ) -> Finding:
+        """The finding that the run of a picture, transformed back, is the plain run; `growth` (T,)
+        is that of errors.
+        """
+        base = runs[Variant(variant.level)].trajectory
+        view = symmetry.of(subject.instance, variant.change)
+        decided = _decided_by_rounding(subject, runs, growth, variant.change)
+        bounds = round_off(subject, view) * growth + decided
+        count = scored(bounds)
+        if count < 2:
+            why = "round-off may exceed a tenth of the scale before the second sample"
+            return undecided(self.name, variant.change, why)
+        difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
+        exceeds = bool(np.any(difference[:count] > bounds[:count]))
+        if variant.change == "rotated" and _has_axes(subject) and exceeds:
+            return self._rotated(subject, runs, growth, decided)
+        return worst(
+            check=self.name,
+            quantity=variant.change,
+            t=subject.instance.times[:count],
+            values=difference[:count],
+            allowed=bounds[:count],
+            unit="1",
+            basis=_basis(subject),
+            what=(
+                f"The difference between the motion and its {variant.change} counterpart,"
+                " relative to each scale,"
+            ),
+        )
 
     def _rotated(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, decided: Array
@@ -170,30 +165,17 @@ class Symmetry(Check):
         """
         coarsest = subject.levels[0]
         finest = subject.levels[-1]
-        view = symmetry.of(subject.instance, "rotated")
-        rotated = {
-            level: view.undone(runs[Variant(level, "rotated")].trajectory)
-            for level in (coarsest, finest)
-        }
-        # Largest scaled differences (T,) between the rotated and the plain run at both levels.
-        coarse = distances(subject.instance, rotated[coarsest], runs[Variant(coarsest)].trajectory)
-        fine = distances(subject.instance, rotated[finest], runs[Variant(finest)].trajectory)
+        coarse = _rotation_difference(subject, runs, coarsest)
+        fine = _rotation_difference(subject, runs, finest)
         order = subject.order
+        truncation = (2 * subject.truncation(finest)) * growth
+        count = scored(truncation)
+        # The difference at the coarsest level, fallen with the order less 1/2, or round-off.
         octaves = np.log2(coarsest / finest)
-        allowed = (2 * subject.truncation(finest)) * growth
-        count = scored(allowed)
-        largest = float(np.max(fine))
-        # The difference at the coarsest level, fallen with the order less 1/2.
         extrapolated = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
-        floor = np.maximum(
-            extrapolated, 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
-        )
-        what = (
-            "The difference between the motion and its rotated counterpart at the"
-            " finest step, relative to each scale"
-        )
-        bounds = np.minimum(allowed, floor) + decided
-        largest_coarse = float(np.max(coarse))
+        view = symmetry.of(subject.instance, "rotated")
+        rounding = 2 * subject.noise(finest) * symmetry.size(subject.instance, view) * growth
+        bounds = np.minimum(truncation, np.maximum(extrapolated, rounding)) + decided
         return worst(
             check=self.name,
             quantity="rotated",
@@ -206,10 +188,22 @@ class Symmetry(Check):
                 f" order {order} at both steps and fall with it"
             ),
             what=(
-                f"{what} ({largest:.2g}; at {coarsest / finest:.0f} times the step"
-                f" {largest_coarse:.2g}),"
+                "The difference between the motion and its rotated counterpart at the"
+                f" finest step, relative to each scale ({float(np.max(fine)):.2g};"
+                f" at {coarsest / finest:.0f} times the step {float(np.max(coarse)):.2g}),"
             ),
         )
+
+
+def _rotation_difference(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
+) -> Array:
+    """Largest scaled difference (T,) between the plain run at a level and the rotated one, rotated
+    back.
+    """
+    view = symmetry.of(subject.instance, "rotated")
+    rotated_back = view.undone(runs[Variant(level, "rotated")].trajectory)
+    return distances(subject.instance, rotated_back, runs[Variant(level)].trajectory)
 
 
 def _has_axes(subject: Subject) -> bool:
@@ -220,7 +214,7 @@ def _has_axes(subject: Subject) -> bool:
     return turns and subject.method.control == "step" and len(subject.levels) > 1
 
 
-def _beside(subject: Subject) -> float:
+def _second_level(subject: Subject) -> float:
     """The level to compare with that of `level_for`: the other end of the ladder of steps."""
     is_finest = level_for(subject) == subject.levels[-1]
     if is_finest:
@@ -232,7 +226,7 @@ def level_for(subject: Subject) -> float:
     """The coarsest level, where a small step hides nothing; the finest where truncation has to be
     allowed for.
     """
-    if _decides(subject):
+    if _rounding_decides(subject):
         return subject.levels[-1]
     return subject.levels[0]
 
@@ -271,12 +265,12 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
     without perturbed runs.
     """
     error = np.full_like(growth, round_off(subject, view))
-    if _decides(subject):
+    if _rounding_decides(subject):
         error += 2 * subject.truncation(level_for(subject))
     return error * growth
 
 
-def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
+def _further_perturbations(subject: Subject, level: float) -> tuple[Variant, ...]:
     """Perturbed starts by further amounts, on either side of any threshold within a rounding of the
     start.
     """
@@ -284,7 +278,7 @@ def _draws(subject: Subject, level: float) -> tuple[Variant, ...]:
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
-def _coarser(subject: Subject) -> tuple[Variant, ...]:
+def _coarser_run(subject: Subject) -> tuple[Variant, ...]:
     """The plain run at twice the step, which shows the error that contact iterations leave; none
     without such iterations.
     """
@@ -311,22 +305,25 @@ def _decided_by_rounding(
     few roundings has the other one. Where no perturbed start shows a difference, no decision
     depended on a rounding.
 
-    Chosen step sizes always depend on roundings: see `_chosen`. Iterations over contacts of rigid
-    bodies that take the contacts in another order leave another part of the truncation error in the
-    forces, as the run at twice the step shows.
+    Chosen step sizes always depend on roundings: see `_difference_of_step_choices`. Iterations over
+    contacts of rigid bodies that take the contacts in another order leave another part of the
+    truncation error in the forces, as the run at twice the step shows.
     """
-    if not _decides(subject):
+    if not _rounding_decides(subject):
         return np.zeros(len(growth))
     level = level_for(subject)
     base = runs[Variant(level)].trajectory
     truncation: Array = 2 * subject.truncation(level) * growth
     if subject.method.control != "step":
-        return np.minimum(truncation, _chosen(subject, runs, growth, picture))
+        return np.minimum(truncation, _difference_of_step_choices(subject, runs, growth, picture))
     perturbed_runs = [
-        runs[variant].trajectory for variant in _moved(subject, level) if variant in runs
+        runs[variant].trajectory
+        for variant in _perturbed_variants(subject, level)
+        if variant in runs
     ]
     if not perturbed_runs:
         return truncation
+    # What decisions by rounding make of the plain run, seen in its perturbed starts.
     largest = np.maximum.reduce([distances(subject.instance, run, base) for run in perturbed_runs])
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
@@ -347,7 +344,7 @@ def _left_by_iterations(
     rounding: Array = _many_roundings(subject, picture) * growth
     if picture not in REORDERED:
         return rounding
-    coarser = _coarser(subject)
+    coarser = _coarser_run(subject)
     if not coarser or coarser[0] not in runs:
         return np.full(len(growth), np.inf)
     change = distances(
@@ -366,7 +363,7 @@ def _many_roundings(subject: Subject, picture: str) -> float:
     )
 
 
-def _looser(subject: Subject, picture: str) -> float | None:
+def _looser_tolerance(subject: Subject, picture: str) -> float | None:
     """The tightest tolerance that ran and is at least as loose as the picture makes the finest one;
     None without one.
 
@@ -378,7 +375,7 @@ def _looser(subject: Subject, picture: str) -> float | None:
     return next((level for level in reversed(subject.levels[:-1]) if level >= effective), None)
 
 
-def _chosen(
+def _difference_of_step_choices(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
 ) -> Array:
     """Difference (T,) that other choices of steps may make: the error of a run with a looser
@@ -390,7 +387,7 @@ def _chosen(
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
-    looser = _looser(subject, picture)
+    looser = _looser_tolerance(subject, picture)
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
     observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
@@ -416,22 +413,25 @@ def _least_moved(
     )
 
 
-def _moved(subject: Subject, level: float) -> tuple[Variant, ...]:
+def _perturbed_variants(subject: Subject, level: float) -> tuple[Variant, ...]:
     """The perturbed variants of a level: `perturbation`, and all DRAWS."""
-    return (Variant(level, "perturbed", perturbation(subject.method)), *_draws(subject, level))
+    return (
+        Variant(level, "perturbed", perturbation(subject.method)),
+        *_further_perturbations(subject, level),
+    )
 
 
 def _basis(subject: Subject) -> str:
     """The basis of the bound in words."""
     differs = "round-off"
-    if _decides(subject):
+    if _rounding_decides(subject):
         differs = "round-off, and discrete decisions that it flips in perturbed starts,"
     return (
         f"the laws of mechanics are invariant, so only {differs} amplified by the motion may differ"
     )
 
 
-def _decides(subject: Subject) -> bool:
+def _rounding_decides(subject: Subject) -> bool:
     """True if the last bit may decide something.
 
     That is which step size is chosen, or in which step a contact begins or a body sticks, for

@@ -24,6 +24,14 @@ A method that conserves angular momentum in space may turn the body about one ax
 which keeps L_3 only to its order.
 """
 
+LAWS = {
+    "joint": "constraint",
+    "joint velocity": "constraint",
+    "L_z": "angular-momentum",
+    "L_3": OWN_SPIN,
+}
+"""The law that a method must claim for each quantity to be held to round-off."""
+
 
 class Top(Check):
     """Joint and angular momenta are constant to round-off where the method claims it or is exact,
@@ -55,54 +63,52 @@ class Top(Check):
         """Findings on the separation of the joint in position and velocity, and on the changes of
         L_z and L_3.
         """
-        laws = {
-            "joint": "constraint",
-            "joint velocity": "constraint",
-            "L_z": "angular-momentum",
-            "L_3": OWN_SPIN,
-        }
         coarsest = _changes(subject, runs[Variant(subject.levels[0])].trajectory)
         finest = _changes(subject, runs[subject.finest].trajectory)
-        findings = []
-        for name, coarse in coarsest.items():
-            keeps = subject.method.keeps(laws[name], subject.instance.problem.features)
-            if keeps:
-                level = subject.levels[0]
-            else:
-                level = subject.levels[-1]
-            allowed, basis = subject.kept(laws[name], level)
-            if not keeps and len(subject.levels) > 2:
-                allowed = np.minimum(
-                    allowed,
-                    left_at_finest(subject, coarse) + COUNTING_FLOOR * subject.round_off(level),
-                )
+        return [
+            self._constant(subject, name, coarse, finest[name]) for name, coarse in coarsest.items()
+        ]
+
+    def _constant(self, subject: Subject, name: str, coarse: Array, fine: Array) -> Finding:
+        """The finding that one quantity is constant, from its changes (T,) at the coarsest and the
+        finest level.
+
+        The coarsest counts where the method claims the law. Elsewhere the change at the finest is
+        also bounded by that at the coarsest, fallen with the claimed order.
+        """
+        law = LAWS[name]
+        if subject.method.keeps(law, subject.instance.problem.features):
+            level = subject.levels[0]
+            values = coarse
+            allowed, basis = subject.kept(law, level)
+        else:
+            level = subject.levels[-1]
+            values = fine
+            allowed, basis = subject.kept(law, level)
+            if len(subject.levels) > 2:
+                rounding = COUNTING_FLOOR * subject.round_off(level)
+                allowed = np.minimum(allowed, left_at_finest(subject, coarse) + rounding)
                 basis = (
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
                 )
-            values = finest[name]
-            if keeps:
-                values = coarse
-            signal = None
-            if name.startswith("L_"):
-                signal = 1.0
-            measured = "change of"
-            if name.startswith("joint"):
-                measured = "separation of the"
-            findings.append(
-                worst(
-                    check=self.name,
-                    quantity=name,
-                    t=subject.instance.times,
-                    values=values,
-                    allowed=allowed,
-                    signal=signal,
-                    unit="1",
-                    basis=basis,
-                    what=f"The {measured} {name}, relative to its scale,",
-                )
-            )
-        return findings
+        signal = None
+        if name.startswith("L_"):
+            signal = 1.0
+        measured = "change of"
+        if name.startswith("joint"):
+            measured = "separation of the"
+        return worst(
+            check=self.name,
+            quantity=name,
+            t=subject.instance.times,
+            values=values,
+            allowed=allowed,
+            signal=signal,
+            unit="1",
+            basis=basis,
+            what=f"The {measured} {name}, relative to its scale,",
+        )
 
 
 def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
@@ -116,6 +122,7 @@ def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
         place, speed = _opening(scene, run)
         changes = {"joint": place / scales.length, "joint velocity": speed / scales.speed}
     spins = _spins(scene, run)
+    # One scale for both: the larger of them; a top at rest has none and takes m L v.
     momentum_scale = (
         max(float(np.max(np.abs(spin))) for spin in spins.values())
         or scales.mass * scales.length * scales.speed
@@ -149,11 +156,11 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     else:
         axis = np.array([0.0, 0.0, 1.0])
     attitude = run.attitude[:, joint.a]
+    # J omega_body, in principal axes.
     spin_body = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
-    total = rotated(attitude, spin_body) + bodies.mass[joint.a] * np.cross(
-        arm, run.velocity[:, joint.a]
-    )
+    orbital = bodies.mass[joint.a] * np.cross(arm, run.velocity[:, joint.a])
+    total = rotated(attitude, spin_body) + orbital
     momenta = {"L_z": total @ axis}
     is_symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
         joint.anchor_a[:2]

@@ -37,7 +37,7 @@ class MassProperties:
         return type(self)(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
 
     def __add__(self, other: Self) -> Self:
-        """Both bodies as one."""
+        """The mass properties of both bodies together."""
         mass = self.mass + other.mass
         centre = (self.mass * self.centre + other.mass * other.centre) / mass
         return type(self)(mass, centre, self.about(centre) + other.about(centre))

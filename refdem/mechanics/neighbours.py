@@ -60,43 +60,44 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     count = len(position)
     if size:
         extent = np.full(3, size)
+        inside = np.mod(position, size)
     else:
         low = position.min(axis=0)
         extent = np.maximum(position.max(axis=0) - low, reach)
+        inside = position - low
     # At most about two cells per point in all, so that empty cells cost little.
     most_cells = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most_cells)
+    # With fewer than 3 cells in a period a pair would be met on both sides.
     if count <= FEW or (size and cells.min() < 3):
-        i, j = np.triu_indices(count, 1)
-        if among is not None:
-            both_orders = np.concatenate([i, j]), np.concatenate([j, i])
-            i, j = _led_by(among, *both_orders)
-        yield i, j
+        yield _all_pairs(count, among)
         return
-    # The cell (N, 3) of each point, and its index, x running fastest. Points sorted by cell are
-    # called by their rank; `order` maps ranks to the given indices.
-    if size:
-        inside = np.mod(position, size)
-    else:
-        inside = position - low
-    fraction = inside / extent
-    cell = np.clip((fraction * cells).astype(np.intp), 0, cells - 1)
+    # The cell (N, 3) of each point, and its index, x running fastest.
+    cell = np.clip((inside / extent * cells).astype(np.intp), 0, cells - 1)
     cell_index = (cell[:, 2] * cells[1] + cell[:, 1]) * cells[0] + cell[:, 0]
+    # Points sorted by cell are called by their rank; `order` maps ranks to the given indices.
     order = np.argsort(cell_index, kind="stable")
     starts = np.searchsorted(cell_index[order], np.arange(int(np.prod(cells)) + 1))
-    rank = np.empty(count, np.intp)
-    rank[order] = np.arange(count)
     grid = Grid(cell[order], cells, starts, periodic=bool(size))
-    if among is None:
-        ranks = np.arange(count)
-    else:
+    ranks = np.arange(count)
+    if among is not None:
+        rank = np.empty(count, np.intp)
+        rank[order] = np.arange(count)
         ranks = np.sort(rank[among])
     for chunk in np.array_split(ranks, len(ranks) // CHUNK + 1):
         for first, second in grid.beside(chunk, only_later=among is None):
             yield order[first], order[second]
 
 
-def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
+def _all_pairs(count: int, among: Whole | None) -> Pairs:
+    """All pairs of `count` points, or those whose first is among the given indices."""
+    i, j = np.triu_indices(count, 1)
+    if among is None:
+        return i, j
+    return _with_first_in(among, np.concatenate([i, j]), np.concatenate([j, i]))
+
+
+def _with_first_in(among: Whole, i: Whole, j: Whole) -> Pairs:
     """The pairs whose first index is among the given ones."""
     led = np.isin(i, among)
     return i[led], j[led]
@@ -104,7 +105,7 @@ def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Points sorted by cell.
+    """Points sorted by the cell that they are in.
 
     `at` (N, 3) is the cell of each point, `cells` (3,) the number of cells along each axis,
     `starts` (cells + 1,) the rank of each cell's first point.
@@ -147,7 +148,7 @@ class Grid:
             low = points + 1
         else:
             low = self.starts[first_cell]
-        yield _within(points, low, self.starts[last_cell + 1])
+        yield _pairs_with_range(points, low, self.starts[last_cell + 1])
         if not self.periodic:
             return
         # At the edge of a periodic row one of the three cells is at its other end. Of two opposite
@@ -157,12 +158,12 @@ class Grid:
                 continue
             at_edge = np.flatnonzero(x == edge)
             opposite_cell = base[at_edge] + cell
-            yield _within(
+            yield _pairs_with_range(
                 points[at_edge], self.starts[opposite_cell], self.starts[opposite_cell + 1]
             )
 
 
-def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
+def _pairs_with_range(points: Whole, low: Whole, high: Whole) -> Pairs:
     """Every point with all points of ranks `low` up to `high`, except itself."""
     counts = high - low
     first = np.repeat(points, counts)

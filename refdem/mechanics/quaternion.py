@@ -55,10 +55,11 @@ def angle_between(p: Array, q: Array) -> Array:
 def matrix(q: Array) -> Array:
     """The rotation matrix R(q) (..., 3, 3) from body vectors to space, for unit q (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q, float), -1, 0)
-    x_axis = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
-    y_axis = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
-    z_axis = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
-    rows = [np.stack(row, axis=-1) for row in (x_axis, y_axis, z_axis)]
+    # Rows of R = 1 + 2 w [u] + 2 [u]^2, with [u] the matrix of the cross product u x.
+    x_row = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
+    y_row = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
+    z_row = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    rows = [np.stack(row, axis=-1) for row in (x_row, y_row, z_row)]
     return np.stack(rows, axis=-2)
 
 

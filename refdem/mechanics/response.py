@@ -44,6 +44,7 @@ def balanced_drives(
 
     W^2 = k - 2 delta^2 -+ sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)), with k = alpha + 3 beta A^2/4.
     """
+    # k is the mean stiffness that the amplitude A sees.
     k = alpha + 0.75 * beta * amplitude**2
     discriminant = (f0 / amplitude) ** 2 - 4 * delta**2 * (k - delta**2)
     with np.errstate(invalid="ignore"):
@@ -96,6 +97,7 @@ def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -
     """
     _, higher = balanced_drives(amplitude, alpha, beta, delta, f0)
     higher = higher[np.isfinite(higher)]
+    # Local minima of the higher branch, the end points left out.
     inner = higher[1:-1]
     is_minimum = (inner < higher[:-2]) & (inner <= higher[2:])
     minima = inner[is_minimum]

@@ -17,6 +17,7 @@ def about_axis(axis: int, angle: float) -> Array:
     from the tip of the axis.
     """
     turn = np.eye(3)
+    # i and j are the other two axes, so that (axis, i, j) is right-handed.
     i = (axis + 1) % 3
     j = (axis + 2) % 3
     turn[i, i] = np.cos(angle)
@@ -71,6 +72,7 @@ def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
 
 def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
     """The unit quaternion (4,) of Euler angles z-x-z (1.76) to (1.79); its w may be negative."""
+    # The product of the quaternions of Rz(phi), Rx(theta) and Rz(psi).
     c = np.cos(theta / 2)
     s = np.sin(theta / 2)
     half_sum = (phi + psi) / 2

@@ -47,8 +47,10 @@ def growth(t: Array, separation: Array) -> Growth:
     second half.
     """
     since = t - t[0]
+    # ln of the largest separation so far.
     logarithm = np.log(np.maximum.accumulate(separation) / separation[0])
     log_at_block_ends = np.interp(np.linspace(0.0, since[-1], BLOCKS + 1), since, logarithm)
+    # The exponent of each block; their mean is the exponent, their scatter its error.
     rates = np.diff(log_at_block_ends) * BLOCKS / since[-1]
     log_at_half = float(np.interp(since[-1] / 2, since, logarithm))
     over_second_half = float(logarithm[-1]) - log_at_half

@@ -89,6 +89,7 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
         normal = -np.array(plane.normal)
         depth = (bodies.position[i] - np.array(plane.point)) @ normal
         return float(bodies.radius[i] + depth), normal
+    # Two spheres: R_i + R_j - |r_j - r_i|.
     line = bodies.position[j] - bodies.position[i]
     distance = float(np.linalg.norm(line))
     return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance
@@ -104,7 +105,7 @@ def falling(scene: Scene, law: Contact) -> str | None:
     if load.steepness > law.friction * (1 + SLACK):
         return "static friction does not hold them"
     down = load.gravity / load.pressing
-    return _Standing(scene, load.normal, load.point, down).fault()
+    return _Standing(scene, load.normal, load.point, down).instability()
 
 
 @dataclass(frozen=True)
@@ -155,7 +156,7 @@ def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
     downhill = load.along / np.linalg.norm(load.along)
     # The reverse of the plane's force n - mu downhill, in units of N.
     down = law.friction * downhill - load.normal
-    return _Standing(scene, load.normal, load.point, down).fault()
+    return _Standing(scene, load.normal, load.point, down).instability()
 
 
 class _Standing:
@@ -225,7 +226,7 @@ class _Standing:
         gaps = np.diff([*angles, angles[0] + 2 * np.pi])
         return bool(gaps.max() <= np.pi * (1 + SLACK))
 
-    def fault(self) -> str | None:
+    def instability(self) -> str | None:
         """None if all bodies stand, else the first reason why not."""
         support: dict[int, int] = {}
         for body in range(len(self.heights)):
@@ -234,7 +235,7 @@ class _Standing:
                 return f"body {body} does not stand on exactly one thing"
             support[body] = supports[0]
         for body in support:
-            carried = [other for other in support if body in _path(other, support)]
+            carried = [other for other in support if body in _support_path(other, support)]
             mass = self.scene.bodies.mass[carried]
             position = self.scene.bodies.position[carried]
             centre = mass @ position / mass.sum() - self._origin(body)
@@ -253,7 +254,7 @@ class _Standing:
         return origin
 
 
-def _path(body: int, support: dict[int, int]) -> list[int]:
+def _support_path(body: int, support: dict[int, int]) -> list[int]:
     """The body, its support, the support of that, and so on down to the plane."""
     path = []
     while body >= 0 and body not in path:

@@ -163,6 +163,7 @@ class _Frame:
         """Positions and velocities (M, 3) at angles [rad] and angular velocities [rad/s] (M,)."""
         s = np.sin(angle)[:, None]
         c = np.cos(angle)[:, None]
+        # Unit vectors along the rod and across it.
         along = c * self.down + s * self.across
         across = c * self.across - s * self.down
         position = self.anchor + self.length * along

@@ -37,6 +37,7 @@ class FreeBodies(SceneSolver):
         t = request.problem.times
         bodies = request.problem.scene.bodies
         position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
+        # Bodies without spin keep all of their state; the others are overwritten.
         velocity, attitude, omega = (
             np.repeat(column[None], len(t), axis=0)
             for column in (bodies.velocity, bodies.attitude, bodies.omega)

@@ -50,17 +50,19 @@ class Spring:
         """g = mu k/k_t: the largest stretch over the overlap."""
         return self.friction / self.ratio
 
-    def series(self, start: Sequence[float], side: int, hangs: float) -> Array:
-        """Taylor coefficients (4, ORDER + 1) in s of the solution w, v, p, q from `start`.
+    def series(self, start: Sequence[float], side: int, relaxed_at: float) -> Array:
+        """Taylor coefficients (4, ORDER + 1) in s of the solution w, v, p, q (rows W, V, P, Q) from
+        `start`.
 
-        `side` is the mode. While the spring sticks (0), its stretch is q - `hangs`; else it slides
-        with the sign of `side`.
+        `side` is the mode. While the spring sticks (0), its stretch is q - `relaxed_at`; else it
+        slides with the sign of `side`.
         """
         c = np.zeros((4, ORDER + 1))
         c[:, 0] = start
         w2, w4, pull = np.zeros((3, ORDER + 1))
         for n in range(ORDER):
-            # A product's coefficient n is the sum over k of a_k b_(n-k).
+            # Coefficient n of a product is the sum over k of a_k b_(n-k): the first n + 1
+            # coefficients of one factor times those of the other in reverse.
             first_n = slice(0, n + 1)
             if n:
                 first_n_reversed = slice(n, None, -1)
@@ -69,11 +71,13 @@ class Spring:
             w2[n] = c[W, first_n] @ c[W, first_n_reversed]
             w4[n] = w2[first_n] @ w2[first_n_reversed]
             if side == STICKS:
-                stretch = c[Q, first_n] - np.eye(1, n + 1)[0] * hangs
+                stretch = c[Q, first_n] - np.eye(1, n + 1)[0] * relaxed_at
                 pull[n] = self.ratio * (w2[first_n] @ stretch[::-1])
             else:
                 pull[n] = side * self.friction * w4[n]
-            # w' = v/2, v' = -5/4 w^4, p' = -35/8 pull, q' = w p.
+            # w' = v/2, v' = -5/4 w^4, p' = -35/8 pull, q' = w p; the pull is (k_t/k) w^2 stretch
+            # or +-mu w^4. Coefficient n + 1 of a function is coefficient n of its derivative over
+            # n + 1.
             w_rate = c[V, n] / 2
             v_rate = -1.25 * w4[n]
             p_rate = -4.375 * pull[n]
@@ -81,7 +85,7 @@ class Spring:
             c[:, n + 1] = np.array([w_rate, v_rate, p_rate, q_rate]) / (n + 1)
         return c
 
-    def ends(self, c: Array, side: int, hangs: float) -> list[tuple[Value, int | None]]:
+    def ends(self, c: Array, side: int, relaxed_at: float) -> list[tuple[Value, int | None]]:
         """Functions of s that are positive as long as the mode lasts, each with the mode that
         follows it; None is release.
 
@@ -89,8 +93,8 @@ class Spring:
         limit itself moves; the contact while w > 0.
         """
 
-        def limit(to: int, s: float) -> float:
-            return self.slack * _at(c[W], s) ** 2 - to * (_at(c[Q], s) - hangs)
+        def limit(sign: int, s: float) -> float:
+            return self.slack * _at(c[W], s) ** 2 - sign * (_at(c[Q], s) - relaxed_at)
 
         def slip(s: float) -> float:
             return side * _at(c[P], s) - self.slack * _at(c[V], s)

@@ -51,7 +51,7 @@ class CarriedEnsemble(Solver):
         reasons = [solver.unsupported(problem.motion(0)) or "" for solver, _ in FLOWS]
         if all(reasons):
             return "; ".join(reasons)
-        return _astray(problem)
+        return _misfit(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Trajectory with `position` [m] and `velocity` [m/s] (T, M, 1, 3) of M starts."""
@@ -86,7 +86,7 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     unit = max(float(np.abs(x0).max()), float(np.abs(v0).max()))
 
     def state(x: float, v: float) -> Array:
-        return _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
+        return _one_motion(solver, problem, origin + x * axis, v * axis, axis, origin)
 
     rest = state(0.0, 0.0)
     with_displacement = state(unit, 0.0)
@@ -100,7 +100,7 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     velocity[:, :, 0] = states[..., 1:] * axis
 
 
-def _alone(
+def _one_motion(
     solver: Solver, problem: Ensemble, place: Array, rate: Array, axis: Array, origin: Array
 ) -> Array:
     """Position and velocity (T, 2) along the axis of the motion from one start."""
@@ -202,11 +202,11 @@ def _frame(problem: Ensemble) -> tuple[Array, Array]:
     return origin, farthest / (np.linalg.norm(farthest) or 1.0)
 
 
-def _astray(problem: Ensemble) -> str | None:
+def _misfit(problem: Ensemble) -> str | None:
     """None if every start lies on the line, or on the rod, of the first, else the reason."""
     if problem.scene.all(Rod):
         solver: Solver = exact_pendulum.METHOD
-        for member in _doubtful(problem):
+        for member in _doubtful_starts(problem):
             if solver.unsupported(problem.motion(member)):
                 return f"start {member} does not swing in the plane on its rod"
         return None
@@ -215,6 +215,7 @@ def _astray(problem: Ensemble) -> str | None:
     origin, axis = _frame(problem)
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
     off_line = np.linalg.norm(arms - (arms @ axis)[:, None] * axis, axis=1)
+    # Dry friction acts along the slider's axis only.
     slider = next(iter(problem.scene.all(Slider)), None)
     if slider is not None and abs(abs(float(axis @ np.array(slider.axis))) - 1) > OFF:
         return "the starts do not lie on the slider's line"
@@ -224,7 +225,7 @@ def _astray(problem: Ensemble) -> str | None:
     return None
 
 
-def _doubtful(problem: Ensemble) -> list[int]:
+def _doubtful_starts(problem: Ensemble) -> list[int]:
     """Indices of the starts that seem off the rod or out of the plane; only these are tested one by
     one.
     """

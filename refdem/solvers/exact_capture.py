@@ -8,6 +8,7 @@ same speed, if d is within the hook's radius.
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
@@ -15,6 +16,8 @@ from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.scene.elements.catch import Catch
 from refdem.solvers import _single_point as single
 from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
+
+Array = NDArray[np.float64]
 
 REACH = 1.0 + 1e-9
 """Factor on the hook's radius: a mass that just reaches it is caught in any rotated frame."""
@@ -51,7 +54,6 @@ class ExactCapture(SceneSolver):
         scene = request.problem.scene
         t = request.problem.times
         hook = scene.all(Catch)[0]
-        mass = scene.bodies.mass[0]
         arm = scene.bodies.position[0] - single.anchor(hook)
         v = scene.bodies.velocity[0]
         speed2 = v @ v
@@ -64,32 +66,18 @@ class ExactCapture(SceneSolver):
         nearest = arm + v * catch_time
         distance = float(np.linalg.norm(nearest))
         is_caught = catch_time >= 0 and 0 < distance <= hook.radius * REACH
-        # Before the catch: the straight line. After it: a circle of this radius at this speed.
+        # Time since the catch; negative throughout if there is none.
+        since = np.full(len(t), -1.0)
         if is_caught:
             since = (t - t[0]) - catch_time
-        else:
-            since = np.full(len(t), -1.0)
-        after_catch = since > 0
+        after_catch = (since > 0)[:, None]
+        # Before the catch the straight line, after it a circle at the same speed.
         flight_time = np.where(since > 0, catch_time, t - t[0])
-        angle = np.zeros((len(t), 1))
-        if distance:
-            angle = np.where(after_catch, speed / distance * since, 0.0)[:, None]
-        cosine = np.cos(angle)
-        sine = np.sin(angle)
-        radius = distance or 1.0
-        if speed2 > 0:
-            quarter_turn = distance / speed
-        else:
-            quarter_turn = 0.0
-        # r = nearest cos(angle) + ahead sin(angle): `ahead` is where the point is after a quarter
-        # turn, v d/|v|.
-        quarter_turn_ahead = v * quarter_turn
         on_line = arm + v * flight_time[:, None]
-        on_circle = nearest * cosine + quarter_turn_ahead * sine
-        along_circle = v * cosine - nearest * (speed / radius) * sine
-        offset = np.where(after_catch[:, None], on_circle, on_line)
-        velocity = np.where(after_catch[:, None], along_circle, v)
-        force = np.where(since >= 0, mass * speed2 / radius, 0.0)
+        on_circle, along_circle = _circle(nearest, v, np.maximum(since, 0.0))
+        offset = np.where(after_catch, on_circle, on_line)
+        velocity = np.where(after_catch, along_circle, v)
+        force = np.where(since >= 0, scene.bodies.mass[0] * speed2 / (distance or 1.0), 0.0)
         events: tuple[Event, ...] = ()
         if is_caught and t[0] + catch_time <= t[-1]:
             events = (Event(float(t[0] + catch_time), "catch", 0),)
@@ -100,6 +88,27 @@ class ExactCapture(SceneSolver):
             t, position, velocity[:, None], channels=channels, events=events
         )
         return trajectory, cost
+
+
+def _circle(nearest: Array, v: Array, since: Array) -> tuple[Array, Array]:
+    """Position and velocity (T, 3) on the circle about the hook, at times `since` >= 0 the catch.
+
+    r = nearest cos(angle) + ahead sin(angle), where `ahead` = v d/|v| is the point's position after
+    a quarter turn, d = |nearest| the radius and angle = |v| since/d.
+    """
+    speed = np.sqrt(v @ v)
+    distance = float(np.linalg.norm(nearest))
+    angle = np.zeros((len(since), 1))
+    if distance:
+        angle = (speed / distance * since)[:, None]
+    ahead = v * 0.0
+    if speed > 0:
+        ahead = v * (distance / speed)
+    cosine = np.cos(angle)
+    sine = np.sin(angle)
+    position = nearest * cosine + ahead * sine
+    velocity = v * cosine - nearest * (speed / (distance or 1.0)) * sine
+    return position, velocity
 
 
 METHOD = ExactCapture()

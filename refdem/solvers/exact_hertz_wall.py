@@ -65,6 +65,7 @@ class ExactHertzWall(SceneSolver):
         law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         radius = bodies.radius[0]
+        # 2/5 m R^2, for which the impulse on the slip has the factor 7/2.
         solid_moment = 0.4 * bodies.mass[0] * radius**2
         is_solid = np.all(np.abs(bodies.inertia[0] - solid_moment) <= ROUNDED * solid_moment)
         if law.friction > 0 and (law.branch != "R" or not is_solid):
@@ -86,11 +87,11 @@ class ExactHertzWall(SceneSolver):
         elapsed = t - t[0]
         overlap_and_rate, times = impact.normal(elapsed)
         if impact.springs:
-            slip_law = impact.bent
+            slip_law = impact.spring_losses
         else:
-            slip_law = impact.rubbed
+            slip_law = impact.sliding_losses
         slip_loss, distance_loss = slip_law(elapsed, overlap_and_rate, times)
-        columns = impact.moved(elapsed, overlap_and_rate, slip_loss, distance_loss)
+        columns = impact.columns_after(elapsed, overlap_and_rate, slip_loss, distance_loss)
         events = []
         for when, kind in ((times[0], "contact"), (times[2], "release")):
             if 0 < when <= elapsed[-1]:
@@ -139,35 +140,37 @@ class Impact:
         """Overlap and its rate (T, 2) at elapsed times t, and the times (3,) of contact, greatest
         overlap and release.
         """
-        out = np.empty((len(t), 2))
-        touch = np.empty(3)
+        overlap_and_rate = np.empty((len(t), 2))
+        times = np.empty(3)
         law = np.array([self.law.stiffness, self.law.exponent])
         call = KernelCall(
             function="refdem_power_contact",
             inputs=(self.mass, law, law, self.overlap, self.rate),
             clock=samples(t),
-            outputs=(touch, out),
+            outputs=(times, overlap_and_rate),
         )
         call.made("power_contact")
-        return out, touch
+        return overlap_and_rate, times
 
-    def stop(self, impulse: float, touch: Array) -> float:
+    def stopping_time(self, impulse: float, times: Array) -> float:
         """The time [s] at which the normal impulse per mass has reached `impulse`, by bisection.
 
         The impulse per mass up to time t is rate(0) - rate(t).
         """
-        low = touch[0]
-        high = touch[2]
+        low = times[0]
+        high = times[2]
         for _ in range(60):
             middle = (low + high) / 2
-            out, _ = self.normal(np.array([middle]))
-            if self.rate - out[0, 1] > impulse:
+            state, _ = self.normal(np.array([middle]))
+            if self.rate - state[0, 1] > impulse:
                 high = middle
             else:
                 low = middle
         return float(low + high) / 2
 
-    def rubbed(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
+    def sliding_losses(
+        self, t: Array, overlap_and_rate: Array, times: Array
+    ) -> tuple[Array, Array]:
         """Loss of slip velocity (T,) [m/s] by sliding friction, and loss of slip distance (T,) [m],
         its integral.
 
@@ -184,7 +187,7 @@ class Impact:
         else:
             stopping_impulse = np.inf
         if stopping_impulse < 2 * self.rate:
-            stop_time = self.stop(stopping_impulse, touch)
+            stop_time = self.stopping_time(stopping_impulse, times)
         else:
             stop_time = np.inf
         # The time integral of J: rate(0) t - (d(t) - d(0)) while it slides, then constant J.
@@ -194,37 +197,39 @@ class Impact:
         rolling_integral = np.zeros_like(t)
         if np.isfinite(stop_time):
             rolling_integral = stopping_impulse * (t - sliding_until)
-        impulse = np.minimum(self.rate - out[:, 1], stopping_impulse)
+        impulse = np.minimum(self.rate - overlap_and_rate[:, 1], stopping_impulse)
         return 3.5 * friction * impulse, 3.5 * friction * (sliding_integral + rolling_integral)
 
-    def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
-        """The losses of `rubbed` with a tangential spring that is relaxed at first contact."""
+    def spring_losses(self, t: Array, overlap_and_rate: Array, times: Array) -> tuple[Array, Array]:
+        """The losses of slip velocity and slip distance with a tangential spring that is relaxed at
+        first contact.
+        """
         # Units of the series: the speed at touch, and the greatest overlap.
         speed = self.rate
-        at_turn, _ = self.normal(touch[1:2])
+        at_turn, _ = self.normal(times[1:2])
         greatest_overlap = float(at_turn[0, 0])
         spring = Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction)
         contact = course(spring, self.slip / speed)
         slip = np.full(len(t), self.slip)
         distance = self.slip * t
         final_slip, final_distance = contact.end()
-        after = t - touch[2]
+        after = t - times[2]
         # During the contact from the series; after it the slip is constant.
-        for n in np.flatnonzero((t > touch[0]) & (after < 0)):
-            depth = max(out[n, 0], 0.0) / greatest_overlap
-            p, q = contact.at(depth, out[n, 1] / speed)
+        for n in np.flatnonzero((t > times[0]) & (after < 0)):
+            depth = max(overlap_and_rate[n, 0], 0.0) / greatest_overlap
+            p, q = contact.at(depth, overlap_and_rate[n, 1] / speed)
             slip[n] = p * speed
-            distance[n] = self.slip * touch[0] + q * greatest_overlap
+            distance[n] = self.slip * times[0] + q * greatest_overlap
         is_released = after >= 0
         slip[is_released] = final_slip * speed
         distance[is_released] = (
-            self.slip * touch[0]
+            self.slip * times[0]
             + final_distance * greatest_overlap
             + final_slip * speed * after[is_released]
         )
         return self.slip - slip, self.slip * t - distance
 
-    def moved(
+    def columns_after(
         self, t: Array, overlap_and_rate: Array, slip_loss: Array, distance_loss: Array
     ) -> dict[str, Any]:
         """Columns and channels of a trajectory, from the losses of slip velocity and slip

@@ -41,7 +41,7 @@ class ExactPendulum(KernelSolver):
 
     def unfit(self, problem: Motion) -> str | None:
         """None for a point on the rod whose motion is in a plane with gravity, else the reason."""
-        return _astray(problem.scene)
+        return _misfit(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Mass, rod, gravity and start; arrays for position, velocity and rod force."""
@@ -66,7 +66,7 @@ class ExactPendulum(KernelSolver):
         return Trajectory.of_points(request.problem.times, position, velocity, channels=channels)
 
 
-def _astray(scene: Scene) -> str | None:
+def _misfit(scene: Scene) -> str | None:
     """None if position and velocity fit a rod that swings in a plane, else the reason."""
     rod = scene.all(Rod)[0]
     arm = scene.bodies.position[0] - single.anchor(rod)
@@ -79,6 +79,7 @@ def _astray(scene: Scene) -> str | None:
     if abs(arm @ velocity) > PLANAR * distance * speed:
         return "the point starts with a speed along the rod"
     g = float(np.linalg.norm(gravity))
+    # The normal of the plane of arm and gravity must be perpendicular to the velocity.
     out_of_plane = abs(np.cross(arm, gravity) @ velocity)
     if out_of_plane > PLANAR * distance * g * speed:
         return "the motion is not in a plane: a spherical pendulum"

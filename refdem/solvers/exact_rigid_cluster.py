@@ -48,14 +48,14 @@ class ExactRigidCluster(SceneSolver):
         scene = problem.scene
         if any(rod.b < 0 for rod in scene.all(Rod)):
             return "a rod to the world; expected rods between the points"
-        return _loose(scene)
+        return _not_rigid(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the force [N] of every rod at the samples."""
         begun = perf_counter()
         scene = request.problem.scene
         t = np.ascontiguousarray(request.problem.times)
-        centre, centre_velocity, arms, tensor, omega = _body(scene)
+        centre, centre_velocity, arms, tensor, omega = _initial_cluster(scene)
         moments, axes = np.linalg.eigh(tensor)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
         attitude = np.empty((len(t), 4))
@@ -83,7 +83,7 @@ class ExactRigidCluster(SceneSolver):
         return Trajectory.of_points(t, position, velocity, channels=channels), cost
 
 
-def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
+def _initial_cluster(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     """The cluster at the start: centre of mass, its velocity, arms from it (N, 3), inertia tensor
     (3, 3), omega (3,).
 
@@ -113,7 +113,7 @@ def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     return mean(bodies.position), mean(bodies.velocity), arms, tensor, omega
 
 
-def _rows(scene: Scene, arms: Array) -> Array:
+def _jacobian(scene: Scene, arms: Array) -> Array:
     """Constraint Jacobian G (T, rods, N, 3): the unit vector of each rod at its ends, with opposite
     signs.
     """
@@ -127,13 +127,13 @@ def _rows(scene: Scene, arms: Array) -> Array:
     return rows
 
 
-def _loose(scene: Scene) -> str | None:
+def _not_rigid(scene: Scene) -> str | None:
     """None if the rods hold every point, have their lengths, and the points move as one body, else
     the reason.
     """
     bodies = scene.bodies
     n = len(scene.bodies)
-    rows = _rows(scene, bodies.position[None])[0].reshape(len(scene.all(Rod)), 3 * n)
+    rows = _jacobian(scene, bodies.position[None])[0].reshape(len(scene.all(Rod)), 3 * n)
     # A rigid body has 6 degrees of freedom: the rods must remove the other 3 n - 6.
     if n < 4 or np.linalg.matrix_rank(rows, tol=FITS) < 3 * n - 6:
         return "the rods do not make one rigid body of the points"
@@ -141,7 +141,7 @@ def _loose(scene: Scene) -> str | None:
         length = float(rod.distance(bodies.position[None], bodies.attitude[None])[0])
         if abs(length - rod.length) > FITS * rod.length:
             return f"a rod of length {rod.length} starts {length} long"
-    _, drift, arms, _, omega = _body(scene)
+    _, drift, arms, _, omega = _initial_cluster(scene)
     residual = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
     if residual > FITS * np.linalg.norm(omega) * np.abs(arms).max():
         return "a rod starts with a speed along it"
@@ -155,7 +155,7 @@ def _tension(scene: Scene, arms: Array, velocity: Array) -> Array:
     T this is G M^-1 G^T T = |v1 - v2|^2/l, solved by least squares.
     """
     rods = scene.all(Rod)
-    jacobian = _rows(scene, arms)
+    jacobian = _jacobian(scene, arms)
     weighted = jacobian / scene.bodies.mass[:, None]
     coupling = np.einsum("tink,tjnk->tij", jacobian, weighted)
     centripetal = []

@@ -70,8 +70,10 @@ class ExactWedge(KernelSolver):
         bodies = scene.bodies
         times, rows = call.outputs
         normal = np.array(scene.all(Wedge)[0].normal)
+        # The wedge turns at the greatest overlap, times[1]; a time <= 0 is before the start.
         has_turned = (elapsed.since > times[1]) & (times[1] > 0)
         turned_attitude = product(bodies.attitude, TURN)
+        # The overlap grows against the wall's normal.
         position = bodies.position - (rows[:, :1, None] - meeting.overlap) * normal
         velocity = bodies.velocity - sense * (rows[:, 1:, None] - meeting.rate) * normal
         overlap = np.maximum(rows[:, 0], 0.0)

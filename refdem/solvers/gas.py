@@ -99,7 +99,9 @@ class Gas(KernelSolver):
         friction, else the reason.
         """
         scene = problem.scene
-        return _of_bodies(scene) or _of_bounds(scene) or _of_contact(scene)
+        return (
+            _bodies_unsupported(scene) or _bounds_unsupported(scene) or _contact_unsupported(scene)
+        )
 
     def prepare(self, request: Request) -> KernelCall:
         """The gas and its threads; arrays for the kernel's work space, events, channels and states,
@@ -146,7 +148,7 @@ class Gas(KernelSolver):
             )
         contacts, work = channel_rows.T.copy()
         channels = {"contacts": contacts, "dissipated_work": work}
-        events = _begins(event_counts, event_rows, float(t[0]))
+        events = _contact_events(event_counts, event_rows, float(t[0]))
         columns: dict[str, Array] = {}
         for name, rows in zip(STATE, states, strict=True):
             if rows is not None:
@@ -154,7 +156,7 @@ class Gas(KernelSolver):
         return _trajectory(request.problem.scene, t, columns, channels, events)
 
 
-def _of_bodies(scene: Scene) -> str | None:
+def _bodies_unsupported(scene: Scene) -> str | None:
     """None if all bodies are equal spheres, else the reason."""
     bodies = scene.bodies
     if not bodies.radius.all():
@@ -164,7 +166,7 @@ def _of_bodies(scene: Scene) -> str | None:
     return None
 
 
-def _of_bounds(scene: Scene) -> str | None:
+def _bounds_unsupported(scene: Scene) -> str | None:
     """None for a large enough box, or planes, or the open, and more than a few bodies, else the
     reason.
     """
@@ -180,7 +182,7 @@ def _of_bounds(scene: Scene) -> str | None:
     return None
 
 
-def _of_contact(scene: Scene) -> str | None:
+def _contact_unsupported(scene: Scene) -> str | None:
     """None unless there is friction without a tangential spring."""
     law = scene.all(Contact)[0]
     if law.friction > 0 and law.tangential_stiffness == 0:
@@ -196,7 +198,7 @@ def _fields(scene: Scene) -> dict[str, Any]:
     size = 0.0
     for box in scene.all(PeriodicBox):
         size = box.size
-    return _room_fields(scene, size) | {
+    return _capacities(scene, size) | {
         "bodies": len(bodies),
         "planes": len(walls),
         "plane": np.array(walls, float),
@@ -214,7 +216,7 @@ def _fields(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _room_fields(scene: Scene, size: float) -> dict[str, int]:
+def _capacities(scene: Scene, size: float) -> dict[str, int]:
     """Capacities of the kernel's lists: the most pairs and contacts at three times the initial
     density, at most closest packing.
 
@@ -264,7 +266,9 @@ def threads() -> int:
     return int(text)
 
 
-def _begins(counts: NDArray[np.int64], rows_by_thread: Array, start: float) -> tuple[Event, ...]:
+def _contact_events(
+    counts: NDArray[np.int64], rows_by_thread: Array, start: float
+) -> tuple[Event, ...]:
     """Events of contacts that begin, in time; none if there were too many to report all.
 
     Equal times keep the order of threads, which is that of the list, so the result does not depend

@@ -46,11 +46,11 @@ class MassProperties(Solver):
         problem = request.problem
         assert isinstance(problem, Solid)
         started = perf_counter()
-        values = properties(problem, said)
+        values = properties(problem, answer_of)
         return Trajectory.of_values(problem.times, values), Cost(seconds=perf_counter() - started)
 
 
-def said(piece: Piece) -> dict[str, float]:
+def answer_of(piece: Piece) -> dict[str, float]:
     """Mass, centre and inertia tensor of one solid by name, the tensor about the point asked for or
     the centre of mass.
     """

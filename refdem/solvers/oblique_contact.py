@@ -70,7 +70,9 @@ class ObliqueContact(KernelSolver):
         if np.any(np.ptp(bodies.inertia, axis=1) > 1e-12 * bodies.inertia.max(axis=1)):
             return "a sphere whose three moments of inertia differ"
         axes = frame(scene)
-        return _parting(law, beginning(scene, axes)) or _leaning(bodies.omega, axes[2])
+        return _not_in_contact(law, initial_state(scene, axes)) or _spin_out_of_plane(
+            bodies.omega, axes[2]
+        )
 
     def prepare(self, request: Request) -> KernelCall:
         """The pair and its start; arrays for the release time and for the rows."""
@@ -79,7 +81,7 @@ class ObliqueContact(KernelSolver):
         since = t - t[0]
         return KernelCall(
             function="refdem_oblique",
-            inputs=(words(scene, float(since[-1])), beginning(scene, frame(scene))),
+            inputs=(pair_struct(scene, float(since[-1])), initial_state(scene, frame(scene))),
             clock=samples(since),
             outputs=(np.empty(1), np.full((len(t), COLUMNS), np.nan)),
         )
@@ -101,7 +103,7 @@ class ObliqueContact(KernelSolver):
         return _trajectory(scene, frame(scene), t, rows, events)
 
 
-def _parting(law: Contact, start: Array) -> str | None:
+def _not_in_contact(law: Contact, start: Array) -> str | None:
     """None if the spheres touch and approach at the start, and their force pushes, else the
     reason.
     """
@@ -115,7 +117,7 @@ def _parting(law: Contact, start: Array) -> str | None:
     return None
 
 
-def _leaning(omega: Array, normal: Array) -> str | None:
+def _spin_out_of_plane(omega: Array, normal: Array) -> str | None:
     """None if the spins (2, 3) are along the normal of the plane of motion, else the reason."""
     tangential = np.linalg.norm(omega - np.outer(omega @ normal, normal), axis=1)
     if np.any(tangential > ASKEW * np.linalg.norm(omega, axis=1)):
@@ -144,7 +146,7 @@ def frame(scene: Scene) -> Array:
     return np.array([along, across, np.cross(along, across)])
 
 
-def beginning(scene: Scene, axes: Array) -> Array:
+def initial_state(scene: Scene, axes: Array) -> Array:
     """The kernel's initial state: overlap [m] (0 if it is rounding), its rate, transverse velocity
     [m/s], angle 0, spins [rad/s].
     """
@@ -154,13 +156,14 @@ def beginning(scene: Scene, axes: Array) -> Array:
     overlap = contact_distance - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     if abs(overlap) <= ROUNDED * contact_distance:
         overlap = 0.0
+    # The overlap shrinks as the second sphere moves along the first axis.
     rate = -(relative @ axes[0])
     transverse = relative @ axes[1]
     spins = bodies.omega @ axes[2]
     return np.array([overlap, rate, transverse, 0.0, *spins])
 
 
-def words(scene: Scene, longest: float) -> Struct:
+def pair_struct(scene: Scene, longest: float) -> Struct:
     """The pair as the kernel's struct; `longest` [s] is the duration."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]

@@ -54,7 +54,7 @@ class RodChain(KernelSolver):
 
     def unfit(self, problem: Motion) -> str | None:
         """None for a chain from one pivot whose start fits its rods, else the reason."""
-        return _broken(problem.scene) or _astray(problem)
+        return _not_a_chain(problem.scene) or _misfit(problem)
 
     def prepare(self, request: Request) -> KernelCall:
         """Rods, initial directions, masses and drive; rows for turns [rad], their rates [rad/s] and
@@ -63,7 +63,7 @@ class RodChain(KernelSolver):
         scene = request.problem.scene
         t = request.problem.times
         chain = _chain(scene)
-        directions, rate = _aim(scene, chain, _pivot(scene, t))
+        directions, rate = _initial_directions(scene, chain, _pivot(scene, t))
         n_rods = len(chain.bobs)
         states = np.empty((len(t), 2 * n_rods + 1))
         states[0] = np.concatenate([np.zeros(n_rods), rate, [0.0]])
@@ -90,12 +90,12 @@ class RodChain(KernelSolver):
         t = request.problem.times
         chain = _chain(scene)
         pivot = _pivot(scene, t)
-        directions, _ = _aim(scene, chain, pivot)
+        directions, _ = _initial_directions(scene, chain, pivot)
         arms = _lengths(chain)[:, None] * directions
-        position, velocity = _places(scene, chain, pivot, arms, states[:, :-1])
+        position, velocity = _positions_and_velocities(scene, chain, pivot, arms, states[:, :-1])
         channels = {"rod_force": _tension(scene, pivot, position, velocity)}
         if chain.pivot >= 0:
-            channels["dissipated_work"] = _lost(scene, chain.pivot, pivot, states[:, -1])
+            channels["dissipated_work"] = _energy_lost(scene, chain.pivot, pivot, states[:, -1])
         return Trajectory.of_points(t, position, velocity, channels=channels)
 
 
@@ -143,7 +143,7 @@ def _lengths(chain: Chain) -> Array:
     return np.array([rod.length for rod in chain.rods])
 
 
-def _broken(scene: Scene) -> str | None:
+def _not_a_chain(scene: Scene) -> str | None:
     """None if the rods are one chain from one pivot that holds every body, else the reason."""
     anchors = scene.all(MovingAnchor)
     rods = scene.all(Rod)
@@ -160,7 +160,7 @@ def _broken(scene: Scene) -> str | None:
     return None
 
 
-def _astray(problem: Motion) -> str | None:
+def _misfit(problem: Motion) -> str | None:
     """None if the start fits rods and pivot in position and velocity, else the reason."""
     scene = problem.scene
     bodies = problem.scene.bodies
@@ -172,7 +172,9 @@ def _astray(problem: Motion) -> str | None:
         speed_error = np.linalg.norm(bodies.velocity[anchor.a] - pivot.velocity[0])
         if distance > FITS or speed_error > FITS * abs(anchor.amplitude * anchor.frequency):
             return "the pivot does not start where its law of time has it"
-    for arm, relative_velocity, rod in zip(*_parts(scene, chain, pivot), chain.rods, strict=True):
+    for arm, relative_velocity, rod in zip(
+        *_initial_branches(scene, chain, pivot), chain.rods, strict=True
+    ):
         if abs(np.linalg.norm(arm) - rod.length) > FITS * rod.length:
             return f"a rod of length {rod.length} starts {np.linalg.norm(arm)} long"
         if abs(arm @ relative_velocity) > FITS * rod.length * np.linalg.norm(relative_velocity):
@@ -199,7 +201,7 @@ def _pivot(scene: Scene, t: Array) -> Pivot:
     return Pivot(zero + single.anchor(first_rod), zero, zero)
 
 
-def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
+def _initial_branches(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     """Initial vectors (N, 3) [m] from each bob's support to the bob, and relative velocities (N,
     3).
     """
@@ -208,9 +210,9 @@ def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     return np.diff(position, axis=0), np.diff(velocity, axis=0)
 
 
-def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
+def _initial_directions(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     """Sine and cosine of the initial angles (N, 2), and the angular velocities (N,)."""
-    arm, relative_velocity = _parts(scene, chain, pivot)
+    arm, relative_velocity = _initial_branches(scene, chain, pivot)
     length = np.linalg.norm(arm, axis=1, keepdims=True)
     directions = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / length
     # theta' = (r x v)_z/r^2.
@@ -218,7 +220,7 @@ def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     return directions, moment / np.sum(arm**2, axis=1)
 
 
-def _places(
+def _positions_and_velocities(
     scene: Scene, chain: Chain, pivot: Pivot, rods_at_start: Array, states: Array
 ) -> tuple[Array, Array]:
     """Position and velocity (T, bodies, 3) of all bodies; row 0 is the given start.
@@ -291,7 +293,7 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
     return np.ascontiguousarray(tension)
 
 
-def _lost(scene: Scene, pivot_body: int, pivot: Pivot, work: Array) -> Array:
+def _energy_lost(scene: Scene, pivot_body: int, pivot: Pivot, work: Array) -> Array:
     """Energy (T,) [J] that the scene has lost through the moving anchor since the start.
 
     It is minus the work done by the anchor on the chain, and on the pivot's own mass: the change of

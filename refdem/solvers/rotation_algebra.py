@@ -35,12 +35,12 @@ def mirror(angle: Array) -> Array:
     return plane(2 * angle) * (1, -1)
 
 
-def above(eigenvalues: NDArray[Any]) -> Array:
+def upper_eigenvalue(eigenvalues: NDArray[Any]) -> Array:
     """Real part, and imaginary part >= 0, of the first of two conjugate eigenvalues."""
     return np.array([eigenvalues[0].real, abs(eigenvalues[0].imag)])
 
 
-def parts(z: complex) -> Array:
+def real_and_imaginary(z: complex) -> Array:
     """Real and imaginary part (2,) of a complex number."""
     return np.array([z.real, z.imag])
 
@@ -80,8 +80,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "difference": np.subtract,
     "quotient": np.divide,
     "plane-turn": lambda angle, v: plane(angle) @ v,
-    "complex-turn": lambda angle, v: parts(np.exp(1j * angle[0]) * complex(*v)),
-    "plane-eigenvalue": lambda angle: above(np.linalg.eigvals(plane(angle))),
+    "complex-turn": lambda angle, v: real_and_imaginary(np.exp(1j * angle[0]) * complex(*v)),
+    "plane-eigenvalue": lambda angle: upper_eigenvalue(np.linalg.eigvals(plane(angle))),
     "plane-determinant": lambda angle: np.linalg.det(plane(angle)),
     "mirror": lambda angle, v: mirror(angle) @ v,
     "mirror-determinant": lambda angle: np.linalg.det(mirror(angle)),
@@ -94,7 +94,7 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "product": product,
     "real-product": lambda p, q: rotation.real_matrix(p) @ q,
     "complex-product": complex_product,
-    "complex-eigenvalue": lambda q: above(np.linalg.eigvals(rotation.complex_matrix(q))),
+    "complex-eigenvalue": lambda q: upper_eigenvalue(np.linalg.eigvals(rotation.complex_matrix(q))),
     "conjugate": conjugate,
     "inverse": lambda q: conjugate(q) / (q @ q),
     "absolute": np.linalg.norm,

@@ -59,7 +59,7 @@ class SpinningTop(KernelSolver):
             return "the joint is not one of the world on a principal axis of the body"
         if not _about_joint(scene).all():
             return "no inertia about one of the axes through the joint"
-        return _astray(scene)
+        return _misfit(scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Moments about the joint, arm and weight; rows of 7 for attitude and omega in body
@@ -116,7 +116,7 @@ def _about_joint(scene: Scene) -> Array:
     return inertia
 
 
-def _astray(scene: Scene) -> str | None:
+def _misfit(scene: Scene) -> str | None:
     """None if the joint is closed at the start, in position and velocity, else the reason."""
     bodies = scene.bodies
     joint = scene.all(BallJoint)[0]

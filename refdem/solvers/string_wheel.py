@@ -54,7 +54,7 @@ class StringWheel(KernelSolver):
         """None for two points in gravity that fit the string, else the reason."""
         if not single.gravity(problem.scene).any():
             return "nothing pulls the string taut: there is no gravity"
-        return _astray(problem.scene)
+        return _misfit(problem.scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Masses, wheel and gravity; rows for r, theta, u and theta'."""
@@ -86,7 +86,7 @@ class StringWheel(KernelSolver):
                 f" {t[status - 1]:.6g} s"
             )
         (states,) = call.outputs
-        position, velocity = _places(scene, *_frame(scene), states)
+        position, velocity = _positions_and_velocities(scene, *_frame(scene), states)
         return Trajectory.of_points(t, position, velocity)
 
 
@@ -117,6 +117,7 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     y = arm @ down
     radius = string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
+    # The argument of (y + i x)(r - i R) = (y r + x R) + i (x r - y R).
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
@@ -127,7 +128,7 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     return np.array([r, theta, velocity @ along, rate])
 
 
-def _astray(scene: Scene) -> str | None:
+def _misfit(scene: Scene) -> str | None:
     """None if the counterweight hangs vertically from its side of the wheel, the pendulum is off
     the wheel, and the string does not stretch, else the reason.
     """
@@ -139,14 +140,16 @@ def _astray(scene: Scene) -> str | None:
     speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
+    # The counterweight hangs a radius to the other side of the axis.
     if abs(arm @ out + string.radius) > FITS * extent or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
+    # The string is inextensible: what the pendulum draws, u, the counterweight rises.
     if abs(velocity @ down + u) > FITS * speed:
         return "the string starts with a speed that its ends do not share"
     return None
 
 
-def _places(
+def _positions_and_velocities(
     scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array
 ) -> tuple[Array, Array]:
     """Position and velocity (T, 2, 3) from rows r, theta, u, theta'; row 0 is the given start."""

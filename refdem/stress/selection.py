@@ -49,11 +49,11 @@ def _limited(source: Battery, cases: Sequence[Entry]) -> Battery:
     """A battery with only the ladders on these cases."""
     ladders: list[Ladder] = []
     for entry in cases:
-        ladders += _on(source, entry)
+        ladders += _ladders_for(source, entry)
     return replace(source, ladders=tuple(ladders))
 
 
-def _on(source: Battery, entry: Entry) -> list[Ladder]:
+def _ladders_for(source: Battery, entry: Entry) -> list[Ladder]:
     """The ladders of a battery for a case: those made for it, and general ones put on it, one of
     each kind.
 
@@ -69,11 +69,11 @@ def _on(source: Battery, entry: Entry) -> list[Ladder]:
         made_for_cases = [ladder for ladder in source.ladders if not ladder.is_general]
         specific = [ladder for ladder in made_for_cases if ladder.canonical()[0].id == entry.id]
     general = {ladder.along: ladder for ladder in reversed(source.ladders) if ladder.is_general}
-    adapted = [_put(ladder, label) for ladder in reversed(general.values())]
+    adapted = [_on_other_case(ladder, label) for ladder in reversed(general.values())]
     return specific + adapted
 
 
-def _put(ladder: Ladder, label: str) -> Ladder:
+def _on_other_case(ladder: Ladder, label: str) -> Ladder:
     """A general ladder on another case, without its promise, which holds for its own case only."""
     if ladder.case == label:
         return ladder

@@ -39,7 +39,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Attempt:
     """One rung of one method on one ladder: the instance to be run, and who runs it. `number`
     counts rungs from 0.
     """
@@ -92,53 +92,57 @@ class Stress:
             name="stress", case=[], engines=self.engines, method=self.method
         )
         engines, _ = plan.engines(specification)
-        places: list[Place] = []
+        attempts: list[Attempt] = []
         for battery in self.batteries:
             for ladder in battery.ladders:
-                places += self._places(battery, ladder, engines)
+                attempts += self._attempts(battery, ladder, engines)
         workers: Schedule | InProcess = InProcess()
         if self.jobs:
             workers = Schedule(self.jobs, self.timeout)
         with workers as schedule:
-            tasks = self._tasks(schedule, places)
-            waves: dict[int, list[tuple[Place, Task | Failure]]] = {}
-            for place, task in zip(places, tasks, strict=True):
-                waves.setdefault(self._wave(place), []).append((place, task))
+            tasks = self._tasks(schedule, attempts)
+            waves: dict[int, list[tuple[Attempt, Task | Failure]]] = {}
+            for attempt, task in zip(attempts, tasks, strict=True):
+                waves.setdefault(self._wave(attempt), []).append((attempt, task))
             for _, wave in sorted(waves.items()):
                 self._run(schedule, wave)
         versions = {engine.name: engine.version() for engine in engines}
-        return self._recorded(places, versions)
+        return self._recorded(attempts, versions)
 
-    def _places(self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]) -> list[Place]:
-        """Every rung of the ladder for every method that answers its kind of problem."""
+    def _attempts(
+        self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]
+    ) -> list[Attempt]:
+        """An attempt at every rung of the ladder for every method that answers its kind of
+        problem.
+        """
         case, parameters = ladder.canonical()
         instances = [ladder.measure.instance(case, parameters, x) for x in ladder.values]
         kind = instances[0].problem.kind
-        places: list[Place] = []
+        attempts: list[Attempt] = []
         for engine in engines:
             for method in engine.methods:
                 if method.answers != kind or self.method not in ("", method.name):
                     continue
                 for number, instance in enumerate(instances):
-                    places.append(Place(battery, ladder, number, engine, method, instance))
-        return places
+                    attempts.append(Attempt(battery, ladder, number, engine, method, instance))
+        return attempts
 
-    def _wave(self, place: Place) -> int:
+    def _wave(self, attempt: Attempt) -> int:
         """The number of the wave: the rung's for costly ladders, else 0."""
-        if place.ladder.costly:
-            return place.number
+        if attempt.ladder.costly:
+            return attempt.number
         return 0
 
     def _tasks(
-        self, schedule: Schedule | InProcess, places: Sequence[Place]
+        self, schedule: Schedule | InProcess, attempts: Sequence[Attempt]
     ) -> list[Task | Failure]:
-        """The task of every place, with certified truth where its measure needs it."""
+        """The task of every attempt, with certified truth where its measure needs it."""
         instances = {
-            place.instance.label: place.instance
-            for place in places
-            if place.ladder.measure.needs_truth
+            attempt.instance.label: attempt.instance
+            for attempt in attempts
+            if attempt.ladder.measure.needs_truth
         }
-        delays = _delays(places)
+        delays = _delays(attempts)
         local_truths = {label: truth_here(instance) for label, instance in instances.items()}
         missing = {
             label: (instance, delays.get(label, ()))
@@ -149,46 +153,46 @@ class Stress:
         truth_of = local_truths | dict(zip(missing, proven, strict=True))
         without_truth = worker.no_truth("this measure does not use truth")
         tasks = []
-        for place in places:
-            truth = truth_of.get(place.instance.label) or without_truth
-            tasks.append(_task(place, truth))
+        for attempt in attempts:
+            truth = truth_of.get(attempt.instance.label) or without_truth
+            tasks.append(_task(attempt, truth))
         return tasks
 
     def _run(
-        self, schedule: Schedule | InProcess, wave: Sequence[tuple[Place, Task | Failure]]
+        self, schedule: Schedule | InProcess, wave: Sequence[tuple[Attempt, Task | Failure]]
     ) -> None:
         """Runs and judges the rungs of one wave; equal requests run once."""
         variants_by_key: dict[str, list[tuple[int, Variant]]] = {}
         jobs: dict[str, Job] = {}
         requests: dict[tuple[int, Variant], Request] = {}
-        for n, (place, task) in enumerate(wave):
+        for n, (attempt, task) in enumerate(wave):
             if (
                 isinstance(task, Failure)
                 or task.unsupported is not None
-                or self._is_too_long(place)
+                or self._is_too_long(attempt)
             ):
                 continue
             for variant in task.variants:
-                request = place.ladder.measure.request(task, variant, place.x)
+                request = attempt.ladder.measure.request(task, variant, attempt.x)
                 requests[n, variant] = request
-                address = place.engine.address
+                address = attempt.engine.address
                 body = request.packed()
                 # Equal keys mean equal engines and requests.
                 head = f"{address}\0{request.repeat}\0".encode()
                 key = hashlib.sha256(head + body).hexdigest()
                 variants_by_key.setdefault(key, []).append((n, variant))
-                job = Job(key, quiet_run, (address, body), self._limit(place.engine))
+                job = Job(key, quiet_run, (address, body), self._limit(attempt.engine))
                 jobs.setdefault(key, job)
         runs: dict[int, dict[Variant, Run]] = {}
         results = schedule.results(list(jobs.values()))
         for job, result in counted(results, "runs", len(jobs), self.progress):
             for n, variant in variants_by_key[job.key]:
-                place, _ = wave[n]
-                run = _run_of(job.key, requests[n, variant], place.engine, result)
+                attempt, _ = wave[n]
+                run = _run_of(job.key, requests[n, variant], attempt.engine, result)
                 runs.setdefault(n, {})[variant] = run
-        for n, (place, task) in enumerate(wave):
-            rung = self._rung(place, task, runs.get(n, {}))
-            self.rungs.setdefault(place.climb, {})[place.number] = rung
+        for n, (attempt, task) in enumerate(wave):
+            rung = self._rung(attempt, task, runs.get(n, {}))
+            self.rungs.setdefault(attempt.climb, {})[attempt.number] = rung
 
     def _limit(self, engine: Engine) -> float | None:
         """The worker's time limit [s] for an engine, above the one that a program keeps itself;
@@ -198,36 +202,36 @@ class Stress:
             return None
         return max(self.timeout, engine.time_limit + GRACE)
 
-    def _is_too_long(self, place: Place) -> bool:
+    def _is_too_long(self, attempt: Attempt) -> bool:
         """True if the forecast exceeds the budget."""
-        forecast = self._forecast(place)
+        forecast = self._forecast(attempt)
         return forecast is not None and forecast > self.longest
 
-    def _forecast(self, place: Place) -> float | None:
+    def _forecast(self, attempt: Attempt) -> float | None:
         """Expected seconds of a rung of a costly ladder, from the rung before; None for other
         ladders and for the first rung.
 
         The time is assumed to grow at least in proportion to the rung's number.
         """
-        if not place.ladder.costly:
+        if not attempt.ladder.costly:
             return None
-        previous = self.rungs.get(place.climb, {}).get(place.number - 1)
+        previous = self.rungs.get(attempt.climb, {}).get(attempt.number - 1)
         if previous is None:
             return None
         # Rungs may fall as well as rise: the ratio is taken so that it is at least 1.
-        growth = float(place.x / place.ladder.values[place.number - 1])
+        growth = float(attempt.x / attempt.ladder.values[attempt.number - 1])
         growth = max(growth, 1 / growth)
         if previous.forecast is not None:
             return previous.forecast * growth
         return previous.seconds * growth
 
-    def _rung(self, place: Place, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
+    def _rung(self, attempt: Attempt, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
         """The verdict on one rung, from the runs that it needed."""
-        name = place.ladder.rungs[place.number]
+        name = attempt.ladder.rungs[attempt.number]
         if isinstance(task, Failure):
             return Rung(rung=name, verdict="error", quantity="run: scene", sentence=task.sentence)
-        if task.unsupported is None and self._is_too_long(place):
-            forecast = self._forecast(place)
+        if task.unsupported is None and self._is_too_long(attempt):
+            forecast = self._forecast(attempt)
             return Rung(
                 rung=name,
                 verdict="not run",
@@ -244,36 +248,36 @@ class Stress:
             )
             return Rung(rung=name, verdict="error", quantity="run: judging", sentence=sentence)
 
-    def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> StressRecord:
+    def _recorded(self, attempts: Sequence[Attempt], versions: dict[str, str]) -> StressRecord:
         """The record of all climbs but those that were refused from the first rung; reasons where
         an engine has no other.
         """
-        first_places = {place.climb: place for place in reversed(places)}
+        first_attempts = {attempt.climb: attempt for attempt in reversed(attempts)}
         climbs: list[Climb] = []
         refused: dict[tuple[str, str, str], str] = {}
-        for place in reversed(first_places.values()):
-            rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
+        for attempt in reversed(first_attempts.values()):
+            rungs = [rung for _, rung in sorted(self.rungs[attempt.climb].items())]
             if rungs[0].verdict == "unsupported":
-                climber = (place.battery.id, place.ladder.name, place.engine.name)
+                climber = (attempt.battery.id, attempt.ladder.name, attempt.engine.name)
                 refused.setdefault(climber, rungs[0].sentence)
                 continue
             empty = Climb(
-                battery=place.battery.id,
-                ladder=place.ladder.name,
-                label=place.instance.case.id,
-                along=place.ladder.along,
-                engine=place.engine.name,
-                version=versions[place.engine.name],
-                method=place.method.name,
-                is_reference=place.engine.is_reference,
+                battery=attempt.battery.id,
+                ladder=attempt.ladder.name,
+                label=attempt.instance.case.id,
+                along=attempt.ladder.along,
+                engine=attempt.engine.name,
+                version=versions[attempt.engine.name],
+                method=attempt.method.name,
+                is_reference=attempt.engine.is_reference,
                 rungs=[],
             )
-            is_required = self.require or place.engine.is_reference
-            climbs.append(climbed(empty, place.ladder, rungs, is_required=is_required))
+            is_required = self.require or attempt.engine.is_reference
+            climbs.append(climbed(empty, attempt.ladder, rungs, is_required=is_required))
         # An engine that climbs a ladder with one method supports it.
         for climb in climbs:
             refused.pop((climb.battery, climb.ladder, climb.engine), None)
-        batteries = {place.battery.id: place.battery for place in places}
+        batteries = {attempt.battery.id: attempt.battery for attempt in attempts}
         return StressRecord(
             refdem=refdem.__version__,
             longest=self.longest,
@@ -291,33 +295,35 @@ def quiet_run(engine: str, request: bytes) -> bytes:
         return worker.run(engine, request)
 
 
-def _task(place: Place, truth: SampledTruth) -> Task | Failure:
-    """The task of a place; a Failure if the engine raises instead of refusing or accepting the
+def _task(attempt: Attempt, truth: SampledTruth) -> Task | Failure:
+    """The task of an attempt; a Failure if the engine raises instead of refusing or accepting the
     scene.
     """
     try:
         with np.errstate(all="ignore"):
-            return place.ladder.measure.task(
-                place.engine, place.method, place.instance, place.x, truth
+            return attempt.ladder.measure.task(
+                attempt.engine, attempt.method, attempt.instance, attempt.x, truth
             )
     except (RefdemError, ArithmeticError, ValueError) as error:
         reason = f"{type(error).__name__}: {error}"
         return Failure(
             kind="refusal",
-            sentence=f"{place.engine.name} could not say whether it supports the scene ({reason})",
+            sentence=(
+                f"{attempt.engine.name} could not say whether it supports the scene ({reason})"
+            ),
         )
 
 
-def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
+def _delays(attempts: Sequence[Attempt]) -> dict[str, tuple[float, ...]]:
     """Times [s] by which velocities lag behind positions, by label of the instance, for methods
     that have such a lag.
     """
     delays_of: dict[str, set[float]] = {}
-    for place in places:
-        if place.method.velocity_time != "synchronous":
-            levels = place.ladder.measure.levels(place.instance, place.method, place.x)
-            lags = {place.method.delay(level) for level in levels}
-            delays_of.setdefault(place.instance.label, set()).update(lags)
+    for attempt in attempts:
+        if attempt.method.velocity_time != "synchronous":
+            levels = attempt.ladder.measure.levels(attempt.instance, attempt.method, attempt.x)
+            lags = {attempt.method.delay(level) for level in levels}
+            delays_of.setdefault(attempt.instance.label, set()).update(lags)
     return {label: tuple(sorted(lags)) for label, lags in delays_of.items()}
 
 

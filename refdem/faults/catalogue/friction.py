@@ -1,41 +1,27 @@
 """Dry friction: sign, size, limit, sticking, and when it is evaluated."""
 
 from functools import partial
-from math import tanh
 from typing import Any
 
 from refdem.faults import vectors as vec
 from refdem.faults.change import of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.faults.regularised import regularised
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
 
 friction = partial(Fault, kind="friction")
-SLOW = 2.0**-6
-"""[m/s] below which regularised friction fades."""
+
+
+def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
+    """Velocity [m/s] of the body along the slider's axis."""
+    return vec.dot(velocity, slider.axis)
 
 
 def _regularised(p: Parts) -> dict[str, Any]:
     """Friction fades with the speed, as sgn(0) = 0 wants: what should stick creeps."""
-    from dataclasses import replace
-
-    def loads(world: Any, state: Any, parts: Any, before: Any = None, h: Any = 0.0) -> Any:
-        bare = state.copy()
-        bare.side = []
-        found = p.loads(replace(world, sliders=[]), bare, parts, before, h)
-        for slider in world.sliders:
-            speed = vec.dot(state.v[slider.a], slider.axis)
-            force = -slider.friction * slider.normal_force * tanh(speed / SLOW)
-            found.force[slider.a] = vec.moved(found.force[slider.a], force, slider.axis)
-            found.power -= force * speed
-        return found
-
-    return {
-        "loads": loads,
-        "side_of": lambda *arguments: 0,
-        "holds": lambda *arguments: True,
-    }  # no mode to leave
+    return regularised(p, _slip, lambda slider, u: slider.friction, counts_work=True)
 
 
 def _without_damping(p: Parts) -> dict[str, Any]:

@@ -2,37 +2,28 @@
 fades, sticking, and the drive.
 """
 
-from dataclasses import replace
 from functools import partial
-from math import pi, tanh
+from math import pi
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.change import of_arguments, of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.faults.regularised import regularised
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.slider import Slider
 
 stick_slip = partial(Fault, kind="stick-slip", on=("sticking",))
-SLOW = 2.0**-6
-"""[m/s] below which regularised friction fades."""
+
+
+def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
+    """Velocity [m/s] of the body relative to the belt."""
+    return parts.slides_at(slider, velocity)
 
 
 def _fading(p: Parts) -> dict[str, Any]:
     """sgn(0) = 0: friction fades with the speed, and what should stick creeps."""
-
-    def loads(world: Any, state: Any, parts: Any, before: Any = None, h: Any = 0.0) -> Any:
-        bare = state.copy()
-        bare.side = []
-        found = p.loads(replace(world, sliders=[]), bare, parts, before, h)
-        for slider in world.sliders:
-            speed = parts.slides_at(slider, state.v[slider.a])
-            force = -slider.coefficient(abs(speed)) * slider.normal_force * tanh(speed / SLOW)
-            found.force[slider.a] = vec.moved(found.force[slider.a], force, slider.axis)
-        return found
-
-    return {"loads": loads, "side_of": lambda *arguments: 0, "holds": lambda *arguments: True}
+    return regularised(p, _slip, lambda slider, u: slider.coefficient(abs(u)), counts_work=False)
 
 
 FAULTS = (

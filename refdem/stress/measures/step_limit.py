@@ -61,7 +61,7 @@ class Bounded(Check):
     kills = "a method whose stability limit is below that of the scheme it claims to implement"
 
     def applies(self, subject: Subject) -> str | None:
-        """Always."""
+        """None: the check applies to every motion with a step."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:

@@ -104,6 +104,7 @@ class Simultaneous(Case):
 
         from refdem.stress.scenes.half_sine import HalfSine
 
+        # Every pair is a contact against a sphere that stays: w^2 = k/m of the small sphere.
         start = (Fraction(0), Fraction(SPEED))
         scale = {q.name: q.scale for q in self.quantities(p)}
         return HalfSine(Fraction(STIFFNESS) / Fraction(LIGHT), start, scale, bodies=int(p.hits) + 1)
