@@ -1,5 +1,5 @@
-"""What is certified, case by case: sets, values, digits, method, who witnesses it, and what is
-stale or has no witness.
+"""The table of what is certified, case by case: sets, values, digits, method, witness, and how many
+sets are stale.
 """
 
 import math
@@ -41,19 +41,20 @@ class CertifiedCase(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCase]:
-    """The whole catalogue, or these cases, also those without certified sets; raises UsageError for
-    one that is not there.
+    """The lines of all cases, or of these, also of those without certified sets.
+
+    Raises UsageError for a case that does not exist.
     """
     sets: dict[str, list[CertifiedSet]] = {}
-    for one in load(folder=folder / "certified"):
-        sets.setdefault(one.case, []).append(one)
-    asked = list(only) or discovery.names("cases")
-    wanted = {name for name in asked if not isinstance(discovery.case(name), Selection)}
-    return [certified_case(name, sets.get(name, [])) for name in sorted(wanted)]
+    for certified_set in load(folder=folder / "certified"):
+        sets.setdefault(certified_set.case, []).append(certified_set)
+    names = list(only) or discovery.names("cases")
+    cases = {name for name in names if not isinstance(discovery.case(name), Selection)}
+    return [certified_case(name, sets.get(name, [])) for name in sorted(cases)]
 
 
 def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
-    """What the store has of one case, from its sets."""
+    """The line of one case, from its sets in the store."""
     testimonies = [one.witnessed for one in sets if one.witnessed]
     radii: list[Fraction] = []
     for one in sets:
@@ -80,19 +81,19 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
 
 
 def _digits(radius: Fraction) -> int | None:
-    """Decimal places before the radius begins; None if it is 0."""
+    """Decimal places that a radius leaves certain, floor(-log10(radius)); None if it is 0."""
     if radius:
         return math.floor(-math.log10(radius))
     return None
 
 
-def in_all(found: list[CertifiedCase]) -> str:
-    """The sentence below the table."""
-    kept = [one for one in found if one.sets]
-    sets = sum(one.sets for one in kept)
-    proved = sum(one.values for one in kept)
-    witnessed = sum(one.witnessed for one in kept)
+def in_all(cases: list[CertifiedCase]) -> str:
+    """The sentence below the table: the sums of its columns."""
+    certified = [case for case in cases if case.sets]
+    sets = sum(case.sets for case in certified)
+    proved = sum(case.values for case in certified)
+    witnessed = sum(case.witnessed for case in certified)
     return (
-        f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a"
-        " witness when they were proved"
+        f"{sets} sets of {len(certified)} cases: {proved} values, {witnessed} of them confirmed by"
+        " a witness when they were proved"
     )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.cases.impact_benchmarks._hertz_wall import HERTZ_CONTACT, HertzWall
+from refdem.cases.impact_benchmarks._hertz_wall import HertzWall
 from refdem.cases.impact_benchmarks._wall import of_impact, struck
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
