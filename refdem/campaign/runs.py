@@ -1,4 +1,4 @@
-"""The third stage of a campaign: what is asked of the engines, and what comes back.
+"""The third stage of a campaign: the runs that its tasks need, and their results.
 
 Equal runs are made once, and unchanged ones are read from the store.
 """
@@ -26,9 +26,9 @@ GRACE = 30.0
 trajectory, to keep what failed.
 """
 ENOUGH = 2
-"""Steps at which a method did not end in its time, after which it is not tried at others."""
+"""A method that hung at so many different steps is not tried at others."""
 Answer = tuple[worker.Reply, Trajectory | None]
-"""What a run came to: its reply, and the trajectory unless it failed."""
+"""The result of a run: the worker's reply, and the trajectory unless it failed."""
 Place = tuple[int, Variant]
 """A run by the number of its task in the plan, and its variant."""
 
@@ -69,18 +69,20 @@ def is_lasting(failure: Failure | None) -> bool:
 
 @dataclass(frozen=True)
 class Hangs:
-    """What is remembered from run to run: the steps with which a method did not end on a case."""
+    """The steps [s] with which a method hung on an instance, remembered from run to run."""
 
     steps: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
 
     def note(self, asked: Asked, failure: Failure | None) -> None:
-        """Remembers how a run ended."""
+        """Remembers the step of a run that hung."""
         if failure is not None and failure.kind == "hang":
             self.steps.setdefault(_method_on_case(asked.task), set()).add(_step(asked.request))
 
     def given_up(self, asked: Asked) -> Failure | None:
-        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at
-        two steps hangs at all.
+        """The reason why a run is not begun any more, or None.
+
+        A smaller step takes longer than one that hung, and a method that hung at ENOUGH steps hangs
+        at all.
         """
         steps = self.steps.get(_method_on_case(asked.task), set())
         takes_longer = any(_step(asked.request) <= step for step in steps)
@@ -143,14 +145,18 @@ class Runner:
         return Runs(by_place=by_place, made=len(made), read=len(read))
 
     def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
-        """What the store has of some runs."""
+        """The results that the store has of the runs with these keys."""
         if not self.use_store:
             return {}
-        found = {key: self.store.read("run", key, answer_of) for key in keys}
-        return {key: answer for key, answer in found.items() if answer is not None}
+        stored = {key: self.store.read("run", key, answer_of) for key in keys}
+        return {key: answer for key, answer in stored.items() if answer is not None}
 
     def _job(self, asked: Asked) -> Job:
-        """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
+        """The job of a run.
+
+        An engine that ends its programs itself, by `time_limit`, does so before its worker would be
+        killed.
+        """
         engine = asked.task.engine
         request = asked.request
         limit = None
@@ -172,9 +178,7 @@ class Runner:
         )
 
     def _kept(self, key: str, result: bytes | Failure) -> Answer:
-        """How a run ended; it goes to the store unless it crashed or hung, which is tried again
-        next time.
-        """
+        """The result of a run that ended; it is stored unless it may end otherwise next time."""
         if isinstance(result, Failure):
             return worker.Reply(failure=result), None
         reply, trajectory = answer_of(result)
@@ -227,7 +231,7 @@ def _asked(
     """The runs that tasks need from the start, or those that go on from the end of a `first`
     one.
     """
-    found = []
+    needed = []
     for number, task in enumerate(tasks):
         for variant in task.variants:
             if variant.goes_on != (first is not None):
@@ -241,8 +245,8 @@ def _asked(
             request = plan.request(task, variant, base, ulps=ulps)
             engine = task.engine.name
             key = request.key(engine, fingerprints[engine, task.method.name])
-            found.append(Asked(place=(number, variant), task=task, request=request, key=key))
-    return found
+            needed.append(Asked(place=(number, variant), task=task, request=request, key=key))
+    return needed
 
 
 def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:
