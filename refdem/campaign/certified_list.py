@@ -55,12 +55,12 @@ def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCas
 
 def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
     """The line of one case, from its sets in the store."""
-    testimonies = [one.witnessed for one in sets if one.witnessed]
+    testimonies = [entry.witnessed for entry in sets if entry.witnessed]
     radii: list[Fraction] = []
-    for one in sets:
-        radii += [Fraction(value.radius) for value in one.values]
+    for entry in sets:
+        radii += [Fraction(value.radius) for value in entry.values]
     witnesses = sorted({testimony["by"] for testimony in testimonies})
-    own_witnesses = sorted({one.witness for one in sets})
+    own_witnesses = sorted({entry.witness for entry in sets})
     if radii:
         digits = _digits(max(radii))
     else:
@@ -71,12 +71,12 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
         sets=len(sets),
         values=len(radii),
         digits=digits,
-        methods=sorted({one.method for one in sets}),
+        methods=sorted({entry.method for entry in sets}),
         witness="; ".join(witnesses) or NONE,
         witnessed=sum(testimony["values"] for testimony in testimonies),
         agreed=min((testimony["digits"] for testimony in testimonies), default=None),
         own_witness="; ".join(own_witnesses),
-        stale=sum(one.source != source for one in sets),
+        stale=sum(entry.source != source for entry in sets),
     )
 
 

@@ -61,7 +61,7 @@ def request(scene: Scene, method: str, interval: float, stride: int, direction: 
 
 
 def clock_scenes() -> Iterator[ClockScene]:
-    """Scenes whose state tells the time, from what most programs can say to what only some can."""
+    """Scenes whose state shows the time that has passed, those that most programs support first."""
     flying = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))
     yield ClockScene(name="flight", scene=Scene.of([flying]), passed=_flown)
     thrown = Body(mass=2.0, velocity=(0.0, 1.0, 0.0))

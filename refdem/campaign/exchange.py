@@ -36,7 +36,9 @@ from refdem.scene import bodies_file
 MANIFEST = "manifest.json"
 RUNS = "runs.txt"
 REFUSED = "unsupported.txt"
-"""What a run's folder holds in place of a trajectory where the program ended with 77: why."""
+"""The file in a run's folder, in place of a trajectory, with the reason why the program ended with
+77, not supported.
+"""
 
 
 FORMAT = 1
@@ -44,8 +46,8 @@ FORMAT = 1
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What was exported: by which refdem, what is to be judged, and the version of each program at
-    that time.
+    """The content of an export: the version of refdem, the cases and levels to be judged, and the
+    version of each program at that time.
     """
 
     format: int = FORMAT
@@ -87,7 +89,7 @@ class Elsewhere(Engine):
         return self.name
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """What the description of the program refuses, with its reason; else None."""
+        """The reason why the description of the program refuses the problem, or None."""
         return self.described.unsupported_motion(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

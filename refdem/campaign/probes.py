@@ -153,11 +153,11 @@ def _spins() -> tuple[Probe, ...]:
         def expected(t: Array) -> Expected:
             # The quaternion (cos a/2, n sin a/2) of the angle a = |omega| t about n.
             half = rate * t / 2
-            turn = np.column_stack([np.cos(half), np.outer(np.sin(half), omega / rate)])
+            rotation = np.column_stack([np.cos(half), np.outer(np.sin(half), omega / rate)])
             return {
                 "position": place + t[:, None, None] * drift,
                 "velocity": drift + 0 * t[:, None, None],
-                "attitude": product(turn, np.array(attitude))[:, None],
+                "attitude": product(rotation, np.array(attitude))[:, None],
                 "omega": np.tile(omega, (len(t), 1, 1)),
             }
 
@@ -268,8 +268,8 @@ def _knock() -> Probe:
     exchanged their velocities.
     """
     ball = Sphere(radius=0.5)
-    left = Body(mass=2.0, position=(-0.5, 0.0, 0.0), velocity=(1.0, 0.0, 0.0), shape=ball)
-    right = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), shape=ball)
+    first_sphere = Body(mass=2.0, position=(-0.5, 0.0, 0.0), velocity=(1.0, 0.0, 0.0), shape=ball)
+    second_sphere = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), shape=ball)
     stiffness = 400.0
 
     def expected(t: Array) -> Expected:
@@ -279,7 +279,7 @@ def _knock() -> Probe:
         second = (1 - np.cos(phase)) / 2
         return {"velocity": _on_x(np.stack([first, second], axis=1))}
 
-    scene = Scene.of([left, right], [Contact(law="linear", stiffness=stiffness)])
+    scene = Scene.of([first_sphere, second_sphere], [Contact(law="linear", stiffness=stiffness)])
     return Probe(
         name="knock", shows="sign and unit of the contact force", scene=scene, expected=expected
     )

@@ -17,9 +17,9 @@ from refdem.core.finding import DECIDED, Record, Sheet
 from refdem.errors import StoreError, UsageError
 
 CHECK = "  "
-"""What a line with a check and its quantities begins with."""
+"""The indentation of a line with a check and its quantities."""
 MORE = "      "
-"""What a line begins with that goes on with the quantities of the line above."""
+"""The indentation of a line that goes on with the quantities of the line above."""
 WIDTH = 120
 
 

@@ -110,7 +110,7 @@ def _step(request: Request) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Runner:
-    """How runs are made: by which workers, within which time, and kept where.
+    """Makes runs: with the workers of `schedule`, within `timeout` [s] each, kept in `store`.
 
     `versions` are those of the engines by name; `deadlines` are the times [s] of the monotonic
     clock after which nothing more is run in an engine.
@@ -128,8 +128,8 @@ class Runner:
     def runs(self, asked: list[Asked], stage: str) -> Runs:
         """Everything that is asked for: equal runs once, unchanged ones from the store."""
         equal: dict[str, list[Asked]] = {}
-        for one in asked:
-            equal.setdefault(one.key, []).append(one)
+        for request_of_task in asked:
+            equal.setdefault(request_of_task.key, []).append(request_of_task)
         read = self._read(equal)
         jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
         made: dict[str, Answer] = {}
@@ -140,7 +140,12 @@ class Runner:
             self.progress(stage, done, len(jobs))
         answers = read | made
         by_place = {
-            one.place: self._run(one, answers[one.key], from_store=one.key in read) for one in asked
+            request_of_task.place: self._run(
+                request_of_task,
+                answers[request_of_task.key],
+                from_store=request_of_task.key in read,
+            )
+            for request_of_task in asked
         }
         return Runs(by_place=by_place, made=len(made), read=len(read))
 

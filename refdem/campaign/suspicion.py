@@ -70,7 +70,7 @@ def _from_body(name: str) -> Slip:
 
 
 def _reordered(name: str, order: str) -> Suspect:
-    """The axes of a column in another order."""
+    """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
     return Suspect(
         f"the axes of its {name} come in the order {order}",

@@ -31,7 +31,7 @@ which came to its last sample just before its end takes all of the limit, and CP
 from run to run on a busy machine.
 """
 FAILED = "the proof ended in a "
-"""How the reason begins where a proof crashed or hung: it may end otherwise next time."""
+"""The start of the reason where a proof crashed or hung: it may end otherwise next time."""
 
 
 def is_lasting(truth: SampledTruth) -> bool:

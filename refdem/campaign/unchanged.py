@@ -35,7 +35,7 @@ def key_of(specification: Specification, engines: list[Engine]) -> str | None:
 
 
 def _of_engine(engine: Engine) -> list[object]:
-    """What an engine is and claims, and the state of its code for every method."""
+    """The identity and claims of an engine, and the fingerprint of its code for every method."""
     states = [engine.fingerprint(method) for method in engine.methods]
     return [
         engine.name,

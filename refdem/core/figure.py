@@ -104,5 +104,5 @@ class Figure:
 
 
 def file_name(id: str) -> str:
-    """The id of a figure as file names have it."""
+    """The id of a figure as it stands in file names: "1.15" becomes "fig-1-15"."""
     return "fig-" + id.replace(".", "-")
