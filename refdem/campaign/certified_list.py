@@ -65,18 +65,23 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
         digits = _digits(max(radii))
     else:
         digits = None
+    methods = sorted({entry.method for entry in sets})
+    witnessed = sum(testimony["values"] for testimony in testimonies)
+    agreed = min((testimony["digits"] for testimony in testimonies), default=None)
+    # A set is stale if it was proved with another state of the case's code.
     source = digest_of(name)
+    stale = sum(entry.source != source for entry in sets)
     return CertifiedCase(
         case=name,
         sets=len(sets),
         values=len(radii),
         digits=digits,
-        methods=sorted({entry.method for entry in sets}),
+        methods=methods,
         witness="; ".join(witnesses) or NONE,
-        witnessed=sum(testimony["values"] for testimony in testimonies),
-        agreed=min((testimony["digits"] for testimony in testimonies), default=None),
+        witnessed=witnessed,
+        agreed=agreed,
         own_witness="; ".join(own_witnesses),
-        stale=sum(entry.source != source for entry in sets),
+        stale=stale,
     )
 
 

@@ -63,6 +63,7 @@ class Elsewhere(Engine):
     """
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
+        """Takes over the description of an engine; `folder` is that of the export."""
         self.name = described.name
         self.title = described.title
         self.licence = described.licence

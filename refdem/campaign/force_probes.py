@@ -137,6 +137,7 @@ def _dumbbell() -> Probe:
     arms = np.array([second_mass, -first_mass]) / total * length
 
     def expected(t: Array) -> Expected:
+        # The rod's direction and its normal at the angle w t + 1/2.
         angle = rate * t + 0.5
         along = np.column_stack([np.cos(angle), np.sin(angle), 0 * t])[:, None]
         across = np.column_stack([-np.sin(angle), np.cos(angle), 0 * t])[:, None]

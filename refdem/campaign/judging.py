@@ -34,6 +34,8 @@ def record(
         says = f"Nothing was decided: {reasons}"
         findings.append(Finding(check="record", quantity="decided", outcome="error", sentence=says))
     costs = [run.cost for run in runs.values() if run.cost]
+    seconds = sum(cost.seconds for cost in costs)
+    keys = tuple(run.key for run in runs.values())
     judged_record = Record(
         case=instance.case.id,
         label=instance.label,
@@ -42,9 +44,9 @@ def record(
         version=version,
         method=task.method.name,
         is_reference=task.engine.is_reference,
-        runs=tuple(run.key for run in runs.values()),
+        runs=keys,
         findings=tuple(findings),
-        seconds=sum(cost.seconds for cost in costs),
+        seconds=seconds,
     )
     return applied(judged_record, deviations)
 

@@ -106,6 +106,7 @@ def _falls() -> tuple[Probe, ...]:
     def fall(
         name: str, velocity: tuple[float, float, float], g: tuple[float, float, float]
     ) -> Probe:
+        """A point thrown with `velocity` [m/s] in gravity g [m/s^2]: r = v0 t + g t^2/2."""
         thrown = Body(mass=3.0, velocity=velocity)
         pull = np.array(g)
 
@@ -140,6 +141,7 @@ def _spins() -> tuple[Probe, ...]:
     def spin(
         name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]
     ) -> Probe:
+        """A body that spins steadily with `omega` [rad/s], in space axes, from `attitude` on."""
         body = Body(
             mass=1.0,
             inertia=(1.0, 2.0, 2.5),
@@ -231,19 +233,23 @@ def _forces() -> tuple[Probe, ...]:
         return Probe(name=name, shows=shows, scene=Scene.of([body], elements), expected=expected)
 
     def hanging(t: Array) -> Expected:
+        """At rest 2 m below the pivot; the tension is m g = 3 kg * 10 m/s^2."""
         return {
             "position": np.tile([0.0, -2.0, 0.0], (len(t), 1, 1)),
             "rod_force": np.full(len(t), 30.0),
         }
 
     def circle(t: Array) -> Expected:
+        """w^2 = gm/r^3 = 4 /s^2 at r = 1 m."""
         place = np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])
         return {"position": place[:, None]}
 
     def swinging(t: Array) -> Expected:
+        """x = cos(w t), w^2 = k/m = 4 /s^2."""
         return _along(np.cos(2 * t), -2 * np.sin(2 * t))
 
     def rubbed(t: Array) -> Expected:
+        """x = t - t^2/4: friction mu N = 1 N slows 2 kg by 1/2 m/s^2, until t = 2 s."""
         return _along(t - t * t / 4, 1 - t / 2)
 
     spring = Spring(a=0, stiffness=8.0)

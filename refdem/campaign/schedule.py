@@ -226,6 +226,9 @@ class Schedule:
         return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
 
     def _result(self, future: Any, job: Job) -> bytes | Failure:
+        """The bytes of a job that has ended in a worker, or how it failed: hang, crash,
+        exception.
+        """
         from pebble import ProcessExpired
 
         limit = job.patience * (job.timeout or self._timeout)

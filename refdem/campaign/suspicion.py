@@ -72,10 +72,8 @@ def _from_body(name: str) -> Slip:
 def _reordered(name: str, order: str) -> Suspect:
     """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
-    return Suspect(
-        f"the axes of its {name} come in the order {order}",
-        _of(name, lambda values: values[..., numbers]),
-    )
+    reorder = _of(name, lambda values: values[..., numbers])
+    return Suspect(f"the axes of its {name} come in the order {order}", reorder)
 
 
 ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")

@@ -55,10 +55,7 @@ def sampled_truths(
     truths: dict[str, SampledTruth] = {}
     missing: dict[str, Asked] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
-        available = store.truth(key)
-        # The truths that come with refdem have the samples of the case itself, no earlier ones.
-        if available is None and not delays:
-            available = kept_truth(instance)
+        available = _available(store, key, instance, delays)
         if available is None and not is_judged(instance):
             available = worker.no_truth(UNASKED)
         if available is None:
@@ -83,6 +80,17 @@ def sampled_truths(
         certified = _counts(counts_file, missing)
     truths |= _partial_truths(schedule, missing, certified, truths)
     return [truths[key] for key in keys]
+
+
+def _available(
+    store: Store, key: str, instance: Instance, delays: tuple[float, ...]
+) -> SampledTruth | None:
+    """The truth in the store of finished work, or else the one that comes with refdem, or None."""
+    stored = store.truth(key)
+    # The truths that come with refdem have the samples of the case itself, no earlier ones.
+    if stored is None and not delays:
+        return kept_truth(instance)
+    return stored
 
 
 def _counts(counts_file: BinaryIO, keys: Iterable[str]) -> dict[str, int]:

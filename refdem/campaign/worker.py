@@ -103,6 +103,7 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
     count = 0
 
     def sensitivity(t: Fraction) -> float:
+        """S(t) as before; a time later than all before it counts as one more that is certified."""
         nonlocal latest, count
         bound = original(t)
         if t > latest:
@@ -129,7 +130,8 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
     """The run in stages, so that others may run while it waits."""
-    if time.monotonic() > deadline:  # of the system, the same in all its processes
+    # The monotonic clock is the same in all processes of the system.
+    if time.monotonic() > deadline:
         failure = Failure(
             kind="budget",
             sentence=(

@@ -286,6 +286,7 @@ class Identity(Static):
         factor = 1 + ulps * 2.0**-52
 
         def perturbed_step(step: Operation) -> Operation:
+            """The operation with its numbers moved; results that it names move by themselves."""
             operands: list[list[float] | str] = []
             for operand in step.operands:
                 if isinstance(operand, str):

@@ -77,6 +77,7 @@ class Store:
     """
 
     def __init__(self, path: Path) -> None:
+        """Opens the store at `path` or makes it; never raises, see the head of this module."""
         self.path = path
         self._tally = _Tally(path)
         # Python 3.13 warns of a connection that nobody closed.

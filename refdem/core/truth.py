@@ -22,6 +22,7 @@ class Ball:
     radius: Fraction
 
     def __post_init__(self) -> None:
+        """Raises TypeError for a number that is not exact, such as a float."""
         for value in (self.mid, self.radius):
             if isinstance(value, bool) or not isinstance(value, int | Fraction):
                 type_name = type(value).__name__

@@ -95,6 +95,7 @@ class Link(Element, frozen=True, kw_only=True):
         from refdem.mechanics.quaternion import rotated
 
         def end(body: int, anchor: Position) -> Array:
+            """The anchor (T, 3) [m] in space; that of the world (-1) is there already."""
             if body < 0:
                 return np.broadcast_to(np.asarray(anchor, float), (len(position), 3))
             if not any(anchor):

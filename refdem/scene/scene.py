@@ -41,6 +41,7 @@ class Scene:
     elements: tuple[Element, ...] = ()
 
     def __post_init__(self) -> None:
+        """Raises SceneError, with the place, for an element that is not physical."""
         for number, element in enumerate(self.elements):
             where = f"scene.elements.{number} ({element.kind})"
             for name in element.__struct_fields__:
