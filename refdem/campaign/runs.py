@@ -157,7 +157,7 @@ class Runner:
         return {key: answer for key, answer in stored.items() if answer is not None}
 
     def _job(self, asked: Asked) -> Job:
-        """The job of a run.
+        """The job that makes one run in a worker, or in a program of its own.
 
         An engine that ends its programs itself, by `time_limit`, does so before its worker would be
         killed.
