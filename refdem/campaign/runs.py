@@ -192,7 +192,7 @@ class Runner:
         return reply, trajectory
 
     def _run(self, asked: Asked, answer: Answer, *, from_store: bool) -> Run:
-        """The run at one place that asked for it."""
+        """The run that one task asked for, from the answer to its request."""
         reply, trajectory = answer
         name = asked.task.engine.name
         return Run(

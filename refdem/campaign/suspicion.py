@@ -59,7 +59,7 @@ def _in_all(change: Callable[[Array], Array]) -> Slip:
 
 
 def _from_body(name: str) -> Slip:
-    """A vector in body axes that should be in space axes."""
+    """The slip that a vector is in body axes where it should be in space axes: v -> q* v q."""
 
     def slip(right: Expected) -> Expected:
         if name not in right or "attitude" not in right:

@@ -50,7 +50,7 @@ REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Symmetry:
-    """One symmetry map.
+    """One symmetry of mechanics as a map of motions; see the head of this module.
 
     `turn` is the unit quaternion of the rotation, `mirrored` reflects x before it, `shift` is d
     [m], `boost` u [m/s], `reverse` numbers the bodies backwards, `units` are the factors of mass,

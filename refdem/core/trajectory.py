@@ -83,7 +83,10 @@ class Trajectory:
 
     @classmethod
     def of_points(cls, t: Array, position: Array, velocity: Array, **more: Any) -> "Trajectory":
-        """A trajectory of bodies that do not turn."""
+        """A trajectory of bodies that do not rotate: attitude (1, 0, 0, 0) and omega 0.
+
+        `position` and `velocity` are (T, N, 3); `more` are channels, events or values.
+        """
         count, bodies = position.shape[:2]
         attitude = np.zeros((count, bodies, 4))
         attitude[..., 0] = 1.0
