@@ -1,6 +1,7 @@
 """A campaign from specification to sheets, in four stages: plan, truths, runs, records.
 
-What a stage finds is handed to the next one and is not changed any more.
+The result of each stage is frozen and handed to the next one. A *sheet* is what a report is made
+of: one for the campaign, each engine, each instance, and a record for each method on each instance.
 """
 
 import time
@@ -33,30 +34,33 @@ class Campaign:
     progress: Progress = lambda stage, done, total: None
 
     def sheets(self) -> list[Sheet]:
-        """Everything that a report is made of; kept, unless something ended in a way that it may
-        not end in next time.
+        """All sheets of the campaign.
+
+        They are read from the store if nothing has changed since an equal campaign. They are kept
+        there unless a run or a proof ended in a way in which it may not end next time.
         """
         start = time.perf_counter()
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
         key = None
-        kept = None
+        stored = None
         if self.use_store:
             key = unchanged.key_of(self.specification, engines)
         if key:
-            kept = unchanged.kept(self.store, key)
-        if kept is None:
+            stored = unchanged.kept(self.store, key)
+        if stored is None:
             ended = self._ended(engines)
             if key and ended.is_lasting:
-                unchanged.keep(self.store, key, [self._whole(start, ended), *ended.sheets])
+                unchanged.keep(self.store, key, [self._campaign_sheet(start, ended), *ended.sheets])
         else:
-            ended = _read(kept)
-        whole = self._whole(start, ended)
+            ended = _read(stored)
+        # The findings that the campaign must make may have changed, so they are added last.
+        own_sheet = self._campaign_sheet(start, ended)
         labels = [sheet.label for sheet in ended.sheets if isinstance(sheet, CaseSheet)]
-        return [whole, *required.held(ended.sheets, self.specification, engines, labels)]
+        return [own_sheet, *required.held(ended.sheets, self.specification, engines, labels)]
 
     def _ended(self, engines: list[Engine]) -> "Ended":
-        """The four stages, one after another."""
+        """The outcome of the four stages, one after another."""
         versions = {engine.name: engine.version() for engine in engines}
         deadlines = {
             engine.name: time.monotonic() + engine.budget
@@ -84,25 +88,26 @@ class Campaign:
                 hangs=Hangs(),
                 progress=self.progress,
             )
-            came = runs.of_tasks(runner, tasks, self.specification.perturbed_ulps)
-        found = records(tasks, came, versions)
+            runs_of_tasks = runs.of_tasks(runner, tasks, self.specification.perturbed_ulps)
+        judged_records = records(tasks, runs_of_tasks, versions)
+        # An instance may be in several rows, with other checks: by label it has one sheet.
         cases = {}
         for row, truth in zip(rows, truths, strict=True):
             cases[row.instance.label] = sheets.case_sheet(row.instance, truth)
         return Ended(
-            sheets=[*map(sheets.engine_sheet, engines), *cases.values(), *found],
-            made=came.made,
-            read=came.read,
-            is_lasting=came.is_lasting and all(map(is_lasting, truths)),
+            sheets=[*map(sheets.engine_sheet, engines), *cases.values(), *judged_records],
+            made=runs_of_tasks.made,
+            read=runs_of_tasks.read,
+            is_lasting=runs_of_tasks.is_lasting and all(map(is_lasting, truths)),
         )
 
     def _schedule(self) -> Schedule | InProcess:
-        """Where proofs and runs are made."""
+        """The schedule of proofs and runs: worker processes, or this process."""
         if self.jobs:
             return Schedule(self.jobs, self.specification.timeout)
         return InProcess()
 
-    def _whole(self, start: float, ended: "Ended") -> CampaignSheet:
+    def _campaign_sheet(self, start: float, ended: "Ended") -> CampaignSheet:
         """The sheet of the campaign itself, which began at `start` [s] of the clock."""
         return CampaignSheet(
             name=self.specification.name,
@@ -115,8 +120,8 @@ class Campaign:
 
 @dataclass(frozen=True, kw_only=True)
 class Ended:
-    """What a campaign came to: the sheets of engines, cases and records, and how many runs were
-    made and read for them.
+    """The outcome of a campaign: the sheets of engines, cases and records, the numbers of runs made
+    and read from the store, and whether it would come out the same next time.
     """
 
     sheets: list[Sheet]
@@ -125,11 +130,14 @@ class Ended:
     is_lasting: bool
 
 
-def _read(kept: list[Sheet]) -> Ended:
-    """A campaign of which nothing has changed: all of its runs are read."""
-    whole, *found = kept
-    assert isinstance(whole, CampaignSheet)
-    return Ended(sheets=found, made=0, read=whole.runs_made + whole.runs_read, is_lasting=True)
+def _read(stored: list[Sheet]) -> Ended:
+    """The outcome of an unchanged campaign from its stored sheets: all of its runs count as
+    read.
+    """
+    own_sheet, *others = stored
+    assert isinstance(own_sheet, CampaignSheet)
+    runs_read = own_sheet.runs_made + own_sheet.runs_read
+    return Ended(sheets=others, made=0, read=runs_read, is_lasting=True)
 
 
 def _refuse_namesakes(engines: list[Engine]) -> None:

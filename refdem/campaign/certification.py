@@ -1,5 +1,9 @@
-"""Rebuilding the certified store: what is wanted, what still holds, what is proved anew in worker
-processes.
+"""Rebuilding the certified store: sets and samples that are missing or stale are proved in worker
+processes, the others are kept.
+
+A *set* holds the certified values of one case at one parameter set and some times; *samples* are
+the certified values at all sample times of an instance that campaigns judge by. A *job* is the
+proof of one of either; its digest covers what was asked and all code that had a part in it.
 """
 
 import hashlib
@@ -7,7 +11,7 @@ import json
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -33,7 +37,7 @@ from refdem.truth.certified.writing import blocks_in
 LONGEST = 1800.0
 """CPU seconds that one set may take to be proved."""
 SAMPLED = "samples-of"
-"""In sets.toml: the cases whose sampled truths are kept for judging, because they are dear to
+"""Key of sets.toml: the cases whose sampled truths are kept for judging, because they take long to
 prove. The others are proved each time.
 """
 WRITERS = tuple(
@@ -64,26 +68,28 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     if document.pop(EVERY, False):
         document |= default_sets(set(document))
     only = set(cases)
-    found = []
+    sets = []
     for unknown in only - set(document):
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
     for case, groups in document.items():
         if only and case not in only:
             continue
         for group in groups:
-            times = tuple(
-                Fraction(text.strip()) for text in group["times"].split(",") if text.strip()
-            )
-            found += [Wanted(discovery.case(case).at(**given), times) for given in group["sets"]]
-    _refuse_twins(found, path)
-    return found
+            texts = [text.strip() for text in group["times"].split(",")]
+            times = tuple(Fraction(text) for text in texts if text)
+            for parameters in group["sets"]:
+                sets.append(Wanted(discovery.case(case).at(**parameters), times))
+    _refuse_twins(sets, path)
+    return sets
 
 
 def default_sets(named: set[str]) -> dict[str, list[dict[str, Any]]]:
-    """One set of each case in refdem/cases that is not named, in the form of sets.toml: a motion
-    after one sample, in the middle and at its end.
+    """One set at the defaults of each case in refdem/cases that is not `named`, in the form of
+    sets.toml.
+
+    The times of a motion are its first sample, the middle one and the last.
     """
-    found = {}
+    sets = {}
     for name in discovery.own_names("cases"):
         case = discovery.case(name)
         if name in named or isinstance(case, Selection):
@@ -94,42 +100,49 @@ def default_sets(named: set[str]) -> dict[str, list[dict[str, Any]]]:
             count = len(instance.times)
             chosen = [instance.times[number] for number in (1, count // 2, count - 1)]
             times = ", ".join(str(Fraction(float(t))) for t in chosen)
-        found[name] = [{"times": times, "sets": [{}]}]
-    return found
+        sets[name] = [{"times": times, "sets": [{}]}]
+    return sets
 
 
 def document_of(path: Path) -> dict[str, Any]:
-    """What sets.toml says; raises UsageError."""
+    """The content of sets.toml; raises UsageError."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, *UNREADABLE) as error:
         raise UsageError(f"{path}: {error}") from None
 
 
-def _refuse_twins(found: list[Wanted], path: Path) -> None:
-    labels = [one.instance.label for one in found]
+def _refuse_twins(sets: list[Wanted], path: Path) -> None:
+    """Raises UsageError for two sets of one case at the same parameters."""
+    labels = [wanted.instance.label for wanted in sets]
     for label in labels:
         if labels.count(label) > 1:
             raise UsageError(f"{path}: {label} is there twice; put its times together")
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The instances of the campaigns main and gate whose sampled truth is kept: of the cases that
-    sets.toml names so (and of these cases only).
+    """The motions of the campaigns main and gate whose sampled truths are kept.
+
+    They are those of the cases under `samples-of` in sets.toml, or, of these, only of `cases`.
     """
     only = set(cases)
-    kept = document_of(folder / "sets.toml").get(SAMPLED, [])
-    wanted = {case for case in kept if not only or case in only}
-    asked = [*plan.instances(named("main")), *plan.instances(named("gate"))]
-    every = {instance.label: instance for instance, _ in asked}
+    kept_cases = document_of(folder / "sets.toml").get(SAMPLED, [])
+    chosen_cases = {case for case in kept_cases if not only or case in only}
+    planned = [*plan.instances(named("main")), *plan.instances(named("gate"))]
+    by_label = {instance.label: instance for instance, _ in planned}
     return [
-        one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)
+        instance
+        for instance in by_label.values()
+        if instance.case.id in chosen_cases and isinstance(instance.problem, Motion)
     ]
 
 
 def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: str = "") -> bytes:
-    """The lines of one set, proved and witnessed; no lines and a reason if nothing can be certified
-    or the witness denies it. JSON.
+    """The lines of one set, proved and witnessed, as JSON {"lines", "reason"}.
+
+    There are no lines, and a reason, if nothing can be certified or the witness contradicts it.
+    `given` are the parameters as text, `times` exact numbers as text, `job` the digest that the
+    lines carry.
     """
     from refdem.truth.certified.writing import DIGITS, block, rows
     from refdem.truth.witnesses.testimony import testimony
@@ -137,31 +150,36 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: st
     instance = discovery.case(case).at(**given)
     try:
         truth = instance.truth().refined(DIGITS)
-        found, missing = rows(truth, [Fraction(text) for text in times])
+        values, missing = rows(truth, [Fraction(text) for text in times])
     except NotCertifiedError as error:
         return _result([], str(error))
-    if not found:
+    if not values:
         return _result([], f"nothing is certified: {missing}")
-    said = testimony(case, instance.case.meant(instance.p), found)
-    if said is not None and said["denied"]:
-        return _result(
-            [], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}"
-        )
-    if said:
-        witnessed = {name: said[name] for name in ("by", "values", "digits")}
+    statement = testimony(case, instance.case.meant(instance.p), values)
+    if statement is not None and statement["denied"]:
+        denied = ", ".join(statement["denied"][:5])
+        return _result([], f"the witness ({statement['by']}) does not confirm {denied}")
+    if statement:
+        witnessed = {name: statement[name] for name in ("by", "values", "digits")}
     else:
         witnessed = None
-    more = {"source": digest_of(case), "job": job, "witnessed": witnessed, "not_certified": missing}
-    return _result(block(instance.label, instance.p.texts(), truth, found, **more), "")
+    provenance = {
+        "source": digest_of(case),
+        "job": job,
+        "witnessed": witnessed,
+        "not_certified": missing,
+    }
+    return _result(block(instance.label, instance.p.texts(), truth, values, **provenance), "")
 
 
 def _result(lines: list[str], reason: str) -> bytes:
+    """The outcome of a proof as JSON: the lines of a set, or the reason why there are none."""
     return json.dumps({"lines": lines, "reason": reason}).encode()
 
 
 def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
-    """The line of samples/ of one instance, also of one that is certified at no time, which says
-    why.
+    """The line of samples/ for one instance; where nothing is certified, the line has the
+    reason.
     """
     from refdem.campaign.worker import sampled_truth
     from refdem.core.truth import SampledTruth
@@ -171,13 +189,36 @@ def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
     return samples.line_of(instance.label, samples_key(instance), digest_of(case), truth, job)
 
 
-@dataclass
-class Certification:
-    """One rebuilding of the certified store: what is stale is proved again.
+Key = tuple[str, str]
+"""A job: "set" or "samples", and the label of the instance."""
 
-    A line that is there is kept while what it was asked, and all code that had a part in it, are
-    the same (its `job`); then the store of finished work is asked, so that a killed run resumes;
-    what is left is proved. `anew` proves everything.
+
+@dataclass(frozen=True, kw_only=True)
+class Certified:
+    """The outcome of a rebuilding: a line for every proof that failed or was contradicted, and the
+    number of proofs that were made.
+    """
+
+    problems: tuple[str, ...]
+    made: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Results:
+    """Results of jobs by key, kept and new ones; the failures in words; how many are new."""
+
+    by_key: Mapping[Key, bytes]
+    problems: tuple[str, ...]
+    made: int
+
+
+@dataclass(frozen=True)
+class Certification:
+    """A rebuilding of the certified store in `folder`: what is missing or stale is proved.
+
+    A line in the folder is kept while its job has the same digest; else a result is taken from the
+    store of finished work, so that a killed run resumes; the rest is proved in `jobs` processes.
+    `anew` proves everything.
     """
 
     folder: Path
@@ -185,91 +226,98 @@ class Certification:
     jobs: int = 2
     anew: bool = False
     progress: Progress = lambda stage, done, total: None
-    problems: list[str] = field(default_factory=list)
-    made: int = 0
 
-    def run(self, cases: Iterable[str] = ()) -> None:
+    def run(self, cases: Iterable[str] = ()) -> Certified:
         """Proves what is missing or stale and writes the files of these cases, or of all."""
-        wanted = wanted_sets(self.folder, cases)
-        judged = judged_instances(self.folder, cases)
-        jobs = [job_of("set", one.instance.label, proved_set, one.job) for one in wanted]
-        jobs += [
-            job_of("samples", one.label, proved_samples, (one.case.id, one.p.given))
-            for one in judged
-        ]
+        sets = wanted_sets(self.folder, cases)
+        instances = judged_instances(self.folder, cases)
+        jobs = [job_of("set", wanted.instance.label, proved_set, wanted.job) for wanted in sets]
+        for instance in instances:
+            arguments = (instance.case.id, instance.p.given)
+            jobs.append(job_of("samples", instance.label, proved_samples, arguments))
         results = self._results(jobs)
-        blocks: dict[str, list[list[str]]] = {one.instance.case.id: [] for one in wanted}
-        lines: dict[str, list[bytes]] = {one.case.id: [] for one in judged}
-        for one in wanted:
-            found = json.loads(
-                results.get(("set", one.instance.label), b'{"lines": [], "reason": ""}')
-            )
-            if found["reason"]:
-                self.problems.append(f"{one.instance.label}: {found['reason']}")
-            if found["lines"]:
-                blocks[one.instance.case.id].append(found["lines"])
-        for instance in judged:
-            lines[instance.case.id].append(results.get(("samples", instance.label), b""))
-        self._write(blocks, lines, whole=not cases)
+        problems = list(results.problems)
+        blocks: dict[str, list[list[str]]] = {wanted.instance.case.id: [] for wanted in sets}
+        for wanted in sets:
+            label = wanted.instance.label
+            # A proof that failed has no result; its problem is already there.
+            data = results.by_key.get(("set", label), _result([], ""))
+            proof = json.loads(data)
+            if proof["reason"]:
+                problems.append(f"{label}: {proof['reason']}")
+            if proof["lines"]:
+                blocks[wanted.instance.case.id].append(proof["lines"])
+        lines: dict[str, list[bytes]] = {instance.case.id: [] for instance in instances}
+        for instance in instances:
+            line = results.by_key.get(("samples", instance.label), b"")
+            lines[instance.case.id].append(line)
+        self._write(blocks, lines, is_complete=not cases)
+        return Certified(problems=tuple(problems), made=results.made)
 
-    def _results(self, jobs: list[Job]) -> dict[tuple[str, str], bytes]:
-        """The result of every job that ended well: kept ones from the store of finished work, so
-        that a killed run resumes.
+    def _results(self, jobs: list[Job]) -> _Results:
+        """The results of all jobs that ended well, kept or proved now, and how the others
+        failed.
         """
-        keys = {job.key: job.arguments[-1] for job in jobs}
-        if self.anew:
-            kept: dict[tuple[str, str], bytes] = {}
-        else:
-            kept = self._kept(keys)
-        missing = [job for job in jobs if job.key not in kept]
+        digests = {job.key: job.arguments[-1] for job in jobs}
+        results: dict[Key, bytes] = {}
+        if not self.anew:
+            results |= self._kept(digests)
+        missing = [job for job in jobs if job.key not in results]
+        problems = []
+        made = 0
         with Schedule(self.jobs, LONGEST) as schedule:
             results = schedule.results(missing)
             for job, result in counted(results, "certify", len(missing), self.progress):
                 if isinstance(result, Failure):
-                    self.problems.append(f"{job.key[1]}: {result.sentence}")
+                    problems.append(f"{job.key[1]}: {result.sentence}")
                 else:
-                    self.store.put("certified", keys[job.key], result)
-                    kept[job.key] = result
-                    self.made += 1
-        return kept
+                    self.store.put("certified", digests[job.key], result)
+                    results[job.key] = result
+                    made += 1
+        return _Results(by_key=results, problems=tuple(problems), made=made)
 
-    def _kept(self, keys: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], bytes]:
-        """What is not to be proved again: from the files of the folder first, then from the store
-        of finished work.
+    def _kept(self, digests: Mapping[Key, str]) -> dict[Key, bytes]:
+        """The results that need no new proof: from the files of the folder first, then from the
+        store of finished work.
         """
-        there = committed(self.folder)
-        found = {}
-        for key, job in keys.items():
-            data = there.get((*key, job)) or self.store.get("certified", job)
+        in_folder = committed(self.folder)
+        results = {}
+        for key, digest in digests.items():
+            data = in_folder.get((*key, digest)) or self.store.get("certified", digest)
             if data is not None:
-                found[key] = data
-        return found
+                results[key] = data
+        return results
 
     def _write(
         self,
         blocks: Mapping[str, list[list[str]]],
         lines: Mapping[str, list[bytes]],
         *,
-        whole: bool,
+        is_complete: bool,
     ) -> None:
+        """Writes the files of certified/ and samples/ and their lists of hashes.
+
+        `blocks` are the lines of the sets by case, `lines` those of the samples; where these are
+        of all cases, files of others are deleted.
+        """
         from refdem.truth.certified.writing import file_text, sums
 
         certified = self.folder / "certified"
-        kept = self.folder / "samples"
-        for home in (certified, kept):
+        sampled = self.folder / "samples"
+        for home in (certified, sampled):
             home.mkdir(parents=True, exist_ok=True)
-        for case, found in blocks.items():
-            (certified / f"{case}.jsonl").write_text(file_text(case, found), encoding="utf-8")
+        for case, sets in blocks.items():
+            (certified / f"{case}.jsonl").write_text(file_text(case, sets), encoding="utf-8")
         for case, entries in lines.items():
-            path = kept / f"{case}.jsonl"
+            path = sampled / f"{case}.jsonl"
             if any(entries):
                 path.write_bytes(b"".join(entries))
             else:
                 path.unlink(missing_ok=True)
-        if whole:
+        if is_complete:
             _delete_others(certified, blocks)
-            _delete_others(kept, lines)
-        for home in (certified, kept):
+            _delete_others(sampled, lines)
+        for home in (certified, sampled):
             texts = {path.name: path.read_text(encoding="utf-8") for path in home.glob("*.jsonl")}
             (home / LIST).write_text(sums(texts))
 
@@ -285,15 +333,17 @@ def _delete_others(folder: Path, cases: Iterable[str]) -> None:
 def job_of(
     kind: str, label: str, function: Callable[..., bytes], arguments: tuple[Any, ...]
 ) -> Job:
-    """The work for one line, or lines; its last argument is the digest that these carry."""
-    return Job(
-        (kind, label), function, (*arguments, job_digest(kind, label, arguments)), computes=True
-    )
+    """The proof of one set or of the samples of one instance.
+
+    Its last argument is the digest of the job, which the lines that it makes carry.
+    """
+    digest = job_digest(kind, label, arguments)
+    return Job((kind, label), function, (*arguments, digest), computes=True)
 
 
 def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
-    """sha256 of a job and of the code behind it: that of the truth, of what writes the lines, and
-    of the witness of a set.
+    """sha256 of a job and of the code behind it: of the case's truth, of the writers of the lines,
+    and, for a set, of its witness.
     """
     from refdem.truth.witnesses.testimony import witness_files
 
@@ -302,50 +352,57 @@ def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
         witness = closure(witness_files(case))
     else:
         witness = set()
-    asked = [kind, label, arguments, digest_of(case), digest_of_files({*WRITERS, *witness})]
-    return hashlib.sha256(msgspec.json.encode(asked)).hexdigest()
+    code = digest_of_files({*WRITERS, *witness})
+    content = [kind, label, arguments, digest_of(case), code]
+    return hashlib.sha256(msgspec.json.encode(content)).hexdigest()
 
 
 def committed(folder: Path) -> dict[tuple[str, str, str], bytes]:
-    """What the files of the folder hold, by kind, label and digest of the job; a damaged file holds
-    nothing, and is proved again.
+    """The results in the files of the folder, by kind, label and digest of the job.
+
+    A damaged file counts as empty, so that its content is proved again.
     """
-    found: dict[tuple[str, str, str], bytes] = {}
+    results: dict[tuple[str, str, str], bytes] = {}
     for path in sorted((folder / "certified").glob("*.jsonl")):
         with suppress(ValueError):
             text = text_of(path)
-            labels = [(one.label, one.job) for one in sets_of(text, path.name)]
-            for (label, job), lines in zip(labels, blocks_in(text), strict=True):
-                found["set", label, job] = _result(lines, "")
+            sets = sets_of(text, path.name)
+            for certified_set, lines in zip(sets, blocks_in(text), strict=True):
+                results["set", certified_set.label, certified_set.job] = _result(lines, "")
     for path in sorted((folder / "samples").glob("*.jsonl")):
         with suppress(StoreError):
             entries = samples.kept(path.parent, path.stem)
-            for one, line in zip(entries, path.read_bytes().splitlines(keepends=True), strict=True):
-                found["samples", one.label, one.job] = line
-    return found
+            lines_of_file = path.read_bytes().splitlines(keepends=True)
+            for entry, line in zip(entries, lines_of_file, strict=True):
+                results["samples", entry.label, entry.job] = line
+    return results
 
 
 def stale(folder: Path) -> list[str]:
-    """Labels of sets and samples that were proved with other code than there is now, are missing,
-    or that nobody asks for any more.
+    """Labels of sets, and of samples, whose stored job is not the one that is wanted now.
+
+    They were proved with other code than there is now, or are missing, or are not wanted any more.
     """
     from refdem.truth.certified.reader import load
 
-    there = {one.label: one for one in load(folder=folder / "certified")}
-    wanted = {one.instance.label: one for one in wanted_sets(folder)}
-    jobs = {label: job_digest("set", label, one.job) for label, one in wanted.items()}
-    found = [label for label, one in there.items() if label in jobs and one.job != jobs[label]]
-    found += sorted(set(wanted) ^ set(there))
-    asked = {
-        one.label: job_digest("samples", one.label, (one.case.id, one.p.given))
-        for one in judged_instances(folder)
-    }
-    kept: dict[str, str] = {}
+    stored_sets = {entry.label: entry.job for entry in load(folder=folder / "certified")}
+    wanted_jobs = {}
+    for wanted in wanted_sets(folder):
+        label = wanted.instance.label
+        wanted_jobs[label] = job_digest("set", label, wanted.job)
+    stored_samples: dict[str, str] = {}
     for path in sorted((folder / "samples").glob("*.jsonl")):
-        kept |= {one.label: one.job for one in samples.kept(path.parent, path.stem)}
-    found += [
-        f"samples of {label}"
-        for label, job in kept.items()
-        if label in asked and job != asked[label]
-    ]
-    return found + [f"samples of {label}" for label in sorted(set(asked) ^ set(kept))]
+        entries = samples.kept(path.parent, path.stem)
+        stored_samples |= {entry.label: entry.job for entry in entries}
+    wanted_samples = {}
+    for instance in judged_instances(folder):
+        arguments = (instance.case.id, instance.p.given)
+        wanted_samples[instance.label] = job_digest("samples", instance.label, arguments)
+    of_samples = _differing(stored_samples, wanted_samples)
+    return _differing(stored_sets, wanted_jobs) + [f"samples of {label}" for label in of_samples]
+
+
+def _differing(stored: Mapping[str, str], wanted: Mapping[str, str]) -> list[str]:
+    """Labels whose stored digest is another than the wanted one, then those in only one of both."""
+    changed = [label for label, job in stored.items() if wanted.get(label, job) != job]
+    return changed + sorted(set(wanted) ^ set(stored))

@@ -1,5 +1,5 @@
-"""What is certified, case by case: sets, values, digits, method, who witnesses it, and what is
-stale or has no witness.
+"""The table of what is certified, case by case: sets, values, digits, method, witness, and how many
+sets are stale.
 """
 
 import math
@@ -41,58 +41,64 @@ class CertifiedCase(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCase]:
-    """The whole catalogue, or these cases, also those without certified sets; raises UsageError for
-    one that is not there.
+    """The lines of all cases, or of these, also of those without certified sets.
+
+    Raises UsageError for a case that does not exist.
     """
     sets: dict[str, list[CertifiedSet]] = {}
-    for one in load(folder=folder / "certified"):
-        sets.setdefault(one.case, []).append(one)
-    asked = list(only) or discovery.names("cases")
-    wanted = {name for name in asked if not isinstance(discovery.case(name), Selection)}
-    return [certified_case(name, sets.get(name, [])) for name in sorted(wanted)]
+    for certified_set in load(folder=folder / "certified"):
+        sets.setdefault(certified_set.case, []).append(certified_set)
+    names = list(only) or discovery.names("cases")
+    cases = {name for name in names if not isinstance(discovery.case(name), Selection)}
+    return [certified_case(name, sets.get(name, [])) for name in sorted(cases)]
 
 
 def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
-    """What the store has of one case, from its sets."""
-    testimonies = [one.witnessed for one in sets if one.witnessed]
+    """The line of one case, from its sets in the store."""
+    testimonies = [entry.witnessed for entry in sets if entry.witnessed]
     radii: list[Fraction] = []
-    for one in sets:
-        radii += [Fraction(value.radius) for value in one.values]
+    for entry in sets:
+        radii += [Fraction(value.radius) for value in entry.values]
     witnesses = sorted({testimony["by"] for testimony in testimonies})
-    own_witnesses = sorted({one.witness for one in sets})
+    own_witnesses = sorted({entry.witness for entry in sets})
     if radii:
         digits = _digits(max(radii))
     else:
         digits = None
+    methods = sorted({entry.method for entry in sets})
+    witnessed = sum(testimony["values"] for testimony in testimonies)
+    agreed = min((testimony["digits"] for testimony in testimonies), default=None)
+    # A set is stale if it was proved with another state of the case's code.
     source = digest_of(name)
+    stale = sum(entry.source != source for entry in sets)
     return CertifiedCase(
         case=name,
         sets=len(sets),
         values=len(radii),
         digits=digits,
-        methods=sorted({one.method for one in sets}),
+        methods=methods,
         witness="; ".join(witnesses) or NONE,
-        witnessed=sum(testimony["values"] for testimony in testimonies),
-        agreed=min((testimony["digits"] for testimony in testimonies), default=None),
+        witnessed=witnessed,
+        agreed=agreed,
         own_witness="; ".join(own_witnesses),
-        stale=sum(one.source != source for one in sets),
+        stale=stale,
     )
 
 
 def _digits(radius: Fraction) -> int | None:
-    """Decimal places before the radius begins; None if it is 0."""
+    """Decimal places that a radius leaves certain, floor(-log10(radius)); None if it is 0."""
     if radius:
         return math.floor(-math.log10(radius))
     return None
 
 
-def in_all(found: list[CertifiedCase]) -> str:
-    """The sentence below the table."""
-    kept = [one for one in found if one.sets]
-    sets = sum(one.sets for one in kept)
-    proved = sum(one.values for one in kept)
-    witnessed = sum(one.witnessed for one in kept)
+def in_all(cases: list[CertifiedCase]) -> str:
+    """The sentence below the table: the sums of its columns."""
+    certified = [case for case in cases if case.sets]
+    sets = sum(case.sets for case in certified)
+    proved = sum(case.values for case in certified)
+    witnessed = sum(case.witnessed for case in certified)
     return (
-        f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a"
-        " witness when they were proved"
+        f"{sets} sets of {len(certified)} cases: {proved} values, {witnessed} of them confirmed by"
+        " a witness when they were proved"
     )

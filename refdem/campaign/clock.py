@@ -1,4 +1,9 @@
-"""The first finding of a smoke test: a program counts its steps, and compares no times."""
+"""The first finding of a smoke test: the program takes exactly `stride` steps from each sample to
+the next.
+
+A program that compares times instead of counting steps takes one too many or too few where the sum
+of its steps is rounded. The excess of steps at a sample is (time passed - time asked for)/step.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +27,8 @@ Array = NDArray[np.float64]
 
 QUANTITY = "clock: steps"
 BOUND = 0.25
-"""Steps.
-
-One step is one; a method's own error and a lag of half a step that stays are not in it.
+"""Bound [steps] of the excess. One step too many is 1; a method's own error, and a lag of half a
+step that stays the same, are not in it.
 """
 BASIS = (
     "consecutive samples are exactly `stride` whole steps apart; summed step"
@@ -36,8 +40,8 @@ and steps are measured in the program's own pace."""
 
 
 def counted(engine: Engine, method: Method) -> list[Finding]:
-    """Whether the method takes the steps that were asked for; nothing for a method without steps,
-    or without a scene.
+    """At most one finding: whether the method takes the steps that were asked for, on the first
+    scene that it supports. None for a method without steps.
     """
     if method.control != "step":
         return []
@@ -55,11 +59,11 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
 
 
 def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
-    """The run whose steps are furthest from those asked for, forwards and (where claimed)
+    """The finding on the largest excess of steps over all intervals, forwards and (where claimed)
     backwards.
     """
     worst = 0.0
-    says = f"{method.name} takes `stride` steps from each sample to the next"
+    sentence = f"{method.name} takes `stride` steps from each sample to the next"
     directions = [1.0]
     if method.backward:
         directions.append(-1.0)
@@ -67,20 +71,21 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
         plain, trajectory = _run(engine, method, scene, ROUND, direction)
         pace = _pace(scene.passed(trajectory), plain)
         for interval in (ROUND, *ROUNDED):
-            asked, seen = _run(engine, method, scene, interval, direction)
-            late = _steps_late(scene, asked, seen, pace)
-            largest = float(np.max(np.abs(late)))
+            asked, trajectory = _run(engine, method, scene, interval, direction)
+            excess = _excess_steps(scene, asked, trajectory, pace)
+            largest = float(np.max(np.abs(excess)))
+            # Written so that an excess that is not a number counts as a miscount.
             is_worst_miscount = not largest <= max(BOUND, worst)
             worst = max(worst, largest)
             if is_worst_miscount:
-                says = (
-                    f"{method.name} {_miscount(late, asked.stride)}, with steps of"
+                sentence = (
+                    f"{method.name} {_miscount(excess, asked.stride)}, with steps of"
                     f" {asked.signed_step!r} s: {COUNT}"
                 )
-    return bounded(QUANTITY, worst, BOUND, BASIS, says)
+    return bounded(QUANTITY, worst, BOUND, BASIS, sentence)
 
 
-def bounded(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
+def bounded(quantity: str, value: float, bound: float, basis: str, sentence: str) -> Finding:
     """A finding of the smoke test: a pass if the value is within the bound."""
     outcome: Outcome = "fail"
     if value <= bound:
@@ -89,7 +94,7 @@ def bounded(quantity: str, value: float, bound: float, basis: str, says: str) ->
         check="smoke",
         quantity=quantity,
         outcome=outcome,
-        sentence=says,
+        sentence=sentence,
         value=value,
         bound=bound,
         basis=basis,
@@ -99,7 +104,7 @@ def bounded(quantity: str, value: float, bound: float, basis: str, says: str) ->
 def _run(
     engine: Engine, method: Method, scene: ClockScene, interval: tuple[float, int], direction: float
 ) -> tuple[Request, Trajectory]:
-    """The request and what came back."""
+    """The request for a scene over an interval (length [s], stride), and its trajectory."""
     asked = request(scene.scene, method.name, *interval, direction)
     trajectory, _ = engine.run(asked)
     refuse_other_shape(trajectory, asked)
@@ -109,15 +114,19 @@ def _run(
 def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
     """Raises EngineError unless there is a row for each sample and body."""
     expected = (len(asked.problem.times), len(asked.problem.scene.bodies), 3)
-    if trajectory.position.shape != expected:
-        came = trajectory.position.shape
+    shape = trajectory.position.shape
+    if shape != expected:
         raise EngineError(
-            f"trajectory.position has shape {came}; expected {expected}: samples, bodies, axes"
+            f"trajectory.position has shape {shape}; expected {expected}: samples, bodies, axes"
         )
 
 
 def _pace(passed: Array, asked: Request) -> float:
-    """How many times too fast everything happens where that is a matter of units; else 1."""
+    """Time passed over time asked for if that is a matter of units, else 1.
+
+    `passed` (T,) [s] is the time that the state shows. A ratio within PLAUSIBLE is a miscount of
+    steps, not another unit.
+    """
     total = asked.problem.times[-1] - asked.problem.times[0]
     pace = abs(float(passed[-1] / total))
     slowest, fastest = PLAUSIBLE
@@ -127,33 +136,33 @@ def _pace(passed: Array, asked: Request) -> float:
     return pace
 
 
-def _steps_late(scene: ClockScene, asked: Request, seen: Trajectory, pace: float) -> Array:
-    """Steps (T,) that were taken beyond those asked for, by the state or by the program's own
-    time.
+def _excess_steps(scene: ClockScene, asked: Request, run: Trajectory, pace: float) -> Array:
+    """Steps (T,) taken beyond those asked for, up to each sample.
+
+    Measured by the state and by the program's own time, whichever deviates more.
     """
-    since = asked.problem.times - asked.problem.times[0]
-    by_state = (scene.passed(seen) / pace - since) / asked.signed_step
-    by_clock = (seen.t - seen.t[0] - since) / asked.signed_step
-    late: Array = np.where(np.abs(by_state) >= np.abs(by_clock), by_state, by_clock)
-    return late
+    elapsed = asked.problem.times - asked.problem.times[0]
+    by_state = (scene.passed(run) / pace - elapsed) / asked.signed_step
+    by_clock = (run.t - run.t[0] - elapsed) / asked.signed_step
+    excess: Array = np.where(np.abs(by_state) >= np.abs(by_clock), by_state, by_clock)
+    return excess
 
 
-def _miscount(late: Array, stride: int) -> str:
-    """What the numbers of steps (T,) beyond those asked for show."""
-    whole = np.round(late[1:])
-    if np.all(whole == -stride):
+def _miscount(excess: Array, stride: int) -> str:
+    """The kind of miscount that an excess of steps (T,) shows, as the end of a sentence."""
+    if np.all(np.round(excess[1:]) == -stride):
         return (
             "shows every sample after the first one sample late: row n holds the state after n"
             " times `stride` steps"
         )
-    sample = int(np.argmax(np.abs(late)))
-    count = max(1, round(abs(float(late[sample]))))
+    sample = int(np.argmax(np.abs(excess)))
+    count = max(1, round(abs(float(excess[sample]))))
     if count == 1:
         steps = "1 step"
     else:
         steps = f"{count} steps"
-    if late[sample] > 0:
-        side = "many"
+    if excess[sample] > 0:
+        amount = "many"
     else:
-        side = "few"
-    return f"has taken {steps} too {side} at sample {sample} of {SAMPLES}"
+        amount = "few"
+    return f"has taken {steps} too {amount} at sample {sample} of {SAMPLES}"

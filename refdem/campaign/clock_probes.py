@@ -55,13 +55,13 @@ def times(interval: float, direction: float) -> Array:
 
 
 def request(scene: Scene, method: str, interval: float, stride: int, direction: float) -> Request:
-    """The scene with `stride` steps from each sample to the next."""
+    """The request for the scene with `stride` steps of interval/stride [s] between samples."""
     motion = Motion(scene, times(interval, direction))
     return Request(problem=motion, method=method, step=interval / stride)
 
 
 def clock_scenes() -> Iterator[ClockScene]:
-    """Scenes whose state tells the time, from what most programs can say to what only some can."""
+    """Scenes whose state shows the time that has passed, those that most programs support first."""
     flying = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))
     yield ClockScene(name="flight", scene=Scene.of([flying]), passed=_flown)
     thrown = Body(mass=2.0, velocity=(0.0, 1.0, 0.0))
@@ -80,27 +80,27 @@ def clock_scenes() -> Iterator[ClockScene]:
 
 
 def _flown(run: Trajectory) -> Array:
-    """Time (T,) [s] in which a point at -3 m/s along x has come to its places."""
-    way = run.position[:, 0, 0] - run.position[0, 0, 0]
-    return np.asarray(way / -3.0)
+    """Time (T,) [s] since the start by x = x0 - 3 t, from the position along x."""
+    displacement = run.position[:, 0, 0] - run.position[0, 0, 0]
+    return np.asarray(displacement / -3.0)
 
 
 def _fallen(run: Trajectory) -> Array:
-    """Time (T,) [s] in which gravity along y has made the changes of the velocity."""
-    gained = run.velocity[:, 0, 1] - run.velocity[0, 0, 1]
-    return np.asarray(gained / GRAVITY)
+    """Time (T,) [s] since the start by v = v0 + g t, from the velocity along y."""
+    velocity_change = run.velocity[:, 0, 1] - run.velocity[0, 0, 1]
+    return np.asarray(velocity_change / GRAVITY)
 
 
 def _phase(run: Trajectory) -> Array:
-    """Phase (T,) of x = cos t, v = -sin t from the first sample on."""
+    """Time (T,) [s] since the start by x = cos t, v = -sin t, from the phase of both."""
     phase = np.unwrap(np.arctan2(-run.velocity[:, 0, 0], run.position[:, 0, 0]))
     return np.asarray(phase - phase[0])
 
 
 def _turn(run: Trajectory) -> Array:
-    """Angle (T,) [rad] about z from the first sample on, at 1 rad/s."""
+    """Time (T,) [s] since the start by q = (cos t/2, 0, 0, sin t/2), a turn about z at 1 rad/s."""
     attitude = run.attitude[:, 0]
-    # A quaternion knows its angle up to 4 pi.
-    known = 2.0 * np.arctan2(attitude[:, 3], attitude[:, 0])
-    angle = np.unwrap(known, period=4 * np.pi)
+    # A quaternion determines its angle up to 4 pi.
+    principal = 2.0 * np.arctan2(attitude[:, 3], attitude[:, 0])
+    angle = np.unwrap(principal, period=4 * np.pi)
     return np.asarray(angle - angle[0])

@@ -13,6 +13,8 @@ from refdem.core.reading import toml_as
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):
+    """The content of validation/expected/<engine>.toml."""
+
     expected: list[Deviation] = []
 
 
@@ -37,7 +39,11 @@ def applied(record: Record, deviations: list[Deviation]) -> Record:
 
 
 def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> Finding:
-    """The finding as the first deviation that covers it makes it; as it is if none does."""
+    """The finding as the first deviation that covers it changes it; unchanged if none does.
+
+    A failing value inside [low, high] becomes `expected`, one outside still fails; a finding that
+    passes makes the deviation `stale`.
+    """
     deviation = next((d for d in deviations if d.covers(record, finding)), None)
     if deviation is None or finding.outcome not in ("pass", "fail") or finding.value is None:
         return finding
@@ -47,17 +53,17 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
         reason = deviation.reason
     why = one_line(reason)
     if finding.outcome == "pass":
-        says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
-        return msgspec.structs.replace(finding, outcome="stale", sentence=says)
-    inside = deviation.low <= finding.value <= deviation.high
-    if inside:
-        side = "inside"
+        sentence = f"{finding.sentence} A deviation was expected here and is stale: {why}"
+        return msgspec.structs.replace(finding, outcome="stale", sentence=sentence)
+    is_inside = deviation.low <= finding.value <= deviation.high
+    if is_inside:
+        relation = "inside"
         outcome = "expected"
     else:
-        side = "outside"
+        relation = "outside"
         outcome = "fail"
-    says = (
-        f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g},"
+    sentence = (
+        f"{finding.sentence} It is {relation} the expected deviation [{deviation.low:.3g},"
         f" {deviation.high:.3g}]: {why}"
     )
-    return msgspec.structs.replace(finding, outcome=outcome, sentence=says)
+    return msgspec.structs.replace(finding, outcome=outcome, sentence=sentence)

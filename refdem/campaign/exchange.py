@@ -36,7 +36,9 @@ from refdem.scene import bodies_file
 MANIFEST = "manifest.json"
 RUNS = "runs.txt"
 REFUSED = "unsupported.txt"
-"""What a run's folder holds in place of a trajectory where the program ended with 77: why."""
+"""The file in a run's folder, in place of a trajectory, with the reason why the program ended with
+77, not supported.
+"""
 
 
 FORMAT = 1
@@ -44,8 +46,8 @@ FORMAT = 1
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What was exported: by which refdem, what is to be judged, and the version of each program at
-    that time.
+    """The content of an export: the version of refdem, the cases and levels to be judged, and the
+    version of each program at that time.
     """
 
     format: int = FORMAT
@@ -56,12 +58,12 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Elsewhere(Engine):
-    """A program of which only the description is here; a run is a folder.
-
-    `writes`: requests are written where none are.
+    """A program that runs elsewhere: here are its description (`described`, of which it has the
+    claims) and a folder for each run. `writes` says that missing requests are written.
     """
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
+        """Takes over the description of an engine; `folder` is that of the export."""
         self.name = described.name
         self.title = described.title
         self.licence = described.licence
@@ -88,21 +90,22 @@ class Elsewhere(Engine):
         return self.name
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """What the description of the program refuses, with its reason; else None."""
+        """The reason why the description of the program refuses the problem, or None."""
         return self.described.unsupported_motion(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The trajectory that came back; EngineError for one that is missing or whose request is
-        not exported yet.
+        """The trajectory that came back for a request.
 
-        Raises UnsupportedError where the folder says that the program refused.
+        Raises EngineError for one that is missing or whose request is not exported yet, and
+        UnsupportedError where the folder says that the program refused.
         """
-        plain = request.key(self.name)
-        self.asked[plain] += 1
-        if self.asked[plain] == 1:
-            name = plain[:32]
+        # The folder of a run is named for the request; equal requests are numbered from 2 on.
+        key = request.key(self.name)
+        self.asked[key] += 1
+        if self.asked[key] == 1:
+            name = key[:32]
         else:
-            name = f"{plain[:32]}-{self.asked[plain]}"
+            name = f"{key[:32]}-{self.asked[key]}"
         folder = self.folder / name
         if not (folder / "request.json").is_file():
             if not self.writes:
@@ -112,8 +115,8 @@ class Elsewhere(Engine):
                 )
             written(request, folder)
         if (folder / REFUSED).is_file():
-            said = (folder / REFUSED).read_text(errors="replace").strip()
-            raise UnsupportedError(one_line(said[-200:]) or f"the program wrote {REFUSED}")
+            reason = (folder / REFUSED).read_text(errors="replace").strip()
+            raise UnsupportedError(one_line(reason[-200:]) or f"the program wrote {REFUSED}")
         if not (folder / "trajectory.csv").is_file():
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
@@ -148,8 +151,9 @@ def exported(
     store: Store,
     progress: Progress,
 ) -> list[str]:
-    """Writes what can be written now and returns the names of the runs whose trajectories are still
-    to come.
+    """Writes the requests that can be written now.
+
+    Returns the names of the runs whose trajectories have not come back yet.
     """
     engines = {path: discovery.engine(str(path)) for path in tomls}
     versions = {}

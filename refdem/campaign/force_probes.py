@@ -1,5 +1,6 @@
-"""Probes of forces away from the origin, along other axes, between two bodies and with the
-clock.
+"""Probes of forces away from the origin, along other axes, between two bodies and with the clock.
+
+Each has a scene and its motion in closed form, `expected(t)`.
 """
 
 import numpy as np
@@ -38,8 +39,9 @@ def force_probes() -> tuple[Probe, ...]:
 
 
 def _moved(start: Array, along: Array, x: Array, v: Array) -> Expected:
-    """One body's position and velocity that go by x [m] and v [m/s], each (T,), along a direction
-    from `start`.
+    """Motion of one body along a line: r = start + x e, v e with the unit vector e = `along`.
+
+    `x` [m] and `v` [m/s] are (T,).
     """
     return {
         "position": (start + np.outer(x, along))[:, None],
@@ -48,8 +50,9 @@ def _moved(start: Array, along: Array, x: Array, v: Array) -> Expected:
 
 
 def _diagonal_spring() -> Probe:
-    """A mass on a spring along a diagonal, tied to a place that is not the origin: s = cos 2t / 2
-    beyond the length at rest.
+    """A mass on a spring along a diagonal, tied to a point that is not the origin.
+
+    The stretch is s = cos(2 t)/2, for w = sqrt(k/m) = 2 /s.
     """
     anchor = np.array([-1.0, 2.0, 0.5])
     along = np.array([2.0, -1.0, 2.0]) / 3.0
@@ -70,7 +73,7 @@ def _diagonal_spring() -> Probe:
 
 
 def _slide() -> Probe:
-    """Dry friction across the plane: it slows by 1/2 m/s^2 along its axis."""
+    """Dry friction along an oblique axis: mu N/m = 1/2 m/s^2, s = t - t^2/4 from 1 m/s."""
     start = np.array([1.0, -2.0, 0.0])
     along = np.array([0.6, 0.8, 0.0])
     body = Body(mass=2.0, position=_vector(start), velocity=_vector(along))
@@ -103,12 +106,14 @@ def _drive(name: str, *, start: float) -> Probe:
     angle_at_start = rate * start + phase
 
     def expected(t: Array) -> Expected:
-        # m v' = A cos(w t + phase), integrated twice from the start on.
+        # m v' = A cos(a) with the angle a = w t + a0, integrated twice from the start on:
+        # v = v0 + A/(m w) (sin a - sin a0),
+        # y = (v0 - A/(m w) sin a0) t + A/(m w^2) (cos a0 - cos a).
         angle = rate * t + angle_at_start
-        impulse = amplitude / (mass * rate)
-        v = start_velocity + impulse * (np.sin(angle) - np.sin(angle_at_start))
-        swing = impulse / rate * (np.cos(angle_at_start) - np.cos(angle))
-        y = (start_velocity - impulse * np.sin(angle_at_start)) * t + swing
+        velocity_amplitude = amplitude / (mass * rate)
+        v = start_velocity + velocity_amplitude * (np.sin(angle) - np.sin(angle_at_start))
+        oscillation = velocity_amplitude / rate * (np.cos(angle_at_start) - np.cos(angle))
+        y = (start_velocity - velocity_amplitude * np.sin(angle_at_start)) * t + oscillation
         return _moved(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), y, v)
 
     scene = Scene.of([body], [force])
@@ -117,8 +122,9 @@ def _drive(name: str, *, start: float) -> Probe:
 
 
 def _dumbbell() -> Probe:
-    """Two points on a rod that turns about their centre of mass, which moves: the rod holds mu w^2
-    l.
+    """Two points on a rod that turns about their centre of mass, which moves.
+
+    The tension is mu w^2 l with the reduced mass mu = m1 m2/(m1 + m2).
     """
     first_mass = 2.0
     second_mass = 3.0
@@ -131,6 +137,7 @@ def _dumbbell() -> Probe:
     arms = np.array([second_mass, -first_mass]) / total * length
 
     def expected(t: Array) -> Expected:
+        # The rod's direction and its normal at the angle w t + 1/2.
         angle = rate * t + 0.5
         along = np.column_stack([np.cos(angle), np.sin(angle), 0 * t])[:, None]
         across = np.column_stack([-np.sin(angle), np.cos(angle), 0 * t])[:, None]
@@ -157,17 +164,21 @@ def _dumbbell() -> Probe:
 
 
 def _closing(t: Array, rate: float) -> tuple[Array, Array]:
-    """An undamped head-on contact that begins at t = 0: closing velocity over its first value (T,),
-    and its integral (T,) [s].
+    """An undamped head-on contact that begins at t = 0, with w = `rate` [1/s].
+
+    Returns the closing velocity over its first value (T,), cos(w t) up to w t = pi and -1 after
+    that, and its integral (T,) [s].
     """
     phase = np.minimum(rate * t, np.pi)
-    since = np.maximum(t - np.pi / rate, 0.0)
-    return np.cos(phase), np.sin(phase) / rate - since
+    time_after_contact = np.maximum(t - np.pi / rate, 0.0)
+    return np.cos(phase), np.sin(phase) / rate - time_after_contact
 
 
 def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
-    """Two unlike spheres that touch at the start, away from the origin, the front one listed first;
-    their centre of mass moves.
+    """Two unlike spheres that touch at the start and close along `normal`, the front one listed
+    first; their centre of mass moves with `drift` [m/s].
+
+    The contact has w = sqrt(k/mu) with the reduced mass mu = m1 m2/(m1 + m2).
     """
     front_mass = 3.0
     back_mass = 2.0
@@ -177,7 +188,7 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
     rate = float(np.sqrt(STIFFNESS * total / (front_mass * back_mass)))
     speed = 1.5
     along = np.array(normal)
-    moving = np.array(drift)
+    centre_velocity = np.array(drift)
     back_start = np.array([-1.0, 0.5, 0.0])
     front_start = back_start + (front_radius + back_radius) * along
     # The part of the relative motion that each body makes.
@@ -188,8 +199,8 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
         starts = np.stack([front_start, back_start])
         # Relative to the centre of mass the closing velocity falls from `speed` to -speed.
         approach = (closed[:, None] * shares)[..., None] * along
-        position = starts + t[:, None, None] * moving + approach
-        velocity = moving + (closing[:, None] * shares)[..., None] * along
+        position = starts + t[:, None, None] * centre_velocity + approach
+        velocity = centre_velocity + (closing[:, None] * shares)[..., None] * along
         return {"position": position, "velocity": velocity}
 
     start = expected(np.zeros(1))
@@ -211,7 +222,7 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
 
 
 def _floor() -> Probe:
-    """A smooth sphere that glides along a sloping wall and bounces back from it."""
+    """A smooth sphere that glides along a sloping wall and bounces back from it, w = sqrt(k/m)."""
     mass = 2.0
     radius = 0.5
     speed = 1.5

@@ -21,15 +21,14 @@ from refdem.errors import RefdemError
 
 
 def truth_of(instance: Instance) -> SampledTruth:
-    """The certified samples of an instance, those kept where they are not stale; until = 0 and a
-    reason if there are none.
+    """The certified samples of an instance: those that come with refdem unless they are stale, else
+    proved now. until = 0 and a reason if there are none.
     """
-    kept = kept_truth(instance)
-    if kept is not None:
-        return kept
-    return msgspec.msgpack.decode(
-        worker.sampled_truth(instance.case.id, instance.p.given), type=SampledTruth
-    )
+    stored = kept_truth(instance)
+    if stored is not None:
+        return stored
+    data = worker.sampled_truth(instance.case.id, instance.p.given)
+    return msgspec.msgpack.decode(data, type=SampledTruth)
 
 
 def task_of(
@@ -49,8 +48,9 @@ def task_of(
 
 
 def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
-    """Runs and judges a task; runs of the same engine that are `known` are not made again, and new
-    ones become known.
+    """The record of a task, whose runs are made in this process and judged.
+
+    `known` has runs of the same engine, which are not made again; new ones are added to it.
     """
     if known is None:
         runs: dict[Variant, Run] = {}
@@ -70,11 +70,11 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
 
 
 def run_of(engine: Engine, request: Request) -> Run:
-    """One run; whatever an engine raises becomes a Failure, as does a request that cannot be
-    written.
+    """One run in this process; whatever an engine raises becomes a Failure, as does a request that
+    cannot be written.
     """
     try:
-        # As a worker gets it.
+        # Packed and unpacked, the request is what a worker process would get.
         asked = Request.unpacked(request.packed())
     except RefdemError as error:
         reply = worker.Reply(failure=Failure(kind="contract", sentence=str(error)))

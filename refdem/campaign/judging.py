@@ -1,5 +1,8 @@
-"""From runs to records: every applicable check judges, failures become one error finding,
-deviations are applied.
+"""From the runs of a task to its record: every applicable check judges, runs that failed become one
+error finding, expected deviations are applied.
+
+A *task* is one method of one engine on one instance; a *variant* is one of its runs: a step and at
+most one change, such as a rotated scene.
 """
 
 from collections.abc import Mapping
@@ -21,8 +24,8 @@ from refdem.errors import RefdemError
 def record(
     task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]
 ) -> Record:
-    """What was found for one task; an error if nothing could be decided although every check was
-    asked.
+    """The record of one task. If nothing could be decided although every check was asked, it has an
+    error finding that says so.
     """
     instance = task.subject.instance
     findings = _findings(task, runs)
@@ -31,7 +34,9 @@ def record(
         says = f"Nothing was decided: {reasons}"
         findings.append(Finding(check="record", quantity="decided", outcome="error", sentence=says))
     costs = [run.cost for run in runs.values() if run.cost]
-    found = Record(
+    seconds = sum(cost.seconds for cost in costs)
+    keys = tuple(run.key for run in runs.values())
+    judged_record = Record(
         case=instance.case.id,
         label=instance.label,
         parameters=instance.p.texts(),
@@ -39,11 +44,11 @@ def record(
         version=version,
         method=task.method.name,
         is_reference=task.engine.is_reference,
-        runs=tuple(run.key for run in runs.values()),
+        runs=keys,
         findings=tuple(findings),
-        seconds=sum(cost.seconds for cost in costs),
+        seconds=seconds,
     )
-    return applied(found, deviations)
+    return applied(judged_record, deviations)
 
 
 def _is_void(task: Task, findings: list[Finding]) -> bool:
@@ -61,39 +66,40 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 
 
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
-    """The findings of a task: how its runs failed, then what its checks say."""
+    """The findings of a task: how its runs failed, then the findings of its checks."""
     if task.unsupported is not None:
-        says = f"Not supported: {task.unsupported}."
-        return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=says)]
-    outcomes = {
-        v: CompletedRun(run.trajectory, run.cost)
-        for v, run in runs.items()
+        sentence = f"Not supported: {task.unsupported}."
+        return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=sentence)]
+    completed = {
+        variant: CompletedRun(run.trajectory, run.cost)
+        for variant, run in runs.items()
         if run.trajectory is not None and run.cost is not None
     }
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
     refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
     permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}
-    # What may be refused is told only where nothing ran at all.
-    told = {v: failure for v, failure in failed.items() if v not in permitted or not outcomes}
-    findings = _failures(task, told, ran=bool(outcomes))
-    # What these show is shown beside the rest: without them a check judges what is left.
-    unshown = {variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")}
+    # A permitted refusal is a failure only where nothing ran at all.
+    reported = {
+        variant: failure
+        for variant, failure in failed.items()
+        if variant not in permitted or not completed
+    }
+    findings = _failures(task, reported, ran=bool(completed))
+    # A check compares symmetric and perturbed runs with the plain one each by itself, so that it
+    # can judge without those that were refused.
+    dispensable = {
+        variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")
+    }
     for check in task.checks:
         needed = check.needs(task.subject)
         if check.synchronous and task.method.velocity_time != "synchronous":
-            findings.append(
-                undecided(
-                    check.name,
-                    "state",
-                    "the method reports velocities half a step before its positions",
-                )
-            )
-        elif all(variant in outcomes or variant in unshown for variant in needed):
-            findings += _judged(task, check, outcomes)
-        changes = dict.fromkeys(
-            variant.change for variant in needed if variant in permitted and outcomes
-        )
-        findings += [_unshown(check, change, failed) for change in changes]
+            reason = "the method reports velocities half a step before its positions"
+            findings.append(undecided(check.name, "state", reason))
+        elif all(variant in completed or variant in dispensable for variant in needed):
+            findings += _judged(task, check, completed)
+        if completed:
+            changes = dict.fromkeys(variant.change for variant in needed if variant in permitted)
+            findings += [_refused_variant(check, change, failed) for change in changes]
     return findings
 
 
@@ -101,19 +107,19 @@ _ERROR = Finding(check="run", quantity="trajectory", outcome="error", sentence="
 
 
 def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
-    """True if the engine had said before the run that it cannot make it.
+    """True if the engine declares that it cannot make this run.
 
-    That is a picture of the scene among those that it may refuse, or a run whose own start it does
-    not support: nobody knew the end that a run goes on from, nor what a start moved by an ulp still
-    touches, when the runs were planned.
+    Either the variant is among those that it may refuse, or it does not support the start of this
+    very run. The latter was not known when the runs were planned: neither the end from which a run
+    goes on, nor which bodies still touch at a start moved by an ulp.
     """
     if variant.change in task.engine.may_refuse:
         return True
     return task.engine.unsupported(run.request.problem, task.method) is not None
 
 
-def _unshown(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
-    """A variant that the engine refused, as it had said it may."""
+def _refused_variant(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
+    """The finding on a variant that the engine refused, as it declares that it may."""
     failure = next(failure for variant, failure in failed.items() if variant.change == change)
     sentence = (
         f"Not supported: the engine refused the variant `{change}` during the run:"
@@ -135,12 +141,9 @@ def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> li
         variant: failure for variant, failure in failed.items() if failure.kind != "unsupported"
     }
     if not broken and not ran and not task.engine.is_reference:
-        return [
-            msgspec.structs.replace(
-                _ERROR, outcome="unsupported", sentence=_told(failed, len(failed))
-            )
-        ]
-    sentence = _told(broken or failed, len(failed))
+        sentence = _failure_sentence(failed, len(failed))
+        return [msgspec.structs.replace(_ERROR, outcome="unsupported", sentence=sentence)]
+    sentence = _failure_sentence(broken or failed, len(failed))
     if not broken:
         if task.engine.is_reference:
             sentence += _REFUSED_BY_THE_REFERENCE
@@ -157,26 +160,24 @@ _REFUSED_IN_PART = (
 )
 
 
-def _told(failures: Mapping[Variant, Failure], count: int) -> str:
-    """The first of some failures in a sentence, and how many there are.
+def _failure_sentence(failures: Mapping[Variant, Failure], count: int) -> str:
+    """The first of some failures in a sentence, with the number of all runs that failed, `count`.
 
-    Which runs were not begun any more depends on how many ran at once, so that a run which was
-    begun and failed goes before them: it is the cause, and they follow from it.
+    A run that was begun goes before those that were not: it is the cause. Which runs were not
+    begun any more depends on how many ran at once.
     """
     begun = {variant: failure for variant, failure in failures.items() if failure.is_begun}
     variant, failure = next(iter((begun or failures).items()))
     if count > 1:
-        more = f" ({count} runs failed)"
+        total = f" ({count} runs failed)"
     else:
-        more = ""
-    said = failure.sentence.rstrip(".")
-    return f"The run at {variant} ended without a trajectory ({failure.kind}){more}: {said}."
+        total = ""
+    cause = failure.sentence.rstrip(".")
+    return f"The run at {variant} ended without a trajectory ({failure.kind}){total}: {cause}."
 
 
 def _judged(task: Task, check: Check, outcomes: Mapping[Variant, CompletedRun]) -> list[Finding]:
-    """A check's findings; what a check cannot read of an engine's trajectory is that engine's
-    error.
-    """
+    """The findings of a check; a trajectory that it cannot read is an error of the engine."""
     try:
         return check.judge(task.subject, outcomes)
     except RefdemError as error:

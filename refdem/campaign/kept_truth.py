@@ -1,5 +1,5 @@
-"""Sampled truths that come with refdem: read where an instance is one of them and the code behind
-it is still the same.
+"""Sampled truths that come with refdem, in validation/truth/samples/: read for an instance that is
+among them if the code behind them is still the same.
 """
 
 from pathlib import Path
@@ -27,11 +27,10 @@ def kept_truth(instance: Instance, folder: Path | None = None) -> SampledTruth |
     damaged.
     """
     home = (folder or truth_folder()) / "samples"
-    entries = [one for one in samples.kept(home, instance.case.id) if one.label == instance.label]
-    if (
-        not entries
-        or entries[0].source != digest_of(instance.case.id)
-        or entries[0].key != samples_key(instance)
-    ):
-        return None
-    return entries[0].truth
+    for entry in samples.kept(home, instance.case.id):
+        if entry.label == instance.label:
+            is_current = entry.source == digest_of(instance.case.id)
+            if is_current and entry.key == samples_key(instance):
+                return entry.truth
+            return None
+    return None

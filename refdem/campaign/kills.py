@@ -1,10 +1,12 @@
-"""Faults against checks: which fault is killed by the quantity that should see it, and which alarm
-a correct engine raises.
+"""Faults against checks: every known fault is planted in an engine, and the quantity named for it
+must fail (a *kill*); a finding that blames the engine without a fault is a false *alarm*.
+
+A *setting* (faults/settings.py) is a case with parameters that are drawn from a seed.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cache, cached_property
 from itertools import product
 
 import msgspec
@@ -26,8 +28,8 @@ from refdem.faults.transparent import Transparent
 
 WRONG = ("fail", "error")
 FEWEST = 3
-"""Levels from which an order is seen; a fault that shows without one is refined from the coarsest
-on.
+"""Refinement levels that an order needs. For a fault that shows without an order, trials start with
+one level.
 """
 ORDERS = ("order", "convergence", "limit")
 WITHHELD = no_truth("truth is withheld")
@@ -35,8 +37,10 @@ WITHHELD = no_truth("truth is withheld")
 
 
 class Kill(msgspec.Struct, frozen=True, kw_only=True):
-    """One fault on one setting at one seed: was the named quantity wrong, by how many decades, and
-    what else was?
+    """The outcome of one fault on one setting at one seed.
+
+    `killed` says that the quantity named for the fault failed, `beyond` by how many decades;
+    `also` are the checks and quantities that failed besides.
     """
 
     fault: str
@@ -78,7 +82,7 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
         return [kill for kill in self.kills if not kill.killed]
 
     def idle(self) -> list[str]:
-        """The checks that saw no fault, named for it or not."""
+        """The checks that saw no fault at all."""
         killing: set[str] = set()
         for kill in self.kills:
             if kill.killed:
@@ -86,11 +90,25 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
         return [name for name in discovery.names("checks") if name not in killing]
 
 
-@dataclass
-class FaultTrial:
-    """Faults against checks on one engine at `seeds` seeds from `first` on.
+@cache
+def setting_at(setting: str, seed: int) -> tuple[Instance, SampledTruth]:
+    """The instance that a seed draws in a setting, and its truth, proved once in a process."""
+    drawn = SETTINGS[setting]
+    instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
+    if drawn.proved:
+        truth = truth_of(instance)
+    else:
+        truth = WITHHELD
+    return instance, truth
 
-    `whole` judges by all checks at seed 0, to fill `also`.
+
+@dataclass(frozen=True)
+class FaultTrial:
+    """The trial of an engine: all of its faults against all checks at `seeds` seeds from `first`
+    on; `matrix` and `kill` return what comes of it.
+
+    `engine` None is the transparent engine of refdem/faults; `chosen` faults, or all. `whole`
+    judges by all checks at seed 0, to fill `also`.
     """
 
     engine: Engine | None = None
@@ -99,7 +117,6 @@ class FaultTrial:
     chosen: tuple[Fault, ...] = ()
     whole: bool = True
     progress: Progress = lambda stage, done, total: None
-    _truths: dict[tuple[str, int], tuple[Instance, SampledTruth]] = field(default_factory=dict)
 
     @property
     def drawn(self) -> range:
@@ -115,7 +132,7 @@ class FaultTrial:
         return tuple(fault for fault in every if fault.inside is None)
 
     def matrix(self) -> Matrix:
-        """Every fault at every seed, and the alarms of the engine without a fault."""
+        """The kills of every fault at every seed, and the alarms of the engine without a fault."""
         kills = []
         alarms = []
         near = dict[str, float]()
@@ -140,7 +157,9 @@ class FaultTrial:
         )
 
     def kill(self, fault: Fault, seed: int) -> Kill:
-        """One fault at one seed, on the setting whose turn it is."""
+        """The outcome of one fault at one seed; the settings of a fault take turns with the
+        seed.
+        """
         setting = fault.on[seed % len(fault.on)]
         record = self._spoiled(fault, setting, seed)
         check, quantity = fault.sees
@@ -165,20 +184,21 @@ class FaultTrial:
         )
 
     def _spoiled(self, fault: Fault, setting: str, seed: int) -> Record:
-        """The record of a fault, refined no further than is needed to kill it."""
+        """The record of an engine with the fault, refined no further than is needed to kill it."""
         instance, truth = self.instance(setting, seed)
         checks: tuple[str, ...] = ()
         if not self.whole or seed != 0:
             checks = _needed(fault)
         engine = fault.carrier(self.engine)
-        known = dict[Variant, Run]()
+        # Runs of fewer levels are used again with more of them.
+        known_runs = dict[Variant, Run]()
         # An order needs some levels; other checks may see a fault at the first.
         if not checks or checks[0] in ORDERS:
             fewest = FEWEST
         else:
             fewest = 1
         for levels in range(fewest, fault.levels + 1):
-            record = self._record(engine, fault.method, instance, truth, levels, checks, known)
+            record = self._record(engine, fault.method, instance, truth, levels, checks, known_runs)
             if _killed(_named(fault, record)):
                 break
         return record
@@ -193,8 +213,10 @@ class FaultTrial:
         checks: Iterable[str],
         known: dict[Variant, Run] | None = None,
     ) -> Record:
-        """The record at so many levels; an engine of one's own runs the first method that does not
-        refuse.
+        """The record at so many refinement levels, judged by these checks, or by all if empty.
+
+        An engine that the caller brought runs its first method that does not refuse, in place of
+        the transparent engine's `method`.
         """
         if self.engine is not None:
             able = (
@@ -216,32 +238,24 @@ class FaultTrial:
                 yield self._record(engine, method, instance, truth, FEWEST, ()), name, seed
 
     def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
-        """Each of the transparent engine's in turn."""
+        """The method to run at a seed: those of the transparent engine take turns."""
         if self.engine is not None:
             return ("",)
         methods = SETTINGS[setting].methods
         return (methods[seed % len(methods)],)
 
     def instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
-        """The instance and its truth, proved once for all faults of a seed."""
-        if (setting, seed) not in self._truths:
-            drawn = SETTINGS[setting]
-            instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
-            if drawn.proved:
-                truth = truth_of(instance)
-            else:
-                truth = WITHHELD
-            self._truths[setting, seed] = (instance, truth)
-        return self._truths[setting, seed]
+        """The instance of a setting at a seed, and its truth."""
+        return setting_at(setting, seed)
 
 
 def _named(fault: Fault, record: Record) -> list[Finding]:
-    """The findings on the quantity that must fail."""
+    """The findings on the quantity named for the fault, which must fail."""
     return [f for f in record.findings if (f.check, f.quantity) == fault.sees]
 
 
 def _killed(named: list[Finding]) -> bool:
-    """Whether one of the findings says that something is wrong."""
+    """True if one of the findings is a failure or an error."""
     return any(f.outcome in WRONG for f in named)
 
 
@@ -262,9 +276,9 @@ def _beyond(named: list[Finding]) -> float | None:
 
 
 def by_check(kills: Iterable[Kill]) -> Mapping[str, int]:
-    """How many faults each check saw, named for it or not."""
-    found: dict[str, int] = {}
+    """Number of faults that each check saw, whether or not it is named for them."""
+    counts: dict[str, int] = {}
     for kill in kills:
         for check in {name.split("/")[0] for name in kill.also}:
-            found[check] = found.get(check, 0) + 1
-    return found
+            counts[check] = counts.get(check, 0) + 1
+    return counts

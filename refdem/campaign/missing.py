@@ -1,8 +1,8 @@
-"""Findings that must be there and are not: lost, absent, or folded under the error or the refusal
-that explains them.
+"""Findings that must be there and are not.
 
-A baseline and the list of a campaign are held in the same way: a finding that vanishes is never
-green.
+A baseline and the list of a campaign name findings that must be made. One that was judged but is
+not decided now is *lost*; one that was not made is *absent*, or named in the sentence of the error
+or refusal that explains it. A finding that vanishes never passes.
 """
 
 from collections.abc import Iterable
@@ -24,57 +24,61 @@ def parts(name: str) -> tuple[Place, str, str]:
 
 
 def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
-    """The records, in which everything `wanted` (ids) that was not found is told; `owner` is who
-    wants it, as "the baseline".
+    """The records with what is missing in them: every id of `wanted` that no finding has.
 
-    What follows from an error or a refusal is said there and makes no finding of its own.
+    `owner` is who wants them, such as "the baseline". What follows from an error or a refusal is
+    named in its sentence and makes no finding of its own.
     """
-    seen: set[str] = set()
+    made: set[str] = set()
     for record in records:
-        seen |= {record.id(finding) for finding in record.findings}
-    gone: dict[Place, list[str]] = {}
+        made |= {record.id(finding) for finding in record.findings}
+    missing: dict[Place, list[str]] = {}
     for name in sorted(set(wanted)):
-        if name not in seen:
+        if name not in made:
             place, check, quantity = parts(name)
-            gone.setdefault(place, []).append(f"{check}/{quantity}")
-    changed = []
+            missing.setdefault(place, []).append(f"{check}/{quantity}")
+    completed = []
     for record in records:
-        missed = gone.pop((record.label, record.engine, record.method), [])
-        changed.append(_with_gone(record, missed, owner))
-    vanished = [_vanished(place, names, owner) for place, names in gone.items()]
-    return [*changed, *vanished]
+        missing_here = missing.pop((record.label, record.engine, record.method), [])
+        completed.append(_with_absent(record, missing_here, owner))
+    # What is left belongs to records that were not made at all.
+    vanished = [_vanished(place, names, owner) for place, names in missing.items()]
+    return [*completed, *vanished]
 
 
 def with_lost(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
-    """The records, in which what `wanted` (ids) has decided and nobody decided now is lost."""
-    asked = set(wanted)
-    found = []
+    """The records in which a finding among `wanted` (ids) that is not decided now is lost."""
+    wanted_ids = set(wanted)
+    changed = []
     for record in records:
-        findings = tuple(_lost(record, finding, asked, owner) for finding in record.findings)
-        found.append(msgspec.structs.replace(record, findings=findings))
-    return found
+        findings = tuple(_lost(record, finding, wanted_ids, owner) for finding in record.findings)
+        changed.append(msgspec.structs.replace(record, findings=findings))
+    return changed
 
 
-def _lost(record: Record, finding: Finding, asked: set[str], owner: str) -> Finding:
-    """The finding as it is, or lost."""
-    if record.id(finding) not in asked or finding.outcome in (*DECIDED, "error"):
+def _lost(record: Record, finding: Finding, wanted: set[str], owner: str) -> Finding:
+    """The finding as it is, or as lost if it is wanted and not decided."""
+    if record.id(finding) not in wanted or finding.outcome in (*DECIDED, "error"):
         return finding
     sentence = f"{finding.sentence} {_capital(owner)} contains a decided finding here."
     return msgspec.structs.replace(finding, outcome="lost", sentence=sentence)
 
 
-def _with_gone(record: Record, gone: list[str], owner: str) -> Record:
-    """A record with what is gone from it, each under the finding that explains it, or absent."""
-    found = []
-    left = gone
+def _with_absent(record: Record, missing: list[str], owner: str) -> Record:
+    """A record with the findings (check/quantity) that are missing from it.
+
+    Each is named in the sentence of the first finding that explains it, or else is absent.
+    """
+    findings = []
+    unexplained = missing
     for finding in record.findings:
-        explained = [name for name in left if _explains(finding, name)]
-        left = [name for name in left if name not in explained]
+        explained = [name for name in unexplained if _explains(finding, name)]
+        unexplained = [name for name in unexplained if name not in explained]
         if explained:
             finding = _folded(finding, explained, owner)
-        found.append(finding)
-    found += [_absent(name, owner) for name in left]
-    return msgspec.structs.replace(record, findings=tuple(found))
+        findings.append(finding)
+    findings += [_absent(name, owner) for name in unexplained]
+    return msgspec.structs.replace(record, findings=tuple(findings))
 
 
 def _explains(finding: Finding, name: str) -> bool:
@@ -117,14 +121,14 @@ def _absent(name: str, owner: str) -> Finding:
 
 
 def _vanished(place: Place, names: list[str], owner: str) -> Record:
-    """A record that was not made at all: one finding for all that is gone with it."""
+    """A record that was not made at all, with one finding for all that are missing with it."""
     label, engine, method = place
     sentence = (
         f"{_capital(owner)} contains {_counted(names)} for this case and method,"
         " and this run produced none: the case, the method or its support was"
         f" removed ({_named(names)})."
     )
-    gone = Finding(check="record", quantity="findings", outcome="absent", sentence=sentence)
+    absent = Finding(check="record", quantity="findings", outcome="absent", sentence=sentence)
     return Record(
         case=label.partition("[")[0],
         label=label,
@@ -134,11 +138,12 @@ def _vanished(place: Place, names: list[str], owner: str) -> Record:
         method=method,
         is_reference=False,
         runs=(),
-        findings=(gone,),
+        findings=(absent,),
     )
 
 
 def _counted(names: list[str]) -> str:
+    """The number of findings in words."""
     if len(names) == 1:
         return "1 finding"
     return f"{len(names)} findings"
@@ -147,11 +152,12 @@ def _counted(names: list[str]) -> str:
 def _named(names: list[str]) -> str:
     """The first few names, and how many more there are."""
     if len(names) > SHOWN:
-        more = f" and {len(names) - SHOWN} more"
+        remainder = f" and {len(names) - SHOWN} more"
     else:
-        more = ""
-    return ", ".join(names[:SHOWN]) + more
+        remainder = ""
+    return ", ".join(names[:SHOWN]) + remainder
 
 
 def _capital(words: str) -> str:
+    """The words with a capital first letter."""
     return words[:1].upper() + words[1:]

@@ -1,5 +1,8 @@
 """The first stage of a campaign: which methods run which instances, and, once the truths are
 known, the union of the runs that applicable checks need.
+
+A *row* is an instance with a *subject* for each method of each engine; with its truth and the
+checks that apply, a subject becomes a *task*. A *variant* is one run of a task.
 """
 
 from collections.abc import Mapping
@@ -25,8 +28,10 @@ from refdem.errors import EngineMissingError, UsageError
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One method of one engine on one instance: what its checks judge, those that apply, and why
-    others do not.
+    """One method of one engine on one instance.
+
+    `subject` is what its checks judge, `unsupported` the reason why the engine does not run it,
+    `checks` are those that apply, `left_out` has the reason for each that does not.
     """
 
     engine: Engine
@@ -44,23 +49,23 @@ class Task:
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
-        """The union of what the checks need, without repetition, bases before what goes on from
-        them.
+        """The union of the runs that the checks need; a run comes before those that go on from
+        it.
         """
-        wanted: dict[Variant, None] = {}
+        needed: dict[Variant, None] = {}
         for check in self.checks:
-            wanted |= dict.fromkeys(check.needs(self.subject))
-        bases = [variant.base for variant in wanted if variant.goes_on]
-        return tuple(dict.fromkeys([*bases, *wanted]))
+            needed |= dict.fromkeys(check.needs(self.subject))
+        bases = [variant.base for variant in needed if variant.goes_on]
+        return tuple(dict.fromkeys([*bases, *needed]))
 
 
 Supported = tuple[Subject, str | None]
-"""What is judged of a method, and why the engine does not support it, if it does not."""
+"""A method on an instance, and the reason why the engine does not support that, or None."""
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """One instance of a campaign, the only checks to run on it (none: all), and what is judged in
+    """One instance of a campaign, the only checks to run on it (none: all), and the subjects of
     every engine.
     """
 
@@ -70,105 +75,120 @@ class Row:
 
     @property
     def is_judged(self) -> bool:
-        """Some method of some engine supports it."""
+        """True if some method of some engine supports the instance."""
         reasons = [reason for _, asked in self.subjects for _, reason in asked]
         return None in reasons
 
     @property
     def delays(self) -> tuple[float, ...]:
-        """The times [s] by which velocities of some method lag at one of its levels."""
+        """The delays [s] > 0 by which velocities of some method lag at one of its levels,
+        sorted.
+        """
         delays: set[float] = set()
         for _, asked in self.subjects:
             for subject, _ in asked:
                 if subject.method.velocity_time != "synchronous":
                     levels = refinement.order_levels(self.instance, subject.levels)
                     delays |= {subject.method.delay(level) for level in levels}
-        # Samples that are late by nothing are those of every run.
+        # A delay of 0 is that of the samples themselves.
         delays.discard(0.0)
         return tuple(sorted(delays))
 
 
 def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
-    """All that a campaign asks, before any truth is known."""
-    found = []
+    """The rows of a campaign: all that it asks, before any truth is known."""
+    planned = []
     for instance, only in instances(specification):
-        asked = [(engine, subjects(specification, instance, engine)) for engine in engines]
-        found.append(Row(instance, only, tuple(asked)))
-    return found
+        of_engines = [(engine, subjects(specification, instance, engine)) for engine in engines]
+        planned.append(Row(instance, only, tuple(of_engines)))
+    return planned
 
 
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
-    """The instances asked for, each with the only checks to run (none: all); a selection stands for
-    all that it admits.
+    """The instances of a campaign, each with the only checks to run on it (none: all).
+
+    A selection stands for all instances that it admits, with its one check; those that are also
+    judged by all checks are not repeated.
     """
-    found: list[tuple[Instance, tuple[str, ...]]] = []
+    requested: list[tuple[Instance, tuple[str, ...]]] = []
     for entry in specification.case:
         case = discovery.case(entry.id)
         if isinstance(case, Selection):
-            found += [(instance, (case.check,)) for instance in _admitted(case)]
+            requested += [(instance, (case.check,)) for instance in _admitted(case)]
         else:
-            found.append((case.at(**entry.set), ()))
-    whole = {instance.label for instance, only in found if not only}
-    return [(instance, only) for instance, only in found if not only or instance.label not in whole]
+            requested.append((case.at(**entry.set), ()))
+    fully_judged = {instance.label for instance, only in requested if not only}
+    return [
+        (instance, only)
+        for instance, only in requested
+        if not only or instance.label not in fully_judged
+    ]
 
 
 def _admitted(selection: Selection) -> list[Instance]:
-    """Every case, at the parameters that the selection asks for, that it admits."""
-    judges = discovery.check(selection.check).judges
-    found: dict[str, Instance] = {}
+    """The instances that a selection admits, among all cases at the parameters that it names."""
+    judged_kinds = discovery.check(selection.check).judges
+    by_label: dict[str, Instance] = {}
     for case in map(discovery.case, discovery.names("cases")):
         if isinstance(case, Selection):
             continue
-        for given in selection.parameters(case):
-            instance = case.at(**given)
-            if isinstance(instance.problem, judges) and selection.admits(instance) is None:
-                found[instance.label] = instance
-    return list(found.values())
+        for parameters in selection.parameters(case):
+            instance = case.at(**parameters)
+            if isinstance(instance.problem, judged_kinds) and selection.admits(instance) is None:
+                by_label[instance.label] = instance
+    return list(by_label.values())
 
 
 def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]:
-    """The engines to run, and why others are missing; raises EngineMissingError for one that was
-    asked for by name.
+    """The engines to run, and for each other one the reason why it is missing.
+
+    Raises EngineMissingError for a missing engine that was asked for by name, and UsageError for a
+    method that no engine has.
     """
-    asked = specification.engines
-    found = []
+    requested = specification.engines
+    installed = []
     missing = {}
-    for name in asked or discovery.names("engines"):
+    for name in requested or discovery.names("engines"):
         engine = discovery.engine(name)
         reason = engine.missing()
         if reason is None:
-            found.append(engine)
-        elif asked:
+            installed.append(engine)
+        elif requested:
             raise EngineMissingError(f"engine {name} is not installed here; {reason}")
         else:
             missing[name] = reason
-    wanted = specification.method
-    if not wanted or asked:
-        return found, missing
-    having = []
-    every: set[str] = set()
-    for engine in found:
-        own = {method.name for method in engine.methods}
-        every |= own
-        if wanted in own:
-            having.append(engine)
-    if not having:
-        raise UsageError(f"no engine has a method {wanted!r}; {nearest(wanted, every)}")
-    return having, missing
+    if not specification.method or requested:
+        return installed, missing
+    return _with_method(installed, specification.method), missing
+
+
+def _with_method(engines: list[Engine], method_name: str) -> list[Engine]:
+    """The engines that have a method of that name; raises UsageError if none has."""
+    chosen = []
+    all_names: set[str] = set()
+    for engine in engines:
+        names = {method.name for method in engine.methods}
+        all_names |= names
+        if method_name in names:
+            chosen.append(engine)
+    if not chosen:
+        hint = nearest(method_name, all_names)
+        raise UsageError(f"no engine has a method {method_name!r}; {hint}")
+    return chosen
 
 
 def subjects(specification: Specification, instance: Instance, engine: Engine) -> list[Supported]:
-    """What is judged of each method, with the reason where the engine does not support the scene;
-    raises UsageError for a method that it does not have.
+    """A subject, still without truth, for each method of an engine on an instance, with the reason
+    where it is not supported.
 
     Methods for other kinds of questions are left out; an engine that has none for this kind refuses
-    by its first.
+    by its first. Raises UsageError for a method that the engine does not have.
     """
     methods = list(engine.methods)
     if specification.method:
         methods = [engine.method(specification.method)]
     answering = [method for method in methods if method.answers == instance.problem.kind]
-    found = []
+    of_methods = []
     for method in answering or methods[:1]:
         unsupported = engine.unsupported(instance.problem, method)
         levels: tuple[float, ...] = ()
@@ -181,17 +201,19 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
                 first_step(specification, instance),
             )
             if not levels:
-                turns = instance.scales.duration / instance.scales.tau
+                duration_in_tau = instance.scales.duration / instance.scales.tau
                 unsupported = (
                     f"the run needs more than {specification.most_steps:g} steps for"
-                    f" {turns:.3g} times the shortest time tau; shorten the duration"
+                    f" {duration_in_tau:.3g} times the shortest time tau; shorten the duration"
                 )
-        refuses = partial(_unsupported, engine, method)
-        found.append((Subject(instance, method, levels, None, unsupported=refuses), unsupported))
-    return found
+        refusal = partial(_unsupported, engine, method)
+        subject = Subject(instance, method, levels, None, unsupported=refusal)
+        of_methods.append((subject, unsupported))
+    return of_methods
 
 
 def _unsupported(engine: Engine, method: Method, motion: Motion) -> str | None:
+    """`Engine.unsupported` with the motion last, as `Subject.unsupported` needs it."""
     return engine.unsupported(motion, method)
 
 
@@ -220,9 +242,12 @@ def tasks(
     truth: SampledTruth | None,
     reason: str = "",
 ) -> list[Task]:
-    """One task a method: its subject with truth, and the checks that apply."""
-    asked = subjects(specification, instance, engine)
-    return _tasks(specification, instance, only, engine, asked, truth, reason)
+    """One task for each method of an engine: its subject with truth, and the checks that apply.
+
+    `only` are the checks to run (none: all), `reason` says why there is no truth.
+    """
+    supported = subjects(specification, instance, engine)
+    return _tasks(specification, instance, only, engine, supported, truth, reason)
 
 
 def _tasks(
@@ -230,65 +255,71 @@ def _tasks(
     instance: Instance,
     only: tuple[str, ...],
     engine: Engine,
-    asked: list[Supported],
+    supported: list[Supported],
     truth: SampledTruth | None,
     reason: str,
 ) -> list[Task]:
-    """One task for each subject of an engine."""
+    """One task for each subject of an engine; see `tasks`."""
     excluded = instance.case.exclude_for(instance.p)
     names = discovery.names("checks")
     if only:
         names = [name for name in names if name in only]
     if specification.checks:
         names = [name for name in names if name in specification.checks]
-    found = []
-    for bare, unsupported in asked:
-        subject = replace(bare, truth=truth, truth_reason=reason)
-        chosen = []
+    is_selection = bool(only or specification.checks)
+    planned = []
+    for without_truth, unsupported in supported:
+        subject = replace(without_truth, truth=truth, truth_reason=reason)
+        applicable = []
         left_out = {}
-        applied = names
+        candidates = names
         if unsupported is not None:
-            applied = []
-        for name in applied:
+            candidates = []
+        for name in candidates:
             check = discovery.check(name)
-            why = excluded.get(name) or check.left_out(subject)
-            if why is None:
-                chosen.append(check)
+            why_not = excluded.get(name) or check.left_out(subject)
+            if why_not is None:
+                applicable.append(check)
             else:
-                left_out[name] = why
+                left_out[name] = why_not
         # The one check of a selection may leave a method out.
-        if chosen or unsupported is not None or not only:
-            is_selection = bool(only or specification.checks)
-            found.append(Task(engine, subject, unsupported, tuple(chosen), left_out, is_selection))
-    return found
+        if applicable or unsupported is not None or not only:
+            checks = tuple(applicable)
+            planned.append(Task(engine, subject, unsupported, checks, left_out, is_selection))
+    return planned
 
 
 def tasks_of(
     specification: Specification, rows: list[Row], truths: list[SampledTruth]
 ) -> list[Task]:
-    """The tasks of all rows whose truths are known by now, as far as they go into a report."""
-    found: list[Task] = []
+    """The tasks of all rows with their truths, as far as they go into a report."""
+    reported: list[Task] = []
     for row, truth in zip(rows, truths, strict=True):
-        for engine, asked in row.subjects:
-            reason = truth.reason
-            planned = _tasks(specification, row.instance, row.only, engine, asked, truth, reason)
-            found += judged(planned)
-    return found
+        for engine, supported in row.subjects:
+            planned = _tasks(
+                specification, row.instance, row.only, engine, supported, truth, truth.reason
+            )
+            reported += judged(planned)
+    return reported
 
 
 def judged(tasks: list[Task]) -> list[Task]:
-    """The tasks of one engine that go into a report: the reference has a method for each kind of
-    scene, so that those which refuse this one say nothing, unless all do."""
-    able = [task for task in tasks if task.unsupported is None or not task.engine.is_reference]
-    return able or tasks[:1]
+    """The tasks of one engine that go into a report.
+
+    The reference has a method for each kind of scene, so that the refusals of its other methods are
+    left out, unless all of them refuse.
+    """
+    supported = [task for task in tasks if task.unsupported is None or not task.engine.is_reference]
+    return supported or tasks[:1]
 
 
 def request(
     task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0
 ) -> Request:
-    """The request of a variant.
+    """The request of a variant of a task.
 
-    `base` is the trajectory on whose end it goes on; `ulps` moves every start.
+    `base` is the trajectory from whose end the variant goes on, if it does; `ulps` moves the start
+    of every run by so many units in the last place.
     """
     problem = task.subject.instance.problem
     if ulps:
@@ -318,13 +349,15 @@ def _of_motion(
         denser = np.arange(count + 1, dtype=np.float64) * interval
         return plain.with_scene(problem.scene, denser)
     if variant.change in symmetry.NAMES:
-        shown, motion = symmetry.picture(task.subject.instance, variant.change)
+        transformation, motion = symmetry.picture(task.subject.instance, variant.change)
         if plain.step is None:
             step = None
         else:
-            step = plain.step * shown.units[2]
-        if problem is not task.subject.instance.problem:
-            motion = shown.applied(problem)
+            # In the units of time of the transformation.
+            step = plain.step * transformation.units[2]
+        is_moved = problem is not task.subject.instance.problem
+        if is_moved:
+            motion = transformation.applied(problem)
         return replace(plain, problem=motion, step=step)
     if base is None:
         raise UsageError(f"variant {variant} continues a run that is not available")
@@ -333,6 +366,7 @@ def _of_motion(
     else:
         sign = 1.0
     end = base.end()
+    # A scene takes unit quaternions only.
     length = np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
     state = {
         **end,

@@ -47,7 +47,7 @@ def motion(scene: Scene, t: Array) -> dict[str, Array]:
 
 
 def _stepped(scene: Scene, state: State, h: float) -> State:
-    """The state one step of classical Runge-Kutta later."""
+    """The state one step h [s] of classical Runge-Kutta later, with attitudes made unit again."""
     first = _rate(scene, state)
     second = _rate(scene, _ahead(state, first, h / 2))
     third = _rate(scene, _ahead(state, second, h / 2))
@@ -62,13 +62,13 @@ def _stepped(scene: Scene, state: State, h: float) -> State:
 
 
 def _ahead(state: State, rate: State, h: float) -> State:
-    """The state moved along a rate."""
+    """The state y + h y' with the rate y'."""
     position, velocity, attitude, momentum = (x + h * k for x, k in zip(state, rate, strict=True))
     return position, velocity, attitude, momentum
 
 
 def _omega(scene: Scene, attitude: Array, momentum: Array) -> Array:
-    """omega (..., N, 3) in space axes; zero for points."""
+    """omega = R J^-1 R^T L, (..., N, 3) in space axes; zero for points, whose J is 0."""
     inertia = scene.bodies.inertia
     in_body = rotated(conjugate(attitude), momentum)
     omega_body = np.divide(in_body, inertia, out=np.zeros_like(in_body), where=inertia > 0)
@@ -76,7 +76,7 @@ def _omega(scene: Scene, attitude: Array, momentum: Array) -> Array:
 
 
 def _rate(scene: Scene, state: State) -> State:
-    """Rates of position, velocity, attitude and angular momentum."""
+    """Rates of the state: r' = v, v' = F/m, q' = (0, omega) q/2, L' = torque."""
     position, velocity, attitude, momentum = state
     mass = scene.bodies.mass[:, None]
     force = np.zeros_like(position)
@@ -86,8 +86,8 @@ def _rate(scene: Scene, state: State) -> State:
     for spring in scene.all(Spring):
         _pull(spring, position, attitude, force, torque)
     omega = _omega(scene, attitude, momentum)
-    turning = product(np.pad(omega, ((0, 0), (1, 0))), attitude) / 2
-    return velocity, force / mass, turning, torque
+    attitude_rate = product(np.pad(omega, ((0, 0), (1, 0))), attitude) / 2
+    return velocity, force / mass, attitude_rate, torque
 
 
 def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque: Array) -> None:
@@ -100,10 +100,10 @@ def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque
     if joins_two:
         arm_b = rotated(attitude[spring.b], end_b)
         end_b = position[spring.b] + arm_b
-    apart = end_b - end_a
-    distance = float(np.linalg.norm(apart))
+    branch = end_b - end_a
+    distance = float(np.linalg.norm(branch))
     # F = k (d - length) along the line from a to b.
-    pull = spring.stiffness * (distance - spring.length) * apart / distance
+    pull = spring.stiffness * (distance - spring.length) * branch / distance
     force[spring.a] += pull
     torque[spring.a] += np.cross(arm_a, pull)
     if joins_two:

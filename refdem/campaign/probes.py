@@ -1,5 +1,7 @@
-"""Tiny scenes whose motion is a line of algebra: what `refdem smoke` asks an adapter, and what must
-come back.
+"""Small scenes whose motion has a formula: what `refdem smoke` asks an adapter, with the right
+answer.
+
+Each shows one thing that an adapter may convert wrongly: a unit, a sign, an axis, an order.
 """
 
 from collections.abc import Callable
@@ -29,11 +31,11 @@ HALF = 0.5**0.5
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Probe:
-    """A scene, the time [s] at its start, what it shows of an adapter, and its motion by formula.
+    """A scene with the time [s] at its start, its motion by formula, and what of an adapter it
+    `shows`.
 
-    `expected(t)` for the time t (T,) [s] since the start gives columns of a trajectory (T, N, ...),
-    channels (T,), or
-    `omega_body` (T, N, 3).
+    `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
+    channels (T,), or `omega_body` (T, N, 3), by name.
     """
 
     name: str
@@ -54,7 +56,7 @@ class Probe:
 
     @cached_property
     def right(self) -> Expected:
-        """What must come back at `times`."""
+        """The right answer at `times`."""
         return self.expected(self.times - self.start)
 
 
@@ -65,7 +67,7 @@ def probes() -> tuple[Probe, ...]:
 
 
 def _straight(*bodies: Body) -> Callable[[Array], Expected]:
-    """Every body goes on as it started."""
+    """The motion r = r0 + t v0 of every body."""
     position = np.array([body.position for body in bodies])
     velocity = np.array([body.velocity for body in bodies])
 
@@ -104,6 +106,7 @@ def _falls() -> tuple[Probe, ...]:
     def fall(
         name: str, velocity: tuple[float, float, float], g: tuple[float, float, float]
     ) -> Probe:
+        """A point thrown with `velocity` [m/s] in gravity g [m/s^2]: r = v0 t + g t^2/2."""
         thrown = Body(mass=3.0, velocity=velocity)
         pull = np.array(g)
 
@@ -128,8 +131,8 @@ def _falls() -> tuple[Probe, ...]:
 
 
 def _spins() -> tuple[Probe, ...]:
-    """Steady turns about a principal axis: the quaternion's order, sign and side, radians, and
-    omega's axes.
+    """Steady rotations about a principal axis: they show the order, sign and side of quaternions,
+    radians, and the axes of omega.
     """
 
     place = np.array([1.5, -0.75, 0.0])
@@ -138,6 +141,7 @@ def _spins() -> tuple[Probe, ...]:
     def spin(
         name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]
     ) -> Probe:
+        """A body that spins steadily with `omega` [rad/s], in space axes, from `attitude` on."""
         body = Body(
             mass=1.0,
             inertia=(1.0, 2.0, 2.5),
@@ -151,11 +155,11 @@ def _spins() -> tuple[Probe, ...]:
         def expected(t: Array) -> Expected:
             # The quaternion (cos a/2, n sin a/2) of the angle a = |omega| t about n.
             half = rate * t / 2
-            turn = np.column_stack([np.cos(half), np.outer(np.sin(half), omega / rate)])
+            rotation = np.column_stack([np.cos(half), np.outer(np.sin(half), omega / rate)])
             return {
                 "position": place + t[:, None, None] * drift,
                 "velocity": drift + 0 * t[:, None, None],
-                "attitude": product(turn, np.array(attitude))[:, None],
+                "attitude": product(rotation, np.array(attitude))[:, None],
                 "omega": np.tile(omega, (len(t), 1, 1)),
             }
 
@@ -176,22 +180,23 @@ def _spins() -> tuple[Probe, ...]:
 
 
 def _wobble(axis: int) -> Probe:
-    """A body with one distinct moment, about `axis`, off that axis: omega_body turns about it at
-    (J3 - J1)/J1 omega3.
+    """A symmetric top that spins off its symmetry axis, which is the body's `axis` (0, 1 or 2).
 
-    Euler's equations with J1 = J2: omega1' = -W omega2, omega2' = W omega1 (Landau and Lifshitz,
-    Mechanics, section 36).
+    Euler's equations with J1 = J2: omega1' = -W omega2, omega2' = W omega1, W = (J3 - J1)/J1 omega3
+    (Landau and Lifshitz, Mechanics, section 36), so that omega_body turns about that axis at W.
     """
     inertia = np.roll([1.0, 1.0, 1.8], axis + 1)
     start = np.roll([1.0, 0.0, 2.0], axis + 1)
+    # W = (1.8 - 1)/1 * 2.
     rate = 0.8 * 2.0
     body = Body(mass=1.0, inertia=tuple(inertia), omega=tuple(start))
 
     def expected(t: Array) -> Expected:
-        turning = np.column_stack([np.cos(rate * t), np.sin(rate * t), np.full(len(t), 2.0)])
+        omega_body = np.column_stack([np.cos(rate * t), np.sin(rate * t), np.full(len(t), 2.0)])
+        # The angular momentum is constant in space, where the body axes are at the start.
         momentum = np.tile(inertia * start, (len(t), 1, 1))
         return {
-            "omega_body": np.roll(turning, axis + 1, axis=1)[:, None],
+            "omega_body": np.roll(omega_body, axis + 1, axis=1)[:, None],
             "angular_momentum": momentum,
         }
 
@@ -214,7 +219,9 @@ def _on_x(values: Array) -> Array:
 
 
 def _forces() -> tuple[Probe, ...]:
-    """A spring, dry friction, a hanging rod and a central field: signs and units of forces."""
+    """A spring (w = 2 /s), dry friction (1/2 m/s^2), a hanging rod (m g = 30 N) and a circular
+    orbit (w^2 = gm/r^3 = 4 /s^2): signs and units of forces.
+    """
 
     def force(
         name: str,
@@ -226,19 +233,23 @@ def _forces() -> tuple[Probe, ...]:
         return Probe(name=name, shows=shows, scene=Scene.of([body], elements), expected=expected)
 
     def hanging(t: Array) -> Expected:
+        """At rest 2 m below the pivot; the tension is m g = 3 kg * 10 m/s^2."""
         return {
             "position": np.tile([0.0, -2.0, 0.0], (len(t), 1, 1)),
             "rod_force": np.full(len(t), 30.0),
         }
 
     def circle(t: Array) -> Expected:
+        """w^2 = gm/r^3 = 4 /s^2 at r = 1 m."""
         place = np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])
         return {"position": place[:, None]}
 
     def swinging(t: Array) -> Expected:
+        """x = cos(w t), w^2 = k/m = 4 /s^2."""
         return _along(np.cos(2 * t), -2 * np.sin(2 * t))
 
     def rubbed(t: Array) -> Expected:
+        """x = t - t^2/4: friction mu N = 1 N slows 2 kg by 1/2 m/s^2, until t = 2 s."""
         return _along(t - t * t / 4, 1 - t / 2)
 
     spring = Spring(a=0, stiffness=8.0)
@@ -259,12 +270,12 @@ def _forces() -> tuple[Probe, ...]:
 
 
 def _knock() -> Probe:
-    """Two like spheres that touch, head-on, undamped: they exchange velocities after `pi sqrt(m/(2
-    k))`.
+    """Two equal spheres that touch and close head-on, undamped: after pi sqrt(m/(2 k)) they have
+    exchanged their velocities.
     """
     ball = Sphere(radius=0.5)
-    left = Body(mass=2.0, position=(-0.5, 0.0, 0.0), velocity=(1.0, 0.0, 0.0), shape=ball)
-    right = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), shape=ball)
+    first_sphere = Body(mass=2.0, position=(-0.5, 0.0, 0.0), velocity=(1.0, 0.0, 0.0), shape=ball)
+    second_sphere = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), shape=ball)
     stiffness = 400.0
 
     def expected(t: Array) -> Expected:
@@ -274,7 +285,7 @@ def _knock() -> Probe:
         second = (1 - np.cos(phase)) / 2
         return {"velocity": _on_x(np.stack([first, second], axis=1))}
 
-    scene = Scene.of([left, right], [Contact(law="linear", stiffness=stiffness)])
+    scene = Scene.of([first_sphere, second_sphere], [Contact(law="linear", stiffness=stiffness)])
     return Probe(
         name="knock", shows="sign and unit of the contact force", scene=scene, expected=expected
     )

@@ -1,4 +1,4 @@
-"""The last stage of a campaign: the records of all tasks, judged from what came of their runs."""
+"""The last stage of a campaign: the records of all tasks, judged from their runs."""
 
 from collections.abc import Mapping
 
@@ -13,9 +13,9 @@ def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[
     """The records in order of the plan, with the deviations that are expected of the engines."""
     engines = {task.engine.name: task.engine for task in tasks}
     expected = {name: [*of_engine(engine), *engine.expected] for name, engine in engines.items()}
-    found = []
+    judged = []
     for number, task in enumerate(tasks):
         name = task.engine.name
-        came = runs.of_task(number, task)
-        found.append(judging.record(task, versions[name], came, expected[name]))
-    return found
+        runs_of_task = runs.of_task(number, task)
+        judged.append(judging.record(task, versions[name], runs_of_task, expected[name]))
+    return judged

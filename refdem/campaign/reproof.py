@@ -1,5 +1,5 @@
-"""Checking the certified store: every hash, and a stratified sample proved and witnessed again,
-compared by overlap, never by bytes.
+"""Checking the certified store: every hash, and a stratified sample of sets that is proved and
+witnessed again. A new ball must overlap the stored one; bytes are not compared.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ LONGEST = 100.0
 
 
 def damaged(folder: Path) -> list[str]:
-    """What does not hold in the files themselves: hashes, decimals, doubles, and the list of
+    """The faults of the files themselves, in words: of hashes, decimals, doubles, and the lists of
     files.
     """
     problems = []
@@ -39,14 +39,13 @@ def damaged(folder: Path) -> list[str]:
                 inside = None
             else:
                 inside = problem_of_samples
-            problems += [
-                problem for problem in listing_problems(home, inside) if problem not in problems
-            ]
+            listed = listing_problems(home, inside)
+            problems += [problem for problem in listed if problem not in problems]
     return problems
 
 
 def listing_problems(home: Path, inside: Callable[[Path], str] | None) -> list[str]:
-    """What does not agree between sha256sums.txt and the files of a folder."""
+    """The disagreements between sha256sums.txt and the files of a folder, in words."""
     try:
         return list(problems_of_list(home, inside=inside))
     except ValueError as error:
@@ -54,7 +53,7 @@ def listing_problems(home: Path, inside: Callable[[Path], str] | None) -> list[s
 
 
 def problem_of_samples(path: Path) -> str:
-    """What is wrong with a file of samples, or nothing."""
+    """The fault of a file of samples in words, or an empty text."""
     try:
         kept(path.parent, path.stem)
     except StoreError as error:
@@ -63,68 +62,76 @@ def problem_of_samples(path: Path) -> str:
 
 
 def sample(sets: Iterable[CertifiedSet], *, each: int, seed: str) -> list[CertifiedSet]:
-    """`each` sets of every case and method, chosen by the seed."""
+    """At most `each` sets of every case and method, drawn at random by the seed."""
     strata: dict[tuple[str, str], list[CertifiedSet]] = {}
-    for one in sets:
-        strata.setdefault((one.case, one.method), []).append(one)
+    for certified_set in sets:
+        stratum = (certified_set.case, certified_set.method)
+        strata.setdefault(stratum, []).append(certified_set)
     chosen: list[CertifiedSet] = []
     for group in strata.values():
-        chosen += sorted(group, key=lambda one: _lot(one, seed))[:each]
+        chosen += sorted(group, key=lambda member: _random_rank(member, seed))[:each]
     return chosen
 
 
-def _lot(one: CertifiedSet, seed: str) -> str:
-    """The place of a set in the draw, which the seed and its label decide."""
-    return hashlib.sha256(f"{seed}\0{one.label}".encode()).hexdigest()
+def _random_rank(certified_set: CertifiedSet, seed: str) -> str:
+    """A hash of the seed and the label: sorted by it, the sets are in random order."""
+    return hashlib.sha256(f"{seed}\0{certified_set.label}".encode()).hexdigest()
 
 
 def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -> Iterator[str]:
-    """What a new proof, or the witness, says otherwise than the store; each set at its earliest
-    times.
+    """The contradictions between the store and new proofs, or their witnesses, in words.
+
+    Each set is proved again at its EARLIEST times, in `jobs` processes.
     """
-    known = {one.label: one for one in sets}
+    by_label = {certified_set.label: certified_set for certified_set in sets}
     work = []
-    for label, one in known.items():
-        times = sorted({value.t for value in one.values if value.t is not None})
-        asked = (one.case, given_of(one), tuple(map(str, times[:EARLIEST])))
-        work.append(Job(label, proved_set, asked, computes=True))
+    for label, certified_set in by_label.items():
+        times = sorted({value.t for value in certified_set.values if value.t is not None})
+        earliest = tuple(map(str, times[:EARLIEST]))
+        arguments = (certified_set.case, given_of(certified_set), earliest)
+        work.append(Job(label, proved_set, arguments, computes=True))
     with Schedule(jobs, LONGEST) as schedule:
         results = schedule.results(work)
         for job, result in counted(results, "prove again", len(work), progress):
-            yield from _differences(known[job.key], result)
+            yield from _differences(by_label[job.key], result)
 
 
-def given_of(one: CertifiedSet) -> dict[str, str]:
-    """The parameters that differ from the defaults: a member of a family refuses those that are not
-    its own, even at their defaults.
+def given_of(certified_set: CertifiedSet) -> dict[str, str]:
+    """The parameters of a set that differ from the defaults.
+
+    Only these are given again, because a member of a family refuses the parameters of others even
+    at their defaults.
     """
-    declared = discovery.case(one.case).at().p.declared
-    found = {}
-    for name, text in one.parameters.items():
+    declared = discovery.case(certified_set.case).at().p.declared
+    changed = {}
+    for name, text in certified_set.parameters.items():
         parameter = declared.get(name)
         if parameter is None:
             continue
         if parameter.parsed(text) != parameter.parsed(parameter.default):
-            found[name] = text
-    return found
+            changed[name] = text
+    return changed
 
 
-def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
+def _differences(certified_set: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
+    """The contradictions between a stored set and its new proof, `proved_set` as JSON, in words."""
+    label = certified_set.label
     if isinstance(result, Failure):
-        found = {"lines": [], "reason": result.sentence}
+        proof = {"lines": [], "reason": result.sentence}
     else:
-        found = json.loads(result)
-    if found["reason"]:
-        yield f"{one.label}: {found['reason']}"
+        proof = json.loads(result)
+    if proof["reason"]:
+        yield f"{label}: {proof['reason']}"
         return
-    again = [json.loads(line) for line in found["lines"][1:]]
-    if not again:
-        yield f"{one.label}: nothing was proved again"
-    for t, quantity, mid, radius, _ in again:
-        kept = one.value(quantity, t)
-        if not kept.overlaps(Value(kept.t, quantity, mid, radius, None)):
+    # The first line describes the set; each other one is a value.
+    values = [json.loads(line) for line in proof["lines"][1:]]
+    if not values:
+        yield f"{label}: nothing was proved again"
+    for t, quantity, mid, radius, _ in values:
+        stored = certified_set.value(quantity, t)
+        if not stored.overlaps(Value(stored.t, quantity, mid, radius, None)):
             yield (
-                f"{one.label}: {quantity} at {t} is {kept.mid} +- {kept.radius} in the store, {mid}"
+                f"{label}: {quantity} at {t} is {stored.mid} +- {stored.radius} in the store, {mid}"
                 f" +- {radius} proved again"
             )
 

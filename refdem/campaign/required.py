@@ -17,44 +17,47 @@ from refdem.core.finding import DECIDED, Record, Sheet
 from refdem.errors import StoreError, UsageError
 
 CHECK = "  "
-"""What a line with a check and its quantities begins with."""
+"""The indentation of a line with a check and its quantities."""
 MORE = "      "
-"""What a line begins with that goes on with the quantities of the line above."""
+"""The indentation of a line that goes on with the quantities of the line above."""
 WIDTH = 120
 
 
 def held(
     sheets: list[Sheet], specification: Specification, engines: list[Engine], labels: Iterable[str]
 ) -> list[Sheet]:
-    """The sheets, in which every finding that the campaign must make and that was not decided is
+    """The sheets in which every finding that the campaign must make, and that was not decided, is
     lost or absent.
 
-    Of engines that were not run nothing is required; of a campaign of which only a part was asked,
-    what its `labels` say.
+    Nothing is required of engines that were not run. If only some cases of the campaign were asked
+    for, only findings on the instances with these `labels` are required.
     """
-    wanted = set().union(*(_asked(specification, engine) for engine in engines))
+    required = set().union(*(_required(specification, engine) for engine in engines))
     if specification.is_part:
-        shown = set(labels)
-        wanted = {name for name in wanted if parts(name)[0][0] in shown}
-    if not wanted:
+        asked_labels = set(labels)
+        required = {name for name in required if parts(name)[0][0] in asked_labels}
+    if not required:
         return sheets
     owner = f"the list of campaign {specification.name}"
     records = [sheet for sheet in sheets if isinstance(sheet, Record)]
-    rest = [sheet for sheet in sheets if not isinstance(sheet, Record)]
-    return [*rest, *with_missing(with_lost(records, wanted, owner), wanted, owner)]
+    others = [sheet for sheet in sheets if not isinstance(sheet, Record)]
+    with_losses = with_lost(records, required, owner)
+    return [*others, *with_missing(with_losses, required, owner)]
 
 
-def _asked(specification: Specification, engine: Engine) -> set[str]:
-    """The ids that the campaign requires of an engine as it is asked now; other steps or checks
-    make other findings.
+def _required(specification: Specification, engine: Engine) -> set[str]:
+    """The ids that the campaign requires of an engine.
+
+    None if it was asked with other steps, checks or starts than those of its file, which make other
+    findings; and none of a program with a refdem.toml, which has no list here.
     """
-    is_other = (
+    is_altered = (
         specification.step
         or specification.steps_per_tau
         or specification.checks
         or specification.perturbed_ulps
     )
-    if not specification.required or is_other or engine.address != engine.name:
+    if not specification.required or is_altered or engine.address != engine.name:
         return set()
     names = read(Path(specification.required) / f"{engine.name}.txt")
     method = specification.method
@@ -63,16 +66,18 @@ def _asked(specification: Specification, engine: Engine) -> set[str]:
 
 def decided(records: Iterable[Record]) -> dict[str, set[str]]:
     """The ids of everything that was decided, by engine."""
-    found: dict[str, set[str]] = {}
+    by_engine: dict[str, set[str]] = {}
     for record in records:
-        names = found.setdefault(record.engine, set())
+        names = by_engine.setdefault(record.engine, set())
         names |= {record.id(finding) for finding in record.findings if finding.outcome in DECIDED}
-    return found
+    return by_engine
 
 
 def read(path: Path) -> set[str]:
-    """The ids in a list, none if there is no such file; raises UsageError for a line that says
-    nothing.
+    """The ids in a list, none if there is no such file; raises UsageError for a malformed line.
+
+    The engine is the name of the file. A line without indentation is `case/method`, one below it
+    `  check: quantity, quantity`, and one that is indented further goes on with the quantities.
     """
     try:
         lines = path.read_text(encoding="utf-8").split("\n")
@@ -82,7 +87,7 @@ def read(path: Path) -> set[str]:
         raise UsageError(
             f"{path} cannot be read: {error}; restore it from version control"
         ) from None
-    found: set[str] = set()
+    ids: set[str] = set()
     engine = path.stem
     place = check = ""
     for number, line in enumerate(lines, 1):
@@ -103,10 +108,10 @@ def read(path: Path) -> set[str]:
                 f"{path}:{number} is {line!r}; expected a case and method, or below it a check and"
                 " its quantities"
             )
-        found |= {
+        ids |= {
             f"{place}/{check}/{quantity}" for quantity in quantities.strip().rstrip(",").split(", ")
         }
-    return found
+    return ids
 
 
 def text(campaign: str, names: Iterable[str]) -> str:
@@ -127,12 +132,11 @@ def text(campaign: str, names: Iterable[str]) -> str:
 
 
 def _wrapped(check: str, quantities: list[str]) -> list[str]:
-    """A check with its quantities, in lines that fit a screen; a quantity with a space in its name
-    stays whole.
-    """
-    whole = ", ".join(quantity.replace(" ", "\0") for quantity in quantities)
+    """The lines of a check with its quantities, broken at WIDTH, but not within a quantity."""
+    # A space within a name is hidden from the line breaking as a NUL.
+    joined = ", ".join(quantity.replace(" ", "\0") for quantity in quantities)
     broken = textwrap.wrap(
-        f"{check}: {whole}",
+        f"{check}: {joined}",
         WIDTH,
         initial_indent=CHECK,
         subsequent_indent=MORE,
@@ -143,8 +147,9 @@ def _wrapped(check: str, quantities: list[str]) -> list[str]:
 
 
 def written(specification: Specification, records: list[Record]) -> list[str]:
-    """Writes the lists of the engines that ran and says, a line each, what changed; raises
-    UsageError where a run broke.
+    """Writes the lists of the engines that ran and returns the changes, a line each.
+
+    Raises UsageError, and writes nothing, if a finding is an error or nothing was decided.
     """
     broken: list[str] = []
     for record in records:

@@ -1,4 +1,4 @@
-"""The third stage of a campaign: what is asked of the engines, and what comes back.
+"""The third stage of a campaign: the runs that its tasks need, and their results.
 
 Equal runs are made once, and unchanged ones are read from the store.
 """
@@ -26,9 +26,9 @@ GRACE = 30.0
 trajectory, to keep what failed.
 """
 ENOUGH = 2
-"""Steps at which a method did not end in its time, after which it is not tried at others."""
+"""A method that hung at so many different steps is not tried at others."""
 Answer = tuple[worker.Reply, Trajectory | None]
-"""What a run came to: its reply, and the trajectory unless it failed."""
+"""The result of a run: the worker's reply, and the trajectory unless it failed."""
 Place = tuple[int, Variant]
 """A run by the number of its task in the plan, and its variant."""
 
@@ -69,18 +69,20 @@ def is_lasting(failure: Failure | None) -> bool:
 
 @dataclass(frozen=True)
 class Hangs:
-    """What is remembered from run to run: the steps with which a method did not end on a case."""
+    """The steps [s] with which a method hung on an instance, remembered from run to run."""
 
     steps: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
 
     def note(self, asked: Asked, failure: Failure | None) -> None:
-        """Remembers how a run ended."""
+        """Remembers the step of a run that hung."""
         if failure is not None and failure.kind == "hang":
             self.steps.setdefault(_method_on_case(asked.task), set()).add(_step(asked.request))
 
     def given_up(self, asked: Asked) -> Failure | None:
-        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at
-        two steps hangs at all.
+        """The reason why a run is not begun any more, or None.
+
+        A smaller step takes longer than one that hung, and a method that hung at ENOUGH steps hangs
+        at all.
         """
         steps = self.steps.get(_method_on_case(asked.task), set())
         takes_longer = any(_step(asked.request) <= step for step in steps)
@@ -108,7 +110,7 @@ def _step(request: Request) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Runner:
-    """How runs are made: by which workers, within which time, and kept where.
+    """Makes runs: with the workers of `schedule`, within `timeout` [s] each, kept in `store`.
 
     `versions` are those of the engines by name; `deadlines` are the times [s] of the monotonic
     clock after which nothing more is run in an engine.
@@ -126,8 +128,8 @@ class Runner:
     def runs(self, asked: list[Asked], stage: str) -> Runs:
         """Everything that is asked for: equal runs once, unchanged ones from the store."""
         equal: dict[str, list[Asked]] = {}
-        for one in asked:
-            equal.setdefault(one.key, []).append(one)
+        for request_of_task in asked:
+            equal.setdefault(request_of_task.key, []).append(request_of_task)
         read = self._read(equal)
         jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
         made: dict[str, Answer] = {}
@@ -138,19 +140,28 @@ class Runner:
             self.hangs.note(equal[job.key][0], answer[0].failure)
         answers = read | made
         by_place = {
-            one.place: self._run(one, answers[one.key], from_store=one.key in read) for one in asked
+            request_of_task.place: self._run(
+                request_of_task,
+                answers[request_of_task.key],
+                from_store=request_of_task.key in read,
+            )
+            for request_of_task in asked
         }
         return Runs(by_place=by_place, made=len(made), read=len(read))
 
     def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
-        """What the store has of some runs."""
+        """The results that the store has of the runs with these keys."""
         if not self.use_store:
             return {}
-        found = {key: self.store.read("run", key, answer_of) for key in keys}
-        return {key: answer for key, answer in found.items() if answer is not None}
+        stored = {key: self.store.read("run", key, answer_of) for key in keys}
+        return {key: answer for key, answer in stored.items() if answer is not None}
 
     def _job(self, asked: Asked) -> Job:
-        """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
+        """The job that makes one run in a worker, or in a program of its own.
+
+        An engine that ends its programs itself, by `time_limit`, does so before its worker would be
+        killed.
+        """
         engine = asked.task.engine
         request = asked.request
         limit = None
@@ -172,9 +183,7 @@ class Runner:
         )
 
     def _kept(self, key: str, result: bytes | Failure) -> Answer:
-        """How a run ended; it goes to the store unless it crashed or hung, which is tried again
-        next time.
-        """
+        """The result of a run that ended; it is stored unless it may end otherwise next time."""
         if isinstance(result, Failure):
             return worker.Reply(failure=result), None
         reply, trajectory = answer_of(result)
@@ -183,7 +192,7 @@ class Runner:
         return reply, trajectory
 
     def _run(self, asked: Asked, answer: Answer, *, from_store: bool) -> Run:
-        """The run at one place that asked for it."""
+        """The run that one task asked for, from the answer to its request."""
         reply, trajectory = answer
         name = asked.task.engine.name
         return Run(
@@ -227,7 +236,7 @@ def _asked(
     """The runs that tasks need from the start, or those that go on from the end of a `first`
     one.
     """
-    found = []
+    needed = []
     for number, task in enumerate(tasks):
         for variant in task.variants:
             if variant.goes_on != (first is not None):
@@ -241,8 +250,8 @@ def _asked(
             request = plan.request(task, variant, base, ulps=ulps)
             engine = task.engine.name
             key = request.key(engine, fingerprints[engine, task.method.name])
-            found.append(Asked(place=(number, variant), task=task, request=request, key=key))
-    return found
+            needed.append(Asked(place=(number, variant), task=task, request=request, key=key))
+    return needed
 
 
 def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:

@@ -128,7 +128,10 @@ class Programs:
     def _gone_on(
         self, job: Job, stages: Stages[bytes], result: Waiting | None
     ) -> bytes | Failure | None:
-        """How a job ended, or None if it waits again."""
+        """The result of a job that has ended; None if it waits for its program again.
+
+        `result` is what the waiting returned or raised; None for a job that just begins.
+        """
         try:
             if result is None:
                 waiting = next(stages)
@@ -238,6 +241,9 @@ class Schedule:
         return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
 
     def _result(self, future: Any, job: Job) -> bytes | Failure:
+        """The bytes of a job that has ended in a worker, or how it failed: hang, crash,
+        exception.
+        """
         from pebble import ProcessExpired
 
         limit = job.patience * (job.timeout or self._timeout)
@@ -271,8 +277,8 @@ def end_with(parent: int) -> None:
 
 
 def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
-    """What the function returns, or what it raised as a Failure: not every exception can travel
-    between processes.
+    """The result of the function, or a Failure if it raised: not every exception can be sent from
+    one process to another.
     """
     try:
         return function(*arguments)
@@ -281,22 +287,22 @@ def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
 
 
 def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
-    """The result of `function` within `limit` [s] of CPU time, rounded up; beyond it the system
-    ends the process.
+    """The result of `function` within `limit` [s] of CPU time, rounded up to whole seconds; the
+    system ends the process that needs more.
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
-    before, most = resource.getrlimit(resource.RLIMIT_CPU)
+    before, hard_limit = resource.getrlimit(resource.RLIMIT_CPU)
     # A process that is ended so leaves no core file.
-    _, most_core = resource.getrlimit(resource.RLIMIT_CORE)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, most_core))
+    _, hard_core_limit = resource.getrlimit(resource.RLIMIT_CORE)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, hard_core_limit))
     end = math.ceil(used.ru_utime + used.ru_stime + limit)
-    if most != resource.RLIM_INFINITY:
-        end = min(end, most)
-    resource.setrlimit(resource.RLIMIT_CPU, (end, most))
+    if hard_limit != resource.RLIM_INFINITY:
+        end = min(end, hard_limit)
+    resource.setrlimit(resource.RLIMIT_CPU, (end, hard_limit))
     try:
         return guarded(function, *arguments)
     finally:
-        resource.setrlimit(resource.RLIMIT_CPU, (before, most))
+        resource.setrlimit(resource.RLIMIT_CPU, (before, hard_limit))
 
 
 def _failure(error: Exception) -> Failure:

@@ -1,4 +1,4 @@
-"""What a report says beside the findings: a sheet for every instance and every engine."""
+"""The sheets of a report beside the records: one for every instance and every engine."""
 
 from typing import Any
 
@@ -45,16 +45,16 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
 
 
 def _shown(value: Any) -> Any:
-    """What JSON holds, with the first of every long list and how many come after them."""
+    """A JSON value in which every list is cut after LISTED entries and says how many follow."""
     if isinstance(value, dict):
         return {name: _shown(item) for name, item in value.items()}
     if not isinstance(value, list):
         return value
     if len(value) > LISTED:
-        rest = [f"and {len(value) - LISTED} more"]
+        ending = [f"and {len(value) - LISTED} more"]
     else:
-        rest = []
-    return [*map(_shown, value[:LISTED]), *rest]
+        ending = []
+    return [*map(_shown, value[:LISTED]), *ending]
 
 
 def engine_sheet(engine: Engine) -> EngineSheet:

@@ -1,5 +1,6 @@
-"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes; it
-blames no engine.
+"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes.
+
+Probes are so simple that any engine solves them; what is wrong is the fault of its adapter.
 """
 
 from collections.abc import Callable
@@ -46,23 +47,24 @@ START_BASIS = (
 
 @cache
 def every_probe() -> tuple[Probe, ...]:
-    """All probes, the simplest first: what is wrong in one is seen there before it is seen in all
-    that follow.
+    """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
+    shows in those that follow.
     """
     return (*probes(), *force_probes(), *turning_probes())
 
 
 def smoke(engine: Engine) -> list[Finding]:
-    """The clock, then every probe with every method that takes it; one finding for each thing
-    compared, of the worst method.
+    """The findings on the clock, then on every probe with every method that supports it.
+
+    There is one finding for each quantity compared, that of the method with the largest error.
     """
-    found = _worst([counted(engine, method) for method in engine.methods])
+    findings = _worst([counted(engine, method) for method in engine.methods])
     for probe in every_probe():
         reasons = {method.name: _unsupported(engine, method, probe) for method in engine.methods}
-        takers = [method for method in engine.methods if reasons[method.name] is None]
-        if not takers:
+        supporting = [method for method in engine.methods if reasons[method.name] is None]
+        if not supporting:
             reason = next(iter(reasons.values()), "the engine has no methods")
-            found.append(
+            findings.append(
                 Finding(
                     check="smoke",
                     quantity=probe.name,
@@ -71,13 +73,13 @@ def smoke(engine: Engine) -> list[Finding]:
                 )
             )
             continue
-        by_method = [_judged(engine, method, probe) for method in takers]
-        found += _worst(by_method)
-    return found
+        by_method = [_judged(engine, method, probe) for method in supporting]
+        findings += _worst(by_method)
+    return findings
 
 
 def _unsupported(engine: Engine, method: Method, probe: Probe) -> str | None:
-    """None if the method takes the probe, else why not."""
+    """None if the method supports the probe, else the reason."""
     if probe.backwards and not method.backward:
         return "no method claims `backward`"
     return engine.unsupported(Motion(probe.scene, probe.times), method)
@@ -87,13 +89,14 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
     """The finding for each quantity of the method with the largest error; errors first."""
     worst: dict[str, Finding] = {}
     for finding in (f for findings in by_method for f in findings):
-        seen = worst.get(finding.quantity)
-        if seen is None or _badness(finding) > _badness(seen):
+        worst_so_far = worst.get(finding.quantity)
+        if worst_so_far is None or _badness(finding) > _badness(worst_so_far):
             worst[finding.quantity] = finding
     return list(worst.values())
 
 
 def _badness(finding: Finding) -> float:
+    """A number to rank findings by: the error, above all an error finding, below all a refusal."""
     if finding.outcome == "unsupported":
         return -1.0
     if finding.outcome == "error" or finding.value is None:
@@ -119,14 +122,16 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
         _first_sample(trajectory, request, probe, method),
     ]
     right = probe.right
-    seen = {
-        name: values for name in right if (values := _shown(trajectory, name, probe)) is not None
-    }
-    seen = {name: values.reshape(right[name].shape) for name, values in seen.items()}
-    return findings + [_compared(right, seen, name, request, probe) for name in seen]
+    observed = {}
+    for name, expected in right.items():
+        values = _observed(trajectory, name, probe)
+        if values is not None:
+            observed[name] = values.reshape(expected.shape)
+    return findings + [_compared(right, observed, name, request, probe) for name in observed]
 
 
 def _request(method: Method, probe: Probe) -> Request:
+    """The request for a probe, with a step or a tolerance that makes the method's error small."""
     request = Request(problem=Motion(probe.scene, probe.times), method=method.name)
     if method.control == "step":
         return replace(request, step=STEP)
@@ -136,22 +141,27 @@ def _request(method: Method, probe: Probe) -> Request:
 
 
 def _few_roundings(method: Method) -> float:
-    """A few thousand roundings in double precision, a few in single."""
+    """The relative error of a few thousand roundings in double precision, of a few in single."""
     return max(START_BOUND, CLOCK_ROUNDINGS * method.round_off)
 
 
 def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
-    """Are the engine's own times the samples?"""
+    """The finding on the engine's own times, which must be the samples that were asked for."""
     times = request.problem.times
-    off = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
-    says = f"{request.method}: the relative error of the clock at the last sample is {off:.2g}"
-    return bounded(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
+    error = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
+    sentence = (
+        f"{request.method}: the relative error of the clock at the last sample is {error:.2g}"
+    )
+    return bounded(f"{probe.name}: clock", error, _few_roundings(method), CLOCK_BASIS, sentence)
 
 
 def _first_sample(
     trajectory: Trajectory, request: Request, probe: Probe, method: Method
 ) -> Finding:
-    """Is row 0 the scene's state? Velocities that lag are those before it."""
+    """The finding on row 0, which must be the scene's state.
+
+    Velocities that lag are of half a step earlier and are left out.
+    """
     bodies = request.problem.scene.bodies
     names: tuple[str, ...] = ("position", "attitude")
     if method.velocity_time == "synchronous":
@@ -162,24 +172,26 @@ def _first_sample(
         is_attitude = column == "attitude"
         distance = _largest(first, getattr(bodies, column), signless=is_attitude)
         distances.append((distance, column))
-    off, name = max(distances)
-    says = (
+    error, name = max(distances)
+    sentence = (
         f"{request.method}: the first sample differs from the initial state of the"
-        f" scene by {off:.2g} of its scale, in {name}"
+        f" scene by {error:.2g} of its scale, in {name}"
     )
-    return bounded(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
+    quantity = f"{probe.name}: first sample"
+    return bounded(quantity, error, _few_roundings(method), START_BASIS, sentence)
 
 
-def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
-    """The largest difference, relative to the largest expected number or 1; q and -q are the same
-    attitude.
+def _largest(values: Array, expected: Array, *, signless: bool = False) -> float:
+    """The largest difference, relative to the largest expected number or 1.
+
+    `signless` compares up to the sign of each vector: q and -q are the same attitude.
     """
-    off = np.abs(seen - expected)
+    difference = np.abs(values - expected)
     if signless:
-        other = np.abs(seen + expected)
-        is_nearer = off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True)
-        off = np.where(is_nearer, off, other)
-    return float(off.max() / max(1.0, np.abs(expected).max()))
+        to_opposite = np.abs(values + expected)
+        is_nearer = difference.max(axis=-1, keepdims=True) < to_opposite.max(axis=-1, keepdims=True)
+        difference = np.where(is_nearer, difference, to_opposite)
+    return float(difference.max() / max(1.0, np.abs(expected).max()))
 
 
 DERIVED: dict[str, Callable[[Trajectory, Array], Array]] = {
@@ -190,8 +202,8 @@ DERIVED: dict[str, Callable[[Trajectory, Array], Array]] = {
 }
 
 
-def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
-    """What the trajectory shows of a quantity; None for a channel that it does not have."""
+def _observed(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
+    """The values of a quantity in a trajectory; None for a channel that it does not have."""
     if name in DERIVED:
         return DERIVED[name](trajectory, probe.scene.bodies.inertia)
     if name in STATE:
@@ -201,27 +213,31 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
 
 
 def _compared(
-    right: Expected, came: Expected, name: str, request: Request, probe: Probe
+    right: Expected, observed: Expected, name: str, request: Request, probe: Probe
 ) -> Finding:
-    """A quantity against its formula, over the whole run."""
-    seen = came[name]
+    """The finding on one quantity, compared with its formula over the whole run.
+
+    `right` and `observed` have all quantities, for the suspicion of what the adapter got wrong.
+    """
+    values = observed[name]
     expected = right[name]
-    off = _largest(seen, expected, signless=name == "attitude")
-    says = f"{request.method}: the error of {name} is {off:.2g} of its scale"
-    if not off <= BOUND:
-        by_sample = np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)
-        at = int(np.argmax(by_sample))
-        says += (
-            f": at t = {probe.times[at]:g} s the value is {_text(seen[at])}, expected"
-            f" {_text(expected[at])}"
+    error = _largest(values, expected, signless=name == "attitude")
+    sentence = f"{request.method}: the error of {name} is {error:.2g} of its scale"
+    if not error <= BOUND:
+        by_sample = np.abs(values - expected).reshape(len(values), -1).max(axis=1)
+        worst = int(np.argmax(by_sample))
+        sentence += (
+            f": at t = {probe.times[worst]:g} s the value is {_text(values[worst])}, expected"
+            f" {_text(expected[worst])}"
         )
-        suspected = suspicion(right, came, name, probe.times - probe.start)
+        suspected = suspicion(right, observed, name, probe.times - probe.start)
         hint = suspected or f"check how the adapter converts {probe.shows}"
-        says += f"; {hint}"
-    return bounded(f"{probe.name}: {name}", off, BOUND, BASIS, says)
+        sentence += f"; {hint}"
+    return bounded(f"{probe.name}: {name}", error, BOUND, BASIS, sentence)
 
 
 def _text(values: Array) -> str:
-    return np.array2string(
-        np.round(np.squeeze(values), 4), separator=", ", max_line_width=1000
-    ).replace("\n", "")
+    """The numbers of an array to 4 decimals, on one line."""
+    rounded = np.round(np.squeeze(values), 4)
+    lines = np.array2string(rounded, separator=", ", max_line_width=1000)
+    return lines.replace("\n", "")

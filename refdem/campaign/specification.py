@@ -1,4 +1,6 @@
-"""What a campaign is: a TOML file that names cases with parameters, engines, levels and limits."""
+"""The specification of a campaign: a TOML file that names cases with parameters, engines, levels
+and limits.
+"""
 
 from pathlib import Path
 
@@ -72,16 +74,16 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             "steps_per_tau": (self.steps_per_tau, 1e-6, 1e12),
             "perturbed_ulps": (self.perturbed_ulps, -(2**40), 2**40),
         }
-        for name, (value, least, most) in ranges.items():
-            # No number at all is in no range either; and a whole number may be too large for {:g}.
-            if value is not None and not least <= value <= most:
-                is_short = abs(value) < 1e300
-                if is_short:
-                    came = f"{value:g}"
+        for name, (value, lowest, highest) in ranges.items():
+            # NaN is in no range either; and a whole number may be too large for {:g}.
+            if value is not None and not lowest <= value <= highest:
+                is_printable = abs(value) < 1e300
+                if is_printable:
+                    printed = f"{value:g}"
                 else:
-                    came = one_line(str(value), 40)
+                    printed = one_line(str(value), 40)
                 raise OutOfRangeError(
-                    f"{name} is {came}; expected a finite number from {least:g} to {most:g}"
+                    f"{name} is {printed}; expected a finite number from {lowest:g} to {highest:g}"
                 )
         if self.step is not None and self.steps_per_tau is not None:
             raise OutOfRangeError(
@@ -104,9 +106,9 @@ def validation_folder() -> Path:
 
 def unnamed_cases(entries: list[Entry]) -> list[Entry]:
     """The cases in refdem/cases that no entry names, at their defaults; no selection of others."""
-    told = {entry.id for entry in entries}
-    left = [name for name in discovery.own_names("cases") if name not in told]
-    return [Entry(name) for name in left if not isinstance(discovery.case(name), Selection)]
+    named_ids = {entry.id for entry in entries}
+    others = [name for name in discovery.own_names("cases") if name not in named_ids]
+    return [Entry(name) for name in others if not isinstance(discovery.case(name), Selection)]
 
 
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
@@ -128,16 +130,16 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
             f"no campaign {one_line(name)!r}; {hint} It is one of those, or a file that ends in"
             " .toml"
         )
-    found = toml_as(Specification, path, "a campaign", {"name": path.stem})
-    inside: list[Entry] = []
-    for part in found.include:
-        beside = path.with_name(f"{part}.toml")
-        inside += named(str(beside), above=(*above, path)).case
-    entries = inside + [entry for entry in found.case if entry not in inside]
-    if found.every_case:
+    specification = toml_as(Specification, path, "a campaign", {"name": path.stem})
+    included: list[Entry] = []
+    for other in specification.include:
+        other_path = path.with_name(f"{other}.toml")
+        included += named(str(other_path), above=(*above, path)).case
+    entries = included + [entry for entry in specification.case if entry not in included]
+    if specification.every_case:
         entries += unnamed_cases(entries)
     if not entries:
         raise UsageError(f"{path} has no case; expected at least one [[case]] with an id")
     return msgspec.structs.replace(
-        found, case=entries, required=str(path.with_suffix("")), is_part=False
+        specification, case=entries, required=str(path.with_suffix("")), is_part=False
     )

@@ -1,5 +1,7 @@
-"""What an adapter may have got wrong, told from how a probe came back: known slips, each tried on
-what should have come.
+"""A guess at what an adapter got wrong, from the answer to a probe.
+
+Known slips (axes exchanged, another unit, a quaternion with w last, ...) are applied to the right
+answer; one whose result is near the observed answer explains it.
 """
 
 from collections.abc import Callable
@@ -17,14 +19,14 @@ Array = NDArray[np.float64]
 Slip = Callable[[Expected], Expected]
 
 NEAR = 0.02
-"""A slip explains a column if what it makes of the right one is within this part of its scale."""
+"""A slip explains a column if its result is within this part of the scale of the observed one."""
 POINT_FACTOR = 10.0
-"""A displaced point explains what came if it leaves less than a tenth of what was wrong."""
+"""A displaced point explains an error if less than a tenth of it is left."""
 
 
 @dataclass(frozen=True)
 class Suspect:
-    """A slip in words, and what it makes of the right columns; only those that it changes."""
+    """A slip in words, and as a function from the right columns to the wrong ones that it makes."""
 
     says: str
     slip: Slip
@@ -42,12 +44,12 @@ def _of(name: str, change: Callable[[Array], Array]) -> Slip:
 
 
 def _a_row_before(values: Array) -> Array:
-    """Every row is that before it; the first stays."""
+    """The rows, each replaced by the one before it; the first stays."""
     return np.concatenate([values[:1], values[:-1]])
 
 
 def _a_row_after(values: Array) -> Array:
-    """Every row is that after it; the last stays."""
+    """The rows, each replaced by the one after it; the last stays."""
     return np.concatenate([values[1:], values[-1:]])
 
 
@@ -57,7 +59,7 @@ def _in_all(change: Callable[[Array], Array]) -> Slip:
 
 
 def _from_body(name: str) -> Slip:
-    """A vector in body axes that should be in space axes."""
+    """The slip that a vector is in body axes where it should be in space axes: v -> q* v q."""
 
     def slip(right: Expected) -> Expected:
         if name not in right or "attitude" not in right:
@@ -68,12 +70,10 @@ def _from_body(name: str) -> Slip:
 
 
 def _reordered(name: str, order: str) -> Suspect:
-    """The axes of a column in another order."""
+    """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
-    return Suspect(
-        f"the axes of its {name} come in the order {order}",
-        _of(name, lambda values: values[..., numbers]),
-    )
+    reorder = _of(name, lambda values: values[..., numbers])
+    return Suspect(f"the axes of its {name} come in the order {order}", reorder)
 
 
 ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
@@ -110,73 +110,79 @@ SUSPECTS = (
 )
 
 
-def suspicion(right: Expected, seen: Expected, name: str, since: Array) -> str:
-    """What is wrong with one column, as a clause; empty if no known slip makes it.
+def suspicion(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
+    """The slips that explain one column, as a clause; empty if no known slip does.
 
-    `right` and `seen` have columns (T, N, ...) by name, `since` (T,) [s] is the time from the
-    start.
+    `right` and `observed` have columns (T, N, ...) by name, `elapsed` (T,) [s] is the time since
+    the start.
     """
-    found = []
+    explanations = []
     for suspect in SUSPECTS:
         slipped = suspect.slip(right)
-        if name in slipped and _is_near(seen[name], slipped[name], name):
-            found.append(suspect.says)
-    if found:
-        return " or ".join(found[:2])
-    return _displaced(right, seen, name, since)
+        if name in slipped and _is_near(observed[name], slipped[name], name):
+            explanations.append(suspect.says)
+    if explanations:
+        return " or ".join(explanations[:2])
+    return _displaced(right, observed, name, elapsed)
 
 
-def _is_near(seen: Array, expected: Array, name: str) -> bool:
-    """Within NEAR of the scale; q and -q are the same attitude."""
-    off = np.abs(seen - expected)
+def _is_near(values: Array, expected: Array, name: str) -> bool:
+    """True if all values are within NEAR of the scale; q and -q are the same attitude."""
+    difference = np.abs(values - expected)
     if name == "attitude":
-        other = np.abs(seen + expected)
-        is_nearer = off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True)
-        off = np.where(is_nearer, off, other)
+        to_opposite = np.abs(values + expected)
+        is_nearer = difference.max(axis=-1, keepdims=True) < to_opposite.max(axis=-1, keepdims=True)
+        difference = np.where(is_nearer, difference, to_opposite)
     scale = max(1.0, float(np.abs(expected).max()))
-    return bool(off.max() <= NEAR * scale)
+    return bool(difference.max() <= NEAR * scale)
 
 
-def _displaced(right: Expected, seen: Expected, name: str, since: Array) -> str:
-    """A point other than the centre of mass, by the displacement in body axes that explains what
-    came; empty if none does.
+def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
+    """The clause that positions or velocities are those of a point displaced by d from the centre
+    of mass; empty if no d explains the error.
+
+    The error is linear in the displacement d (3,) in body axes, error(t) = M(t) d (`_error_maps`),
+    so that d of each body is the least-squares solution over all samples.
     """
     needed = {"attitude", "omega", "position", "velocity"}
     if name not in ("position", "velocity") or not needed <= set(right):
         return ""
-    off = seen[name] - right[name]
-    for says, arms in _arms(right, name, since):
-        # Of each body the displacement that explains most, by least squares over the samples.
-        shifts = []
-        for body in range(off.shape[1]):
-            rows = arms[:, body].reshape(-1, 3)
-            shift, *_ = np.linalg.lstsq(rows, off[:, body].ravel(), rcond=None)
-            shifts.append(shift)
-        made = np.einsum("tnij,nj->tni", arms, np.array(shifts))
-        if np.abs(off - made).max() <= np.abs(off).max() / POINT_FACTOR:
-            x, y, z = np.round(shifts[0], 3) + 0.0
-            return f"{says}, displaced by ({x:g}, {y:g}, {z:g}) m in body axes"
+    error = observed[name] - right[name]
+    for clause, maps in _error_maps(right, name, elapsed):
+        displacements = []
+        for body in range(error.shape[1]):
+            rows = maps[:, body].reshape(-1, 3)
+            displacement, *_ = np.linalg.lstsq(rows, error[:, body].ravel(), rcond=None)
+            displacements.append(displacement)
+        explained = np.einsum("tnij,nj->tni", maps, np.array(displacements))
+        if np.abs(error - explained).max() <= np.abs(error).max() / POINT_FACTOR:
+            # Adding 0 turns -0 into 0.
+            x, y, z = np.round(displacements[0], 3) + 0.0
+            return f"{clause}, displaced by ({x:g}, {y:g}, {z:g}) m in body axes"
     return ""
 
 
-def _arms(right: Expected, name: str, since: Array) -> list[tuple[str, Array]]:
-    """Matrices (T, N, 3, 3) that take a displacement in body axes to the error that it makes, with
-    what would be wrong.
+def _error_maps(right: Expected, name: str, elapsed: Array) -> list[tuple[str, Array]]:
+    """Pairs of a clause and the matrices M (T, N, 3, 3) of the error M d that it makes.
+
+    With the rotation R(t) and W v = omega x v:
+    - another point of the body is at r + R d, with the velocity v + W R d;
+    - a body whose centre of mass was put at d starts from there, with the velocity of that point,
+      and the engine then moves the centre: its position is off by R(0) d + t W(0) R(0) d - R d and
+      its velocity by W(0) R(0) d - W R d.
     """
-    turn = matrix(right["attitude"])
-    crossed = _cross_matrix(right["omega"])
-    start = turn[0] + since[:, None, None, None] * (crossed[0] @ turn[0])
+    rotation = matrix(right["attitude"])
+    spin = _cross_matrix(right["omega"])
     if name == "position":
-        # A point of the body is at r + R d; a body whose centre of mass is at d starts there and
-        # moves on from there.
+        drift = rotation[0] + elapsed[:, None, None, None] * (spin[0] @ rotation[0])
         return [
-            ("its position is that of another point", turn),
-            ("its centre of mass is not where the scene has it", start - turn),
+            ("its position is that of another point", rotation),
+            ("its centre of mass is not where the scene has it", drift - rotation),
         ]
-    swept = crossed @ turn
+    point_velocity = spin @ rotation
     return [
-        ("its velocity is that of another point", swept),
-        ("its centre of mass is not where the scene has it", swept[:1] - swept),
+        ("its velocity is that of another point", point_velocity),
+        ("its centre of mass is not where the scene has it", point_velocity[:1] - point_velocity),
     ]
 
 

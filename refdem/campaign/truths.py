@@ -1,5 +1,5 @@
 """The second stage of a campaign, the sampled truths of instances: from the store of finished
-work, from what comes with refdem, or made anew in workers.
+work, from those that come with refdem, or proved now in workers.
 """
 
 import hashlib
@@ -31,7 +31,7 @@ which came to its last sample just before its end takes all of the limit, and CP
 from run to run on a busy machine.
 """
 FAILED = "the proof ended in a "
-"""How the reason begins where a proof crashed or hung: it may end otherwise next time."""
+"""The start of the reason where a proof crashed or hung: it may end otherwise next time."""
 
 
 def is_lasting(truth: SampledTruth) -> bool:
@@ -46,47 +46,61 @@ def sampled_truths(
     progress: Progress,
     is_judged: Callable[[Instance], bool] = lambda _: True,
 ) -> list[SampledTruth]:
-    """The sampled truth of every instance, in order; what nobody is judged by is not proved."""
+    """The sampled truth of every instance, in order.
+
+    Those of instances that are not `is_judged`, in no engine, are not proved. A proof that crashed
+    or ran out of time leaves what it had certified until then.
+    """
     keys = [truth_key(instance, delays) for instance, delays in instances]
-    found: dict[str, SampledTruth] = {}
+    truths: dict[str, SampledTruth] = {}
     missing: dict[str, Asked] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
-        known = store.truth(key)
-        # Kept truths have the samples of the case itself, none that are late.
-        if known is None and not delays:
-            known = kept_truth(instance)
-        if known is None and not is_judged(instance):
-            known = worker.no_truth(UNASKED)
-        if known is None:
+        available = _available(store, key, instance, delays)
+        if available is None and not is_judged(instance):
+            available = worker.no_truth(UNASKED)
+        if available is None:
             missing[key] = (instance, delays)
         else:
-            found[key] = known
-    with tempfile.TemporaryFile() as told:
-        os.ftruncate(told.fileno(), worker.COUNT_BYTES * len(missing))
-        place = f"/proc/{os.getpid()}/fd/{told.fileno()}"
+            truths[key] = available
+    # Each proof writes into its row of this file how many times it has certified so far, so that
+    # the number is known even if its process is killed.
+    with tempfile.TemporaryFile() as counts_file:
+        os.ftruncate(counts_file.fileno(), worker.COUNT_BYTES * len(missing))
+        path = f"/proc/{os.getpid()}/fd/{counts_file.fileno()}"
         jobs = [
-            _job(key, *asked, told=(place, row)) for row, (key, asked) in enumerate(missing.items())
+            _job(key, *asked, told=(path, row)) for row, (key, asked) in enumerate(missing.items())
         ]
         for job, result in counted(schedule.results(jobs), "truths", len(jobs), progress):
             if isinstance(result, Failure):
-                found[job.key] = worker.no_truth(f"{FAILED}{result.kind}: {result.sentence}")
+                truths[job.key] = worker.no_truth(f"{FAILED}{result.kind}: {result.sentence}")
             else:
-                found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
-                store.put_truth(job.key, found[job.key])
-        certified = _counts(told, missing)
-    found |= _parts(schedule, missing, certified, found)
-    return [found[key] for key in keys]
+                truths[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
+                store.put_truth(job.key, truths[job.key])
+        certified = _counts(counts_file, missing)
+    truths |= _partial_truths(schedule, missing, certified, truths)
+    return [truths[key] for key in keys]
 
 
-def _counts(told: BinaryIO, keys: Iterable[str]) -> dict[str, int]:
-    """How many times each proof has certified; those that certified none are left out."""
-    found = {}
+def _available(
+    store: Store, key: str, instance: Instance, delays: tuple[float, ...]
+) -> SampledTruth | None:
+    """The truth in the store of finished work, or else the one that comes with refdem, or None."""
+    stored = store.truth(key)
+    # The truths that come with refdem have the samples of the case itself, no earlier ones.
+    if stored is None and not delays:
+        return kept_truth(instance)
+    return stored
+
+
+def _counts(counts_file: BinaryIO, keys: Iterable[str]) -> dict[str, int]:
+    """Number of times that each proof has certified, by key; proofs with none are left out."""
+    counts = {}
     for row, key in enumerate(keys):
-        written = os.pread(told.fileno(), worker.COUNT_BYTES, worker.COUNT_BYTES * row)
+        written = os.pread(counts_file.fileno(), worker.COUNT_BYTES, worker.COUNT_BYTES * row)
         count = int.from_bytes(written, "little")
         if count > 0:
-            found[key] = count
-    return found
+            counts[key] = count
+    return counts
 
 
 def _job(
@@ -96,33 +110,34 @@ def _job(
     most: int | None = None,
     told: tuple[str, int] | None = None,
 ) -> Job:
-    """The proof of an instance, or of its first samples."""
+    """The proof of an instance, or of its first `most` samples; `told` is where it counts them."""
     arguments = (instance.case.id, instance.p.given, delays, most, told)
     return Job(key, worker.sampled_truth, arguments, computes=True)
 
 
-def _parts(
+def _partial_truths(
     schedule: Schedule | InProcess,
     missing: Mapping[str, Asked],
     certified: Mapping[str, int],
-    found: Mapping[str, SampledTruth],
+    truths: Mapping[str, SampledTruth],
 ) -> dict[str, SampledTruth]:
-    """What was certified of proofs that ended in a crash or were not done in their time: they are
-    made again up to there, in a process of their own, and no farther.
+    """The certified samples of proofs that crashed or ran out of time, by key.
+
+    Such a proof is made again, up to the number of samples that it had `certified` and no farther.
     """
     jobs = [
-        replace(_job(key, *missing[key], most=most), patience=PATIENCE)
-        for key, most in certified.items()
-        if not is_lasting(found[key])
+        replace(_job(key, *missing[key], most=count), patience=PATIENCE)
+        for key, count in certified.items()
+        if not is_lasting(truths[key])
     ]
-    parts = {}
+    partial = {}
     for job, result in schedule.results(jobs):
         if isinstance(result, Failure):
             continue
-        part = msgspec.msgpack.decode(result, type=SampledTruth)
-        reason = f"{found[job.key].reason}; what comes before is certified"
-        parts[job.key] = msgspec.structs.replace(part, reason=reason)
-    return parts
+        truth = msgspec.msgpack.decode(result, type=SampledTruth)
+        reason = f"{truths[job.key].reason}; what comes before is certified"
+        partial[job.key] = msgspec.structs.replace(truth, reason=reason)
+    return partial
 
 
 def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
@@ -137,12 +152,12 @@ def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
 
 
 def _of_case(instance: Instance) -> str:
-    """Digest of a case's code: all files of refdem that its truth can reach, or the package of
-    one's own that brings it.
+    """Digest of a case's code: of all files of refdem that its truth can reach, or, for a case of
+    another package, of that package.
     """
-    own = digest_of(instance.case.id)
-    if own:
-        return own
+    of_refdem = digest_of(instance.case.id)
+    if of_refdem:
+        return of_refdem
     module = type(instance.case).__module__
     package = discovery.package_of("cases", instance.case.id)
     digest = fingerprint.of_module(module)

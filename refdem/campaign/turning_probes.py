@@ -1,4 +1,5 @@
-"""Probes of bodies that turn away from the origin, move, and are held or pulled off their centres.
+"""Probes of bodies that rotate away from the origin, move, and are held or pulled off their
+centres.
 
 At the origin and at rest a centre of mass that is displaced, a velocity of another point, axes of
 the body and axes of space all look alike.
@@ -73,19 +74,19 @@ def _tumbles() -> tuple[Probe, ...]:
     down_z = UniformGravity(g=(0.0, 0.0, -9.75))
     askew = UniformGravity(g=(2.0, -1.0, 3.0))
     flat = UniformGravity(g=(3.0, -9.75, 0.0))
-    own = (
+    of_body = (
         "position and velocity of the centre of mass, the attitude's side and order, omega's and"
         " the inertia's axes"
     )
-    whose = "which number belongs to which body"
-    back = "time that runs backwards"
+    of_order = "which number belongs to which body"
+    of_time = "time that runs backwards"
     return (
-        _integrated("flat throw", own, [FLAT], [flat]),
-        _integrated("tumble", own, [TUMBLING], []),
-        _integrated("tumbling throw", own, [TUMBLING], [down_z]),
-        _integrated("two tumbling", whose, [TUMBLING, OTHER], [askew]),
-        _integrated("two in the other order", whose, [OTHER, TUMBLING], [askew]),
-        _integrated("tumble backwards", back, [TUMBLING], [down_z], backwards=True),
+        _integrated("flat throw", of_body, [FLAT], [flat]),
+        _integrated("tumble", of_body, [TUMBLING], []),
+        _integrated("tumbling throw", of_body, [TUMBLING], [down_z]),
+        _integrated("two tumbling", of_order, [TUMBLING, OTHER], [askew]),
+        _integrated("two in the other order", of_order, [OTHER, TUMBLING], [askew]),
+        _integrated("tumble backwards", of_time, [TUMBLING], [down_z], backwards=True),
     )
 
 
@@ -113,32 +114,35 @@ def _pulled() -> tuple[Probe, ...]:
 
 
 def _swung() -> tuple[Probe, ...]:
-    """A body on a ball joint off its centre, which turns steadily about a principal axis through
-    the pivot, parallel to z.
+    """A body on a ball joint off its centre, which turns steadily about the line through the pivot
+    that is parallel to z, a principal axis.
+
+    With the arm a from the pivot P to the centre: r = P + Q(t) a, v = omega x Q(t) a.
     """
     pivot = np.array([0.5, -1.0, 0.25])
     anchor = np.array([-0.5, 0.75, 0.0])
     attitude = np.array([0.8, 0.0, 0.0, 0.6])
     rate = 2.0
-    turn_body = np.array([[0.28, -0.96, 0.0], [0.96, 0.28, 0.0], [0.0, 0.0, 1.0]])
-    # From the pivot to the centre.
-    arm = -turn_body @ anchor
+    # The matrix of `attitude`: cos = 0.8^2 - 0.6^2, sin = 2 * 0.8 * 0.6.
+    body_to_space = np.array([[0.28, -0.96, 0.0], [0.96, 0.28, 0.0], [0.0, 0.0, 1.0]])
+    # The vector from the pivot to the centre at the start.
+    arm = -body_to_space @ anchor
 
     def expected(t: Array) -> dict[str, Array]:
         c = np.cos(rate * t)
         s = np.sin(rate * t)
-        nothing = 0 * t
+        zero = 0 * t
         # The arm turned by the angle rate t about z, and omega x arm.
         x = c * arm[0] - s * arm[1]
         y = s * arm[0] + c * arm[1]
-        swung = np.column_stack([x, y, nothing])
-        velocity = rate * np.column_stack([-y, x, nothing])
+        rotated_arm = np.column_stack([x, y, zero])
+        velocity = rate * np.column_stack([-y, x, zero])
         half = rate * t / 2
-        turned = np.column_stack([np.cos(half), nothing, nothing, np.sin(half)])
+        rotation = np.column_stack([np.cos(half), zero, zero, np.sin(half)])
         return {
-            "position": (pivot + swung)[:, None],
+            "position": (pivot + rotated_arm)[:, None],
             "velocity": velocity[:, None],
-            "attitude": product(turned, attitude)[:, None],
+            "attitude": product(rotation, attitude)[:, None],
             "omega": np.tile([0.0, 0.0, rate], (len(t), 1, 1)),
         }
 

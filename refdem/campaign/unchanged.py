@@ -1,5 +1,5 @@
-"""The sheets of a campaign of which nothing has changed: kept whole, so that nothing is planned,
-read or judged again.
+"""The sheets of a campaign, kept under a digest of everything that they depend on: where nothing
+has changed, nothing is planned, read or judged again.
 """
 
 import hashlib
@@ -18,29 +18,24 @@ _DECODER = msgspec.msgpack.Decoder(list[Sheet])
 
 
 def key_of(specification: Specification, engines: list[Engine]) -> str | None:
-    """sha256 of all that sheets follow from.
+    """sha256 of everything that the sheets depend on: code, stored data, platform, specification,
+    engines.
 
     None where another package brings cases or checks, whose code is not known here.
     """
     if discovery.has_others("cases") or discovery.has_others("checks"):
         return None
-    code = [
-        fingerprint.of_refdem(),
-        *(fingerprint.of_tree(validation_folder() / part) for part in ("expected", "truth")),
-    ]
-    under = [
-        platform.python_version(),
-        *map(installed, ("numpy", "python-flint", "msgspec")),
-        fingerprint.of_machine(),
-    ]
-    asked = [_of_engine(engine) for engine in engines]
-    return hashlib.sha256(
-        msgspec.json.encode([code, under, specification, asked], order="deterministic")
-    ).hexdigest()
+    folders = [validation_folder() / name for name in ("expected", "truth")]
+    code = [fingerprint.of_refdem(), *map(fingerprint.of_tree, folders)]
+    libraries = map(installed, ("numpy", "python-flint", "msgspec"))
+    environment = [platform.python_version(), *libraries, fingerprint.of_machine()]
+    of_engines = [_of_engine(engine) for engine in engines]
+    content = [code, environment, specification, of_engines]
+    return hashlib.sha256(msgspec.json.encode(content, order="deterministic")).hexdigest()
 
 
 def _of_engine(engine: Engine) -> list[object]:
-    """What an engine is and claims, and the state of its code for every method."""
+    """The identity and claims of an engine, and the fingerprint of its code for every method."""
     states = [engine.fingerprint(method) for method in engine.methods]
     return [
         engine.name,

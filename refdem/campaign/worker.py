@@ -1,5 +1,5 @@
-"""What runs in a worker process: one truth or one run, bytes in and bytes out, an engine's fault
-turned into a Failure.
+"""The functions that a worker process runs: one truth or one run, from bytes to bytes; a fault of
+an engine becomes a Failure.
 """
 
 import contextlib
@@ -48,8 +48,9 @@ def sampled_truth(
     """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
     SampledTruth.
 
-    until = 0 and a reason if there is none. With `most` only so many samples, and no scalars.
-    `told` is a file and a row of it, which tell how far a proof came that was killed.
+    until = 0 and a reason if nothing is certified. `most` limits the number of samples, without
+    scalars then. `told` is (path, row) of a file into which the number of certified samples is
+    written as the proof goes on, for the case that this process is killed.
     """
     from refdem.truth.balls import UndecidedError
     from refdem.truth.sampled import sampled
@@ -62,7 +63,7 @@ def sampled_truth(
             if told:
                 stack.enter_context(telling(proof, *told))
             if most is not None:
-                # They may belong to an end that the proof did not reach.
+                # Scalars may depend on an end that the proof did not reach.
                 vars(proof)["scalars"] = dict[str, Ball]
             truth = sampled(proof, times[:most], delays)
         truth = msgspec.structs.replace(truth, t=times)
@@ -72,7 +73,7 @@ def sampled_truth(
 
 
 def no_truth(reason: str) -> SampledTruth:
-    """What stands in for a truth that could not be made."""
+    """An empty truth, certified nowhere, with the reason."""
     return SampledTruth(
         t=[],
         values={},
@@ -88,27 +89,30 @@ def no_truth(reason: str) -> SampledTruth:
 
 @contextlib.contextmanager
 def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
-    """Keeps the number of times that are certified so far in a row of a file, of COUNT_BYTES."""
+    """Within this context the number of times that `proof` has certified so far is kept up to date
+    in a row, of COUNT_BYTES, of the file `place`.
+    """
     try:
         file = os.open(place, os.O_WRONLY)
     except OSError:
         # Without /proc nobody is told, and what a killed proof had certified is lost.
         yield
         return
-    asked = proof.sensitivity
+    original = proof.sensitivity
     latest = Fraction(-1)
     count = 0
 
     def sensitivity(t: Fraction) -> float:
+        """S(t) as before; a time later than all before it counts as one more that is certified."""
         nonlocal latest, count
-        found = asked(t)
+        bound = original(t)
         if t > latest:
             latest = t
             count += 1
             os.pwrite(file, count.to_bytes(COUNT_BYTES, "little"), COUNT_BYTES * row)
-        return found
+        return bound
 
-    # Only of this object: S is the last thing that is asked for at a sample.
+    # S is the last thing that is asked for at a sample, so it is wrapped, of this object only.
     vars(proof)["sensitivity"] = sensitivity
     try:
         yield
@@ -126,7 +130,8 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
     """The run in stages, so that others may run while it waits."""
-    if time.monotonic() > deadline:  # of the system, the same in all its processes
+    # The monotonic clock is the same in all processes of the system.
+    if time.monotonic() > deadline:
         failure = Failure(
             kind="budget",
             sentence=(
@@ -138,16 +143,16 @@ def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[by
 
 
 def reply_of(address: str, request: Request, engine: Engine | None = None) -> Stages[Reply]:
-    """Runs the request; the one place where an engine's exceptions, whatever they are, become a
-    Failure. An `engine` that is handed in need not be discovered.
+    """The reply to a request; the one place where an engine's exceptions, whatever they are, become
+    a Failure. An `engine` that is handed in need not be discovered.
     """
     try:
-        found = engine or discovery.engine(address)
-        if isinstance(found, ProgramEngine):
-            trajectory, cost = yield from found.stages(request)
+        runner = engine or discovery.engine(address)
+        if isinstance(runner, ProgramEngine):
+            trajectory, cost = yield from runner.stages(request)
         else:
-            trajectory, cost = found.run(request)
-        request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
+            trajectory, cost = runner.run(request)
+        request.refuse_misaligned(trajectory.t, runner.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))
     except HangError as error:
@@ -155,6 +160,6 @@ def reply_of(address: str, request: Request, engine: Engine | None = None) -> St
     except RefdemError as error:
         return Reply(failure=Failure(kind="contract", sentence=one_line(str(error))))
     except Exception as error:
-        told = one_line(f"{address} raised {type(error).__name__}: {error}")
-        return Reply(failure=Failure(kind="exception", sentence=told))
+        sentence = one_line(f"{address} raised {type(error).__name__}: {error}")
+        return Reply(failure=Failure(kind="exception", sentence=sentence))
     return Reply(trajectory=trajectory.to_bytes(), cost=cost)

@@ -30,11 +30,11 @@ SIXTEEN = 16
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
     """The exact (x, v) of every corner: centre + size (a, b)/16."""
-    size = p["size"]
+    scale = p["size"]
     centre = p["centre"]
-    assert isinstance(size, Fraction)
+    assert isinstance(scale, Fraction)
     assert isinstance(centre, tuple)
-    return [(centre[0] + size * a / SIXTEEN, centre[1] + size * b / SIXTEEN) for a, b in HEAD]
+    return [(centre[0] + scale * a / SIXTEEN, centre[1] + scale * b / SIXTEEN) for a, b in HEAD]
 
 
 def points(p: Parameters) -> Array:

@@ -1,4 +1,8 @@
-"""The operations of the case rotations, and the sizes of their results."""
+"""The operations of the case rotations, and the magnitudes of their results.
+
+A row is (name of the result, operation of core/algebra.py, operands); an operand is numbers or the
+name of an earlier result.
+"""
 
 import numpy as np
 

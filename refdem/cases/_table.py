@@ -1,4 +1,4 @@
-"""What the billiard tables need of their parameters: exact pairs, and starts that are inside."""
+"""The parameters of the billiard tables: exact pairs of them, and the refusal of starts outside."""
 
 from fractions import Fraction
 

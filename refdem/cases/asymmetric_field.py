@@ -62,7 +62,9 @@ class AsymmetricField(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """The particle at its start, and the field along x."""
+        """The particle at its start, and the field along x with k2 = k1 x1/x2, which makes the
+        force continuous at 0.
+        """
         point = Body(mass=p.mass, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         return Scene.of([point], [PiecewiseField(k1=p.k1, k2=p.k1 * p.x1 / p.x2, x1=p.x1, x2=p.x2)])
 

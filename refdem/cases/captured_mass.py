@@ -13,7 +13,7 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.catch import Catch
 
 RUN_UP = 2
-"""How far before the point of closest approach it starts, in units of the radius."""
+"""Distance of the start from the point of closest approach, in units of the radius."""
 
 
 class CapturedMass(Case):

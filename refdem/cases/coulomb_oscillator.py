@@ -45,7 +45,10 @@ class CoulombOscillator(Case):
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, and a slider pressed with 1 N, so that its coefficient is the friction force."""
+        """The mass on its spring, and a slider: m x'' = -k x - f Sgn(x').
+
+        The slider is pressed with 1 N, so that its coefficient is the friction force f.
+        """
         friction = []
         if p.friction_force:
             friction.append(Slider(a=0, friction=p.friction_force, normal_force=1.0))

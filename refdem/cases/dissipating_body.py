@@ -61,7 +61,7 @@ class DissipatingBody(Case):
         return Scene(free.bodies, (InternalDamping(a=0, coefficient=p.damping),))
 
     def scales(self, p: Parameters) -> Scales:
-        """Those of the free body, with tau = 1/(|omega| (1 + c |L|)).
+        """The scales of the free body, with tau = 1/(|omega| (1 + c |L|)).
 
         The body turns with omega + c L x omega, which is at most |omega| (1 + c |L|).
         """

@@ -53,7 +53,11 @@ class DoublePendulum(Case):
     chaotic_at = given(theta0="3,3", duration="5", samples="96")
 
     def scene(self, p: Parameters) -> Scene:
-        """The upper bob on a rod from the origin, the lower one on a rod from it."""
+        """The upper bob on a rod from the origin, the lower one on a rod from the upper.
+
+        A rod at the angle theta has the direction (sin theta, -cos theta), and its end moves with l
+        theta' (cos theta, sin theta) against its beginning.
+        """
         # Unit vectors (2, 3) along the rods and across them.
         sine = np.sin(p.theta0)
         cosine = np.cos(p.theta0)

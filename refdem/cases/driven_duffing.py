@@ -57,7 +57,9 @@ class DrivenDuffing(Case):
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, dashpot where there is one, and force."""
+        """The mass with spring, dashpot and drive: x'' = -alpha x - beta x^3 - 2 delta x' + f0
+        cos(w t).
+        """
         if p.f0:
             elements = [Force(a=0, amplitude=p.f0, frequency=p.drive)]
         else:

@@ -51,7 +51,9 @@ class DrivenOscillator(Case):
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, force, and dashpot and gravity where there are some."""
+        """The mass with spring, drive, and dashpot and gravity where there are some: m x'' = -k x -
+        2 m delta x' + m g + m f0 cos(w t).
+        """
         if p.delta:
             dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)]
         else:

@@ -53,7 +53,7 @@ class Duffing(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """One spring of natural length 0."""
+        """The mass at rest on a spring of natural length 0: x'' = -alpha x - beta x^3."""
         point = Body(mass=1.0, position=(p.amplitude, 0.0, 0.0))
         return Scene.of([point], [Spring(a=0, stiffness=p.alpha, cubic=p.beta)])
 

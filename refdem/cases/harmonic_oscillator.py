@@ -40,7 +40,7 @@ class HarmonicOscillator(Case):
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, and gravity where there is some."""
+        """The mass on its spring, with gravity where there is some: m x'' = -k x + m g."""
         weight = []
         if p.gravity:
             weight.append(UniformGravity(g=(p.gravity, 0.0, 0.0)))

@@ -15,7 +15,7 @@ from refdem.core.truth import Truth
 from refdem.scene import Scene
 
 LASTS = 0.6
-"""What the figure shows [s]."""
+"""Duration [s] that figure 1.12 shows."""
 TEN_PI = "31.41592653589793"
 
 

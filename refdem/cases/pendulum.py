@@ -47,7 +47,9 @@ class Pendulum(Case):
     chaotic_at = NEVER
 
     def scene(self, p: Parameters) -> Scene:
-        """The mass at x = l sin theta0, y = -l cos theta0."""
+        """The mass at l (sin theta0, -cos theta0), with the velocity l thetadot0 (cos theta0, sin
+        theta0), on a rod from the origin.
+        """
         s = np.sin(p.theta0)
         c = np.cos(p.theta0)
         speed = p.length * p.thetadot0

@@ -51,7 +51,7 @@ class PowerOscillator(Case):
         _line.refuse_nothing(abs(p.amplitude), "amplitude")
 
     def scene(self, p: Parameters) -> Scene:
-        """One spring of natural length 0."""
+        """The mass at rest on a spring of natural length 0: m x'' = -k |x|^n sgn x."""
         point = Body(mass=p.mass, position=(p.amplitude, 0.0, 0.0))
         return Scene.of([point], [Spring(a=0, stiffness=p.stiffness, exponent=p.exponent)])
 

@@ -68,7 +68,9 @@ class QuadraticResponse(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, dashpot where there is one, and the forces that act."""
+        """The mass with spring, dashpot and drives: x'' = -w0^2 x - eps x^2 - 2 delta x' + sum f_i
+        cos(w_i t).
+        """
         forces = [
             Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f
         ]

@@ -83,7 +83,7 @@ class RigidCluster(Case):
             )
 
     def scene(self, p: Parameters) -> Scene:
-        """The points, and a rod between any two of them."""
+        """The four points and six rods; the velocities are omega x (r - centre of mass)."""
         centre = p.masses @ p.positions / p.masses.sum()
         velocity = np.cross(p.omega, p.positions - centre)
         columns = zip(p.masses, p.positions.tolist(), velocity.tolist(), strict=True)

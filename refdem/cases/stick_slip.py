@@ -100,7 +100,9 @@ class StickSlip(Case):
         return Slider(a=0, normal_force=p.a, belt_velocity=p.belt, **law)
 
     def scene(self, p: Parameters) -> Scene:
-        """A point, its spring, the belt, and the drive if there is one."""
+        """The mass with spring, belt and drive: x'' in -(x + a mu(b)) - a mu(|u|) Sgn(u) + gamma
+        cos(eta t), with the belt's velocity b and u = x' - b.
+        """
         slider = self.slider(p)
         # The constant force -a mu(belt) of (1.125) is a shift of the anchor of the unit spring.
         steady_pull = p.a * slider.coefficient(abs(p.belt))

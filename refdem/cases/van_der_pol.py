@@ -49,7 +49,7 @@ class VanDerPol(Case):
             _line.refuse_nothing(float(np.hypot(p.x0, p.v0)))
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, the dashpot mu (x^2 - 1), and a force where there is one."""
+        """The mass with spring, dashpot and drive: x'' = -x - mu (x^2 - 1) x' + p sin(w t)."""
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         # sin(w t) = cos(w t - pi/2).
         if p.p:

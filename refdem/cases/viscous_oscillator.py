@@ -45,7 +45,9 @@ class ViscousOscillator(Case):
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, dashpot and gravity where there are some."""
+        """The mass on its spring, with dashpot and gravity where there are some: m x'' = -k x - 2 m
+        delta x' + m g.
+        """
         if p.delta:
             dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)]
         else:
@@ -57,7 +59,9 @@ class ViscousOscillator(Case):
         return _line.scene(p, *dashpot, *gravity)
 
     def scales(self, p: Parameters) -> Scales:
-        """Those of the undamped motion, with 1/tau the larger of w0 and the over-damped decay."""
+        """The scales of the undamped motion, with 1/tau the larger of w0 and the over-damped decay
+        (`_line.damped_rate`).
+        """
         undamped = _line.scales(p, p.mass * p.gravity / p.stiffness)
         tau = 1 / _line.damped_rate(p.stiffness / p.mass, p.delta)
         return Scales(undamped.length, tau, undamped.duration, undamped.mass)

@@ -50,12 +50,11 @@ def command(
     home = folder or truth_folder()
     if check:
         raise typer.Exit(checked(home, cases or [], each=each, seed=seed, jobs=jobs))
-    work = Certification(home, Store(default_path()), jobs, anew, Progress())
-    work.run(cases or [])
-    for problem in work.problems:
+    certified = Certification(home, Store(default_path()), jobs, anew, Progress()).run(cases or [])
+    for problem in certified.problems:
         print(f"PROBLEM: {problem}")
-    print(f"{work.made} sets proved. {told(home)}")
-    if work.problems:
+    print(f"{certified.made} sets proved. {told(home)}")
+    if certified.problems:
         status = 1
     else:
         status = 0

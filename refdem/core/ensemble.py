@@ -49,6 +49,9 @@ class Ensemble(Problem):
     velocity: Array
 
     def __post_init__(self) -> None:
+        """Raises UsageError for starts of another shape, or that are not finite, and for times that
+        a motion cannot have.
+        """
         shape = (len(self.position), len(self.scene.bodies), 3)
         if self.position.shape != shape or self.velocity.shape != shape or not shape[0]:
             raise UsageError(
@@ -57,6 +60,7 @@ class Ensemble(Problem):
             )
         if not (np.all(np.isfinite(self.position)) and np.all(np.isfinite(self.velocity))):
             raise UsageError("ensemble: a start is not finite")
+        # A motion refuses the same times.
         Motion(self.scene, self.times)
 
     @classmethod

@@ -33,6 +33,7 @@ class Series:
     words: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        """Raises UsageError unless x and y have one shape (N,), with as many words in a text."""
         if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
             raise UsageError(
                 f"series {self.label!r}: x and y have shapes {self.x.shape} and {self.y.shape};"
@@ -104,5 +105,5 @@ class Figure:
 
 
 def file_name(id: str) -> str:
-    """The id of a figure as file names have it."""
+    """The id of a figure as it stands in file names: "1.15" becomes "fig-1-15"."""
     return "fig-" + id.replace(".", "-")

@@ -1,5 +1,6 @@
-"""What came out: findings with their reasons, gathered in records; a report is a function of
-these.
+"""Findings with their reasons, gathered in records, and the other sheets that a report is made of.
+
+A finding compares one measured value with a bound; its margin is log10(bound/value) decades.
 """
 
 import math
@@ -37,7 +38,7 @@ WORST_FIRST: tuple[Outcome, ...] = (
 )
 """An error comes first: where a run broke, it is the one sentence that explains what is missing."""
 FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
-"""What makes a command exit with 1; `error` alone makes it exit with 3."""
+"""Outcomes with which a command exits with status 1; with `error` alone it exits with 3."""
 BROKEN: tuple[Outcome, ...] = (*FAILING, "error")
 DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
@@ -104,7 +105,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field="type"):
-    """What was found for one case, at its parameters, in one method of one engine."""
+    """The findings on one case, at its parameters, with one method of one engine."""
 
     case: str
     label: str
@@ -123,7 +124,7 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field=
 
 
 class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field="type"):
-    """What a report says of an instance: statement, scene, parameters, and how its truth was
+    """An instance as a report shows it: statement, scene, parameters, and how its truth was
     proved.
     """
 
@@ -146,7 +147,7 @@ class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field
 
 
 class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_field="type"):
-    """What a report says of an engine: version, methods with claims, audit of defaults."""
+    """An engine as a report shows it: version, methods with claims, audit of defaults."""
 
     engine: str
     title: str
@@ -158,8 +159,8 @@ class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_f
 
 
 class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", tag_field="type"):
-    """What a report says of the whole: name, counts of runs made and read from the store,
-    seconds.
+    """A campaign as a report shows it: name, numbers of runs made and read from the store, and the
+    seconds that it took.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What a page of the verification manual says of a case; a page is a function of these."""
+"""The content of a page of the verification manual about a case; the page is a function of it."""
 
 import msgspec
 
@@ -34,7 +34,7 @@ class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class TruthLine(msgspec.Struct, frozen=True, kw_only=True):
-    """How the values are proved and witnessed, and what of them the store has."""
+    """The proof and the witness of a case's values, and the certified values in the store."""
 
     method: str
     own_witness: str

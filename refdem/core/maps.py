@@ -57,6 +57,7 @@ class Billiard(Map, frozen=True, kw_only=True):
     height: float
 
     def __post_init__(self) -> None:
+        """Raises UsageError for a table without finite sizes > 0."""
         if not (0 < self.width < np.inf and 0 < self.height < np.inf):
             raise UsageError(
                 f"billiard table of {self.width} m by {self.height} m; expected finite sizes > 0"
@@ -75,6 +76,7 @@ class StadiumBilliard(Billiard, frozen=True, kw_only=True, tag="billiard_stadium
     """Half circles of diameter `height` at both ends of two straight walls; width >= height."""
 
     def __post_init__(self) -> None:
+        """Raises UsageError also for a stadium that is wider than long."""
         super().__post_init__()
         if self.width < self.height:
             raise UsageError(

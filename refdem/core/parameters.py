@@ -121,6 +121,10 @@ class Parameters(Mapping[str, Exact]):
     """
 
     def __init__(self, declared: tuple[Parameter, ...], given: Mapping[str, str]) -> None:
+        """Parses the `given` texts, and the defaults of the other declared parameters.
+
+        Raises UsageError for a name that is not declared, or a text that its parameter refuses.
+        """
         self.declared = {parameter.name: parameter for parameter in declared}
         for name in given:
             if name not in self.declared:
@@ -138,6 +142,7 @@ class Parameters(Mapping[str, Exact]):
         return len(self._exact)
 
     def __getattr__(self, name: str) -> Any:
+        """The parameter of that name as engines run it: a float, an array, or a word."""
         if name.startswith("_") or name not in self._exact:
             raise AttributeError(name)
         exact = self._exact[name]

@@ -1,4 +1,8 @@
-"""What is asked of an engine: a question of some kind, and the request for one run of it."""
+"""Requests: one run of a problem by one method, as JSON for a program, with a key for the store.
+
+The problem is a question of some kind (core/problem_kinds.py, core/ensemble.py, core/statics.py).
+With a step h the samples are `stride` steps apart: t_(n+1) - t_n = stride h.
+"""
 
 import hashlib
 from collections.abc import Callable
@@ -52,7 +56,7 @@ MISCOUNTED = 0.01
 FORMAT = 1
 """The version of the format of a request; a request of another version is refused."""
 COUNT = "count `stride` steps from each sample to the next and never compare times"
-"""What a program must do so that its steps meet the samples."""
+"""Advice to a program whose steps miss the samples."""
 
 
 def _iteration(document: IterationDocument) -> Iteration:

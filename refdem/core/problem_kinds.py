@@ -82,14 +82,14 @@ class Motion(Problem):
     times: Array
 
     def __post_init__(self) -> None:
+        """Raises UsageError for times that are not finite, or neither all rising nor all
+        falling.
+        """
         if not np.all(np.abs(self.times) <= LATEST):
             raise UsageError(f"times holds a number that is not finite, or beyond {LATEST:g} s")
         gaps = np.diff(self.times)
-        if (
-            self.times.ndim != 1
-            or len(self.times) < 2
-            or not (np.all(gaps > 0) or np.all(gaps < 0))
-        ):
+        is_monotonic = np.all(gaps > 0) or np.all(gaps < 0)
+        if self.times.ndim != 1 or len(self.times) < 2 or not is_monotonic:
             raise UsageError(
                 f"times has shape {self.times.shape}; expected (T,) with T >= 2, all rising or all"
                 " falling"
@@ -176,6 +176,7 @@ class Iteration(Problem):
     n: int
 
     def __post_init__(self) -> None:
+        """Raises UsageError for n < 1, or a start that the map cannot have."""
         if (
             self.n < 1
             or self.start.shape != (self.map.dimension,)

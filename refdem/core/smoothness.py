@@ -41,7 +41,7 @@ class Singularity(NamedTuple):
 
     @property
     def key(self) -> str:
-        """What a method declares that has this order: a line of `refdem.toml`."""
+        """The line of `refdem.toml` by which a method declares this order."""
         return f'order_with = {{ "{self.feature}" = {math.floor(self.order)} }}'
 
 

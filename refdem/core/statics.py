@@ -148,7 +148,7 @@ MASS_PROPERTIES = (
     *(f"centre.{x}" for x in "xyz"),
     *(f"inertia.{ij}" for ij in ("xx", "yy", "zz", "xy", "xz", "yz")),
 )
-"""What is asked of a solid: [kg], [m], [kg m^2];
+"""The properties asked of a solid, in [kg], [m] and [kg m^2].
 
 `inertia.xy` is the entry of the tensor, minus the integral of x y.
 """
@@ -175,15 +175,15 @@ class Solid(Static):
 
     def perturbed(self, ulps: int) -> "Solid":
         """The same solids with densities moved up by some ulps."""
-        moved = [
+        pieces = [
             msgspec.structs.replace(piece, density=piece.density * (1 + ulps * 2.0**-52))
             for piece in self.content.solids
         ]
-        return Solid(SolidDocument(solids=moved))
+        return Solid(SolidDocument(solids=pieces))
 
 
 def of_piece(piece: Piece) -> frozenset[str]:
-    """What one solid needs: its shape, and what is done with it."""
+    """The features of one solid: its shape, and whether it is hollow, turned, or about a point."""
     names = {f"solid:{piece.shape.__struct_config__.tag}"}
     if piece.hollow:
         names.add("solid:hollow")
@@ -286,6 +286,7 @@ class Identity(Static):
         factor = 1 + ulps * 2.0**-52
 
         def perturbed_step(step: Operation) -> Operation:
+            """The operation with its numbers moved; results that it names move by themselves."""
             operands: list[list[float] | str] = []
             for operand in step.operands:
                 if isinstance(operand, str):

@@ -33,9 +33,9 @@ PATIENCE = 30.0
 PAUSE = 0.05
 """Seconds between attempts to open a file that another process is making."""
 UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
-"""What reading an entry raises that another version of refdem wrote."""
+"""Errors of decoding an entry that another version of refdem wrote."""
 FAULTS = (sqlite3.Error, UnicodeDecodeError)
-"""What SQLite raises; the second where its message quotes bytes of a damaged file."""
+"""Errors that SQLite raises; the second where its message quotes bytes of a damaged file."""
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
     " NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
@@ -77,6 +77,7 @@ class Store:
     """
 
     def __init__(self, path: Path) -> None:
+        """Opens the store at `path` or makes it; never raises, see the head of this module."""
         self.path = path
         self._tally = _Tally(path)
         # Python 3.13 warns of a connection that nobody closed.
@@ -85,7 +86,7 @@ class Store:
 
     @property
     def damaged(self) -> int:
-        """How many entries were dropped because they were not what had been written."""
+        """The number of entries that were dropped because they were damaged."""
         return self._tally.damaged
 
     @property
@@ -250,7 +251,7 @@ def _connected(path: Path) -> sqlite3.Connection:
 
 
 def _inode(path: Path) -> int | None:
-    """What the file system calls the file that has this name now; None if there is none."""
+    """The inode number of the file that has this name now; None if there is none."""
     try:
         return path.stat().st_ino
     except OSError:

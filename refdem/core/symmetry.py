@@ -43,12 +43,14 @@ The unit of time has 26 bits: too many for single precision, and few enough that
 double precision stays exact.
 """
 REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
-"""What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
+"""Signs by which a reflection of x changes an attitude (w, x, y, z): R' = M R M, M = diag(-1, 1,
+1).
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Symmetry:
-    """One symmetry map.
+    """One symmetry of mechanics as a map of motions; see the head of this module.
 
     `turn` is the unit quaternion of the rotation, `mirrored` reflects x before it, `shift` is d
     [m], `boost` u [m/s], `reverse` numbers the bodies backwards, `units` are the factors of mass,
@@ -226,14 +228,14 @@ def of(instance: Instance, name: str) -> Symmetry:
     # 1 for every axis along which the instance may move: x, x-y or x-y-z.
     movable = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
     if "dimension:3" in features:
-        turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
+        rotation = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
-        turn = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+        rotation = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
     shift = scales.length * np.array([8.0, -4.0, 2.0]) * movable
     boost = scales.speed * np.array([0.5, -0.25, 0.125]) * movable
     symmetries = {
         "shifted": Symmetry(shift=shift),
-        "rotated": Symmetry(turn=turn),
+        "rotated": Symmetry(turn=rotation),
         "boosted": Symmetry(boost=boost),
         "mirrored": Symmetry(mirrored=True),
         "relabelled": Symmetry(reverse=True),

@@ -61,15 +61,16 @@ class Trajectory:
     values: dict[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        """Raises EngineError for a wrong shape, an unknown channel, or a number not finite."""
         if self.position.ndim != 3:
             raise EngineError(
                 f"trajectory.position has shape {self.position.shape}; expected (T, N, 3)"
             )
         count = len(self.t)
         bodies = self.position.shape[1]
-        expected = {"t": (count,), "position": (count, bodies, 3), "velocity": (count, bodies, 3)}
-        expected |= {"attitude": (count, bodies, 4), "omega": (count, bodies, 3)}
-        for name, shape in expected.items():
+        shapes = {"t": (count,), "position": (count, bodies, 3), "velocity": (count, bodies, 3)}
+        shapes |= {"attitude": (count, bodies, 4), "omega": (count, bodies, 3)}
+        for name, shape in shapes.items():
             _refuse(name, getattr(self, name), shape)
         for name, values in self.channels.items():
             if name not in CHANNELS:
@@ -82,7 +83,10 @@ class Trajectory:
 
     @classmethod
     def of_points(cls, t: Array, position: Array, velocity: Array, **more: Any) -> "Trajectory":
-        """A trajectory of bodies that do not turn."""
+        """A trajectory of bodies that do not rotate: attitude (1, 0, 0, 0) and omega 0.
+
+        `position` and `velocity` are (T, N, 3); `more` are channels, events or values.
+        """
         count, bodies = position.shape[:2]
         attitude = np.zeros((count, bodies, 4))
         attitude[..., 0] = 1.0

@@ -22,7 +22,7 @@ COLUMNS = ("t", "body", "x", "y", "z", "vx", "vy", "vz", "qw", "qx", "qy", "qz",
 EVENT_COLUMNS = ("time", "kind", "body")
 STATES = len(COLUMNS)
 POINT = ["1", "0", "0", "0", "0", "0", "0"]
-"""What empty attitude columns mean: a body that does not turn."""
+"""Attitude and omega of a body whose columns for them are empty: it does not rotate."""
 MOST_EVENTS = 1_000_000
 
 

@@ -22,11 +22,12 @@ class Ball:
     radius: Fraction
 
     def __post_init__(self) -> None:
+        """Raises TypeError for a number that is not exact, such as a float."""
         for value in (self.mid, self.radius):
             if isinstance(value, bool) or not isinstance(value, int | Fraction):
-                kind = type(value).__name__
+                type_name = type(value).__name__
                 raise TypeError(
-                    f"a ball got {value!r} ({kind}); expected exact numbers (Fraction or int)"
+                    f"a ball got {value!r} ({type_name}); expected exact numbers (Fraction or int)"
                 )
 
     def rounded(self) -> tuple[float, float]:

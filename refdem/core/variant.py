@@ -44,6 +44,7 @@ class Variant:
         return self.change in ("reversed", "backward")
 
     def __str__(self) -> str:
+        """The level, the change and its amount: "0.01 perturbed(64)"."""
         if self.level:
             level = f"{self.level:.17g}"
         else:

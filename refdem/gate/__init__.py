@@ -1,3 +1,3 @@
-"""The gate: a program against truth and against its own accepted past; stored runs are never
-read.
+"""The gate: a program against truth and against the baseline that its authors accepted; stored runs
+are never read.
 """

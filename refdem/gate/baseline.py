@@ -1,4 +1,4 @@
-"""The baseline: what a program's findings were when someone accepted them, with the reason why."""
+"""The baseline: the findings on a program when someone accepted them, with the reason why."""
 
 from pathlib import Path
 
@@ -24,9 +24,7 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def size(self) -> float | None:
-        """What a later run is compared with: the error constant, or the value where there is
-        none.
-        """
+        """The number that a later run is compared with: the error constant, or else the value."""
         if self.constant is not None:
             return self.constant
         return self.value
@@ -64,12 +62,12 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
     if not lines:
         raise UsageError(f"baseline {path} is empty; restore it from version control")
     header = json_as(Header, lines[0], f"baseline {path}, line 1")
-    found = [
+    entries = [
         json_as(Accepted, line, f"baseline {path}, line {number}")
         for number, line in enumerate(lines[1:], 2)
     ]
     accepted_so_far: set[str] = set()
-    for number, entry in enumerate(found, 2):
+    for number, entry in enumerate(entries, 2):
         where = f"baseline {path}, line {number}"
         if entry.id.count("/") < PARTS - 1:
             raise UsageError(
@@ -85,43 +83,43 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
         raise UsageError(
             f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew"
         )
-    return header, {entry.id: entry for entry in found}
+    return header, {entry.id: entry for entry in entries}
 
 
 def write(path: Path, records: list[Record], why: str) -> int:
-    """Accepts what was decided, in order of id, all or nothing; returns how many findings; raises
-    UsageError if none was.
+    """Writes a baseline of all decided findings, sorted by id, and returns their number.
+
+    The file is replaced as a whole or not at all. Raises UsageError without a reason `why`, or if
+    nothing was decided.
     """
     if not why.strip():
         raise UsageError(
             "--bless came without --why; say in a few words why these findings are right"
         )
-    kept = [
+    entries = [
         accepted(record, finding)
         for record, finding in findings_of(records)
         if finding.outcome in DECIDED
     ]
-    if not kept:
+    if not entries:
         raise UsageError(
             f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is;"
             " look at the errors first"
         )
     header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
-    lines = [
-        msgspec.json.encode(header),
-        *(msgspec.json.encode(entry) for entry in sorted(kept, key=lambda entry: entry.id)),
-    ]
+    entries.sort(key=lambda entry: entry.id)
+    lines = [msgspec.json.encode(header), *map(msgspec.json.encode, entries)]
     beside = path.with_name(path.name + ".new")
     try:
         beside.write_bytes(b"\n".join(lines) + b"\n")
         beside.replace(path)
     except OSError as error:
         raise StoreError(f"baseline {path} cannot be written: {error.strerror}") from None
-    return len(kept)
+    return len(entries)
 
 
 def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
-    """What blessing would change, a line each, so that it is seen."""
+    """The changes that accepting these records would make to a baseline, a line each."""
     now = {
         record.id(finding): accepted(record, finding)
         for record, finding in findings_of(records)
@@ -140,11 +138,15 @@ def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]
 
 
 def _near(a: float | None, b: float | None) -> bool:
-    """True if two numbers agree to a tenth."""
-    return a == b or (a is not None and b is not None and abs(a - b) <= 0.1 * max(abs(a), abs(b)))
+    """True if two numbers agree to a tenth of the larger, or are both missing."""
+    if a is None or b is None:
+        return a is b
+    # Equality is asked for itself: the difference of two infinities is not a number.
+    return a == b or abs(a - b) <= 0.1 * max(abs(a), abs(b))
 
 
 def _number(value: float | None) -> str:
+    """A number to two digits, "-" for a missing one."""
     if value is None:
         return "-"
     return f"{value:.2g}"

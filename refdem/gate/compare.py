@@ -21,7 +21,9 @@ of sums may move it.
 """
 
 Noise = Callable[[Record, Finding], float]
-"""How far a finding's size moves when the start moves by some units in the last place."""
+"""A function that returns how far a finding's size moves when the start is moved by some units in
+the last place.
+"""
 
 
 def size(finding: Finding) -> float | None:
@@ -32,8 +34,9 @@ def size(finding: Finding) -> float | None:
 
 
 def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
-    """The records with findings turned worse or lost, and what is gone absent or under the error
-    that explains it.
+    """The records in which findings are worse or lost against the baseline.
+
+    A finding of the baseline that was not made is absent, or named in the error that explains it.
     """
     changed = []
     for record in records:
@@ -46,13 +49,19 @@ def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise)
 def _compared(
     record: Record, finding: Finding, baseline: dict[str, Accepted], noise: Noise
 ) -> Finding:
-    """The finding as it is, or worse, or lost."""
+    """The finding as it is, or as lost, or as worse.
+
+    It is lost if the baseline decided it and it is not decided now. It is worse if its size exceeds
+    the factor WORSE times the accepted one by more than the noise of reruns.
+    """
     entry = baseline.get(record.id(finding))
     if entry is None or finding.outcome == "fail":
         return finding
     if entry.outcome in DECIDED and finding.outcome not in DECIDED and finding.outcome != "error":
-        says = f"{finding.sentence} The baseline contains a decided finding here ({entry.outcome})."
-        return msgspec.structs.replace(finding, outcome="lost", sentence=says)
+        sentence = (
+            f"{finding.sentence} The baseline contains a decided finding here ({entry.outcome})."
+        )
+        return msgspec.structs.replace(finding, outcome="lost", sentence=sentence)
     now = size(finding)
     before = entry.size
     if now is None or before is None or now <= WORSE * before or _is_quiet(finding):
@@ -60,17 +69,18 @@ def _compared(
     spread = noise(record, finding)
     if now - WORSE * before <= spread:
         return finding
-    says = (
+    sentence = (
         f"{finding.sentence} This is {_times(now, before)} the accepted value"
         f" {before:.2g}, more than the factor {WORSE:g} and the spread"
         f" {spread:.1g} of runs with perturbed starts allow."
     )
-    return msgspec.structs.replace(finding, outcome="worse", sentence=says)
+    return msgspec.structs.replace(finding, outcome="worse", sentence=sentence)
 
 
 def _is_quiet(finding: Finding) -> bool:
-    """The value is far inside its bound and no error constant, which would tell of a change at any
-    size.
+    """True if the value is far inside its bound, where it is mere round-off.
+
+    An error constant is never quiet: it shows a change of the method at any size.
     """
     if finding.constant_seen is not None or finding.value is None or finding.bound is None:
         return False
@@ -78,6 +88,7 @@ def _is_quiet(finding: Finding) -> bool:
 
 
 def _times(now: float, before: float) -> str:
+    """The ratio of two sizes in words, or the new size where the old one is 0."""
     if before > 0:
         return f"{now / before:.2g} times"
     return f"{now:.2g} against"

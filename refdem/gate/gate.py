@@ -21,7 +21,9 @@ from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
 
 ULPS = (2, -2, 6)
-"""Starts moved by so many units in the last place show how much of a value is noise."""
+"""Units in the last place by which the starts of reruns are moved, to see how much of a value is
+noise.
+"""
 GRACE = 30.0
 """Seconds beyond the program's own time limit before its worker is killed: the program's limit
 comes first.
@@ -53,8 +55,9 @@ class Gate:
         )
 
     def sheets(self) -> list[Sheet]:
-        """Everything found now, without the baseline; raises UsageError if that is nothing, and
-        nothing was accepted.
+        """The sheets of a new campaign, not yet compared with the baseline.
+
+        Raises UsageError if nothing was decided and there is no baseline to compare with.
         """
         sheets = Campaign(
             self.specification(), self.store, self.jobs, use_store=False, progress=self.progress
@@ -73,34 +76,35 @@ class Gate:
         """
         _, accepted = baseline.read(self.baseline)
         records = [sheet for sheet in sheets if isinstance(sheet, Record)]
-        rest = [sheet for sheet in sheets if not isinstance(sheet, Record)]
-        return [*rest, *compare.compared(records, accepted, self.noise)]
+        others = [sheet for sheet in sheets if not isinstance(sheet, Record)]
+        return [*others, *compare.compared(records, accepted, self.noise)]
 
     def noise(self, record: Record, finding: Finding) -> float:
-        """How far the size of a finding moves in reruns whose start is moved by some units in the
-        last place.
-        """
+        """The largest change of a finding's size in reruns whose starts are moved by ULPS."""
+        size = compare.size(finding)
+        if size is None:
+            return 0.0
+        name = record.id(finding)
+        changes = []
+        for rerun, rerun_finding in findings_of(self._reruns(record)):
+            rerun_size = compare.size(rerun_finding)
+            if rerun.id(rerun_finding) == name and rerun_size is not None:
+                changes.append(abs(rerun_size - size))
+        return max(changes, default=0.0)
+
+    def _reruns(self, record: Record) -> list[Record]:
+        """The records of the same method and instance from each of the moved starts, run once."""
         key = (record.label, record.method)
         if key not in self._noise:
             entry = Entry(*labelled(record.label))
             base = msgspec.structs.replace(self.specification(), case=[entry], method=record.method)
-            moved = [msgspec.structs.replace(base, perturbed_ulps=ulps) for ulps in ULPS]
             records: list[Record] = []
-            for specification in moved:
+            for ulps in ULPS:
+                specification = msgspec.structs.replace(base, perturbed_ulps=ulps)
                 campaign = Campaign(specification, self.store, self.jobs, use_store=False)
                 records += [sheet for sheet in campaign.sheets() if isinstance(sheet, Record)]
             self._noise[key] = records
-        name = record.id(finding)
-        now = compare.size(finding)
-        again = [
-            compare.size(moved_finding)
-            for other, moved_finding in findings_of(self._noise[key])
-            if other.id(moved_finding) == name
-        ]
-        return max(
-            (abs(value - now) for value in again if value is not None and now is not None),
-            default=0.0,
-        )
+        return self._noise[key]
 
 
 def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Progress) -> Gate:
@@ -126,18 +130,18 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
 
 
 def supported(engine: Engine) -> list[Entry]:
-    """Every case that some method of the engine does not refuse, at its defaults and at the
-    settings of the campaign `gate`, which tell more.
+    """Every case that some method of the engine supports, at its defaults and at the parameters
+    that the campaign `gate` has for it.
     """
-    telling = named("gate").case
-    found = []
+    entries_of_gate = named("gate").case
+    entries = []
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if isinstance(case, Selection):
             continue
-        of_case = [entry for entry in telling if entry.id == name]
+        of_case = [entry for entry in entries_of_gate if entry.id == name]
         for entry in (Entry(name), *of_case):
             problem = case.at(**entry.set).problem
             if any(engine.unsupported(problem, method) is None for method in engine.methods):
-                found.append(entry)
-    return found
+                entries.append(entry)
+    return entries

@@ -29,10 +29,10 @@ def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> li
     return [sheet for sheet in sheets if isinstance(sheet, Record)]
 
 
-def broken(found: Iterable[Record]) -> list[str]:
-    """One text for every finding that closes the gate: its id and its sentence."""
+def broken(judged: Iterable[Record]) -> list[str]:
+    """The id and the sentence of every finding that closes the gate."""
     return [
         f"{record.id(finding)}: {finding.sentence}"
-        for record, finding in findings_of(found)
+        for record, finding in findings_of(judged)
         if finding.outcome in BROKEN
     ]

@@ -12,7 +12,7 @@ LONGEST = 300
 
 
 def markdown(engine: str, sheets: list[Sheet]) -> str:
-    """The text; everything that comes from records is escaped."""
+    """The outcome of a gate as Markdown; everything that comes from records is escaped."""
     pairs = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in pairs)
     broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
@@ -40,12 +40,13 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 
 
 def _row(record: Record, finding: Finding) -> str:
+    """The row of a finding in the table, its sentence cut after LONGEST characters."""
     name = markdown_text(record.id(finding))
     if len(finding.sentence) <= LONGEST:
-        says = finding.sentence
+        sentence = finding.sentence
     else:
-        says = f"{finding.sentence[:LONGEST]} ..."
-    return f"| {finding.outcome} | {name} | {markdown_text(says)} |"
+        sentence = f"{finding.sentence[:LONGEST]} ..."
+    return f"| {finding.outcome} | {name} | {markdown_text(sentence)} |"
 
 
 def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
@@ -64,9 +65,9 @@ def annotations(sheets: list[Sheet]) -> list[str]:
     ]
 
 
-def _data(text: str, more: str = "") -> str:
+def _data(text: str, also_escaped: str = "") -> str:
     """Text, escaped as a workflow command needs it."""
     text = one_line(text)
-    for character in "%" + more:
+    for character in "%" + also_escaped:
         text = text.replace(character, f"%{ord(character):02X}")
     return text

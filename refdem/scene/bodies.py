@@ -69,7 +69,7 @@ class Bodies:
     def single(self) -> list[Body]:
         """The bodies one by one, as JSON has them."""
         columns: Any = [getattr(self, name).tolist() for name in COLUMNS]
-        found = []
+        bodies = []
         for row in zip(*columns, self.shape, self.fixed.tolist(), strict=True):
             mass, inertia, position, velocity, attitude, omega, shape, fixed = row
             body = Body(
@@ -82,8 +82,8 @@ class Bodies:
                 shape=shape,
                 fixed=fixed,
             )
-            found.append(body)
-        return found
+            bodies.append(body)
+        return bodies
 
     def with_state(self, **columns: Array) -> "Bodies":
         """The same bodies with other positions, velocities, attitudes or omegas."""
@@ -102,9 +102,9 @@ class Bodies:
                 of_shape.append(shape.radius)
             else:
                 of_shape.append(0.0)
-        found = np.array(of_shape)[self.shape_number]
-        found.setflags(write=False)
-        return found
+        radius = np.array(of_shape)[self.shape_number]
+        radius.setflags(write=False)
+        return radius
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
@@ -118,22 +118,26 @@ class Bodies:
 
     @cached_property
     def _numbered(self) -> tuple[tuple[Shape, ...], NDArray[np.int64]]:
-        """Shapes and numbers; of many bodies most have one shape, which is found without a loop
-        over them.
-        """
-        if self.shape[:1] and self.shape.count(self.shape[0]) == len(self.shape):
+        """The different shapes, and for each body (N,) the number of its shape among them."""
+        # Most scenes of many bodies have one shape: this case needs no loop in Python.
+        has_one_shape = self.shape[:1] and self.shape.count(self.shape[0]) == len(self.shape)
+        if has_one_shape:
             return self.shape[:1], np.zeros(len(self.shape), np.int64)
         shapes = {id(shape): shape for shape in self.shape}
         numbers = {key: number for number, key in enumerate(shapes)}
-        each = (numbers[id(shape)] for shape in self.shape)
-        return tuple(shapes.values()), np.fromiter(each, np.int64, len(self.shape))
+        of_bodies = (numbers[id(shape)] for shape in self.shape)
+        return tuple(shapes.values()), np.fromiter(of_bodies, np.int64, len(self.shape))
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
 
 
 def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
-    """Bodies (N,) that have to be looked at one by one: all that cannot exist are among them."""
+    """True (N,) for bodies that must be checked one by one.
+
+    All unphysical bodies are among them, and perhaps others: the test is fast and a little stricter
+    than `_refuse_unphysical`.
+    """
     with np.errstate(all="ignore"):
         wrong = ~(bodies.mass > 0) | np.any(bodies.inertia < 0, axis=1)
         # No moment of inertia exceeds the sum of the other two.
@@ -154,7 +158,9 @@ def _is_sound(shape: Shape) -> bool:
 
 @np.errstate(over="ignore")
 def _refuse_unphysical(bodies: Bodies, number: int) -> None:
-    """Raises SceneError for a body that cannot exist; what is beyond binary64 is told as inf."""
+    """Raises SceneError for an unphysical body; the message shows numbers beyond binary64 as
+    inf.
+    """
     where = f"scene.bodies.{number}"
     for name in COLUMNS:
         value = getattr(bodies, name)[number]

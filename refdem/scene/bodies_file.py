@@ -41,12 +41,12 @@ class BodiesFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 def reference(bodies: Bodies) -> BodiesFile:
-    """What JSON says in the place of the bodies."""
+    """The reference to the file that JSON has in the place of the bodies."""
     return BodiesFile(file=NAME, count=len(bodies), sha256=content(bodies))
 
 
 def content(bodies: Bodies) -> str:
-    """sha256 of every column, whatever the file looks like that holds them."""
+    """sha256 of the names, types, shapes and numbers of all columns, independent of the archive."""
     digest = hashlib.sha256()
     for name, column in _columns(bodies).items():
         digest.update(f"{name}\0{column.dtype.str}\0{column.shape}\0".encode() + column.tobytes())
@@ -55,14 +55,15 @@ def content(bodies: Bodies) -> str:
 
 def packed(bodies: Bodies) -> bytes:
     """The bytes of the file, which hold every array of the bodies."""
-    held = io.BytesIO()
-    np.savez(held, allow_pickle=False, **_columns(bodies))
-    return held.getvalue()
+    archive = io.BytesIO()
+    np.savez(archive, allow_pickle=False, **_columns(bodies))
+    return archive.getvalue()
 
 
 def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
-    """The bodies of a file; raises SceneError if it is not what the reference says, or holds what
-    bodies cannot be.
+    """The bodies in a file, or in its bytes, to which a scene has the reference `told`.
+
+    Raises SceneError if the content is another one, or that of unphysical bodies.
     """
     where = f"scene.bodies: {told.file}"
     if told.count < 1:
@@ -89,31 +90,31 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
 
 
 def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
-    """Every array of the file by name, in the byte order that the file has."""
+    """Every array of the file by name, in the byte order of the file."""
+    # Equal shapes are written once; each body has the number of its shape in that list.
     shapes: dict[Shape, int] = {}
-    # Equal shapes are written once.
-    each = [shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes]
-    number = np.array(each, "<i8")[bodies.shape_number]
-    held: dict[str, NDArray[Any]] = {
+    number_in_list = [shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes]
+    number = np.array(number_in_list, "<i8")[bodies.shape_number]
+    columns: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS
     }
     listed = np.frombuffer(msgspec.json.encode(list(shapes)), np.uint8)
-    return held | {
+    return columns | {
         "fixed": np.ascontiguousarray(bodies.fixed, bool),
         "shape": number,
         "shapes": listed,
     }
 
 
-def _kinds(count: int) -> dict[str, tuple[str, tuple[int, ...]]]:
-    """Type and shape of every array of so many bodies; no shape where any length is right."""
-    found: dict[str, tuple[str, tuple[int, ...]]] = {}
+def _array_types(count: int) -> dict[str, tuple[str, tuple[int, ...]]]:
+    """The numpy type and the shape of every array for `count` bodies; () allows any length."""
+    types: dict[str, tuple[str, tuple[int, ...]]] = {}
     for name, width in WIDTH.items():
-        rows: tuple[int, ...] = (count,)
+        shape: tuple[int, ...] = (count,)
         if width > 1:
-            rows = (count, width)
-        found[name] = ("<f8", rows)
-    return found | {
+            shape = (count, width)
+        types[name] = ("<f8", shape)
+    return types | {
         "fixed": ("|b1", (count,)),
         "shape": ("<i8", (count,)),
         "shapes": ("|u1", ()),
@@ -121,45 +122,47 @@ def _kinds(count: int) -> dict[str, tuple[str, tuple[int, ...]]]:
 
 
 def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]:
-    """The arrays, each of the type and shape it must have; sizes are looked at before anything is
-    read.
+    """The arrays of the file, each of the type and shape that `count` bodies need.
+
+    Raises SceneError for any other. Sizes are checked before anything is read, so that a damaged
+    archive cannot fill the memory.
     """
-    kinds = _kinds(count)
+    types = _array_types(count)
     if isinstance(data, bytes):
         source: Any = io.BytesIO(data)
     else:
         source = data
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
-    if sizes.keys() != kinds.keys():
-        came = ", ".join(sorted(sizes)) or "nothing"
-        expected = ", ".join(sorted(kinds))
-        raise SceneError(f"{where} has {came}; expected {expected}")
-    for name, (kind, shape) in kinds.items():
+    if sizes.keys() != types.keys():
+        names = ", ".join(sorted(sizes)) or "nothing"
+        expected = ", ".join(sorted(types))
+        raise SceneError(f"{where} has {names}; expected {expected}")
+    for name, (dtype, shape) in types.items():
         content = MOST_SHAPES
         if shape:
-            content = int(np.prod(shape)) * np.dtype(kind).itemsize
-        most = HEADER + content
-        if sizes[name] > most:
+            content = int(np.prod(shape)) * np.dtype(dtype).itemsize
+        limit = HEADER + content
+        if sizes[name] > limit:
             raise SceneError(
-                f"{where}: {name} has {sizes[name]} bytes; expected at most {most} for {count}"
+                f"{where}: {name} has {sizes[name]} bytes; expected at most {limit} for {count}"
                 " bodies"
             )
-    found: dict[str, NDArray[Any]] = {}
+    columns: dict[str, NDArray[Any]] = {}
     with np.load(source, allow_pickle=False) as archive:
-        for name, (kind, shape) in kinds.items():
+        for name, (dtype, shape) in types.items():
             column = archive[name]
             if shape:
                 has_shape = column.shape == shape
             else:
                 has_shape = column.ndim == 1
-            if column.dtype.str != kind or not has_shape:
+            if column.dtype.str != dtype or not has_shape:
                 raise SceneError(
-                    f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind}"
+                    f"{where}: {name} is {column.dtype.str} {column.shape}; expected {dtype}"
                     f" {shape or '(bytes,)'}"
                 )
-            found[name] = column
-    return found
+            columns[name] = column
+    return columns
 
 
 def _shapes(listed: NDArray[Any], where: str) -> list[Shape]:

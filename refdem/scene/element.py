@@ -1,4 +1,6 @@
-"""What every element of a scene is: a frozen, JSON-typed record, with a potential if it has one."""
+"""The base classes of all elements of a scene: frozen, JSON-typed records of one force, constraint
+or field each.
+"""
 
 from functools import cache
 from typing import Any, ClassVar, get_type_hints
@@ -14,9 +16,9 @@ Array = NDArray[np.float64]
 
 @cache
 def types_of(kind: type) -> dict[str, Any]:
-    """The types of a record's fields, with their dimensions.
+    """The annotated types of a record's fields, with their dimensions (scene/dimension.py).
 
-    Python looks them up anew at every call.
+    Kept, because Python resolves them anew at every call.
     """
     return get_type_hints(kind, include_extras=True)
 
@@ -33,8 +35,9 @@ class Element(
 
     @property
     def reversible(self) -> bool:
-        """True if the motion runs back once all velocities are flipped: what conserves energy does,
-        and an element that knows better overrides this.
+        """True if the motion runs back once all velocities are flipped.
+
+        A conservative element is reversible; one for which this is not the rule overrides it.
         """
         return self.conservative
 
@@ -44,15 +47,13 @@ class Element(
         return str(self.__struct_config__.tag)
 
     def dimension(self, field: str) -> Dimension | None:
-        """The dimension of one field, from its type; None for a number of a body."""
-        hint = types_of(type(self))[field]
-        return next(
-            (part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Dimension)),
-            None,
-        )
+        """The dimension of one field, from its annotated type; None for one without, as `a`."""
+        annotations = getattr(types_of(type(self))[field], "__metadata__", ())
+        dimensions = (note for note in annotations if isinstance(note, Dimension))
+        return next(dimensions, None)
 
     def features(self) -> frozenset[str]:
-        """What an engine must be able to do to carry this element."""
+        """Names of what an engine must support to run a scene with this element."""
         return frozenset({self.kind})
 
     def faults(self) -> list[str]:
@@ -60,8 +61,9 @@ class Element(
         return []
 
     def delayed(self, delay: float) -> "Element":
-        """The element of the same motion that begins `delay` [s] later; one that reads the clock
-        overrides this.
+        """The element for the same motion begun `delay` [s] later.
+
+        It is the same unless the element reads the clock.
         """
         return self
 
@@ -99,10 +101,11 @@ class Link(Element, frozen=True, kw_only=True):
     anchor_b: Position = (0.0, 0.0, 0.0)
 
     def ends(self, position: Array, attitude: Array) -> tuple[Array, Array]:
-        """Anchors of both ends in space, each (T, 3) [m]."""
+        """Anchors of both ends in space, r + R(q) anchor, each (T, 3) [m]."""
         from refdem.mechanics.quaternion import rotated
 
         def end(body: int, anchor: Position) -> Array:
+            """The anchor (T, 3) [m] in space; that of the world (-1) is there already."""
             if body < 0:
                 return np.broadcast_to(np.asarray(anchor, float), (len(position), 3))
             if not any(anchor):

@@ -1,4 +1,7 @@
-"""What a scene needs, read off its content; every layer that skips work asks here."""
+"""The features of a scene, derived from its content: what an engine must support to run it.
+
+Every layer that skips work which a scene does not need reads them.
+"""
 
 from collections.abc import Sequence
 
@@ -9,12 +12,14 @@ from refdem.scene.element import Element, Link
 from refdem.scene.shapes import Point, Polyhedron, Sphere
 
 ALIGNED = 1e-14
-"""Sine of the angle between omega and J omega up to which rounding alone may have parted them."""
+"""Sine of the angle between omega and J omega up to which they count as parallel: rounding alone
+may have made that angle.
+"""
 
 
 def features(bodies: Bodies, elements: Sequence[Element]) -> frozenset[str]:
-    """Names of what an engine must carry: element kinds, laws, `rotation`, `tumbling`, shapes,
-    `dimension:1|2|3`.
+    """Names of what an engine must support: kinds and laws of elements, `rotation`, `tumbling`,
+    shapes, `fixed`, `dimension:1|2|3`.
     """
     names: set[str] = set()
     for element in elements:
@@ -36,7 +41,10 @@ def features(bodies: Bodies, elements: Sequence[Element]) -> frozenset[str]:
 
 
 def _turns(bodies: Bodies, elements: Sequence[Element]) -> bool:
-    """Some body spins, or something can exert a torque on it."""
+    """True if some body with inertia spins, or if an element can exert a torque on one.
+
+    A torque comes from an anchor off the centre, from friction, or from contact of a polyhedron.
+    """
     has_inertia = bodies.inertia.any(axis=1) & ~bodies.fixed
     can_touch = any(not isinstance(shape, Point) for shape in bodies.shapes)
     if np.any(bodies.omega[has_inertia]):
@@ -44,8 +52,9 @@ def _turns(bodies: Bodies, elements: Sequence[Element]) -> bool:
     for element in elements:
         if isinstance(element, Link):
             ends = ((element.a, element.anchor_a), (element.b, element.anchor_b))
-            if any(body >= 0 and any(anchor) and has_inertia[body] for body, anchor in ends):
-                return True
+            for body, anchor in ends:
+                if body >= 0 and any(anchor) and has_inertia[body]:
+                    return True
         if "contact:friction" in element.features() and can_touch:
             return True
     has_contact = any(element.kind == "contact" for element in elements)
@@ -53,8 +62,8 @@ def _turns(bodies: Bodies, elements: Sequence[Element]) -> bool:
 
 
 def _tumbles(bodies: Bodies) -> bool:
-    """Some spinning body's axis of rotation is not one about which omega stays: Euler's equations
-    are needed.
+    """True if some body does not spin about a principal axis, so that its omega changes by Euler's
+    equations.
     """
     from refdem.mechanics.quaternion import conjugate, rotated
 
@@ -62,8 +71,8 @@ def _tumbles(bodies: Bodies) -> bool:
     momentum = bodies.inertia * body_omega
     # The gyroscopic torque omega x J omega vanishes about a principal axis.
     torque = np.linalg.norm(np.cross(body_omega, momentum), axis=1)
-    size = np.linalg.norm(body_omega, axis=1) * np.linalg.norm(momentum, axis=1)
-    return bool(np.any(torque > ALIGNED * size))
+    product_of_norms = np.linalg.norm(body_omega, axis=1) * np.linalg.norm(momentum, axis=1)
+    return bool(np.any(torque > ALIGNED * product_of_norms))
 
 
 def _dimension(bodies: Bodies, elements: Sequence[Element]) -> int:
@@ -76,10 +85,7 @@ def _dimension(bodies: Bodies, elements: Sequence[Element]) -> int:
     stacked = np.concatenate(vectors)
     if np.any(stacked[:, 2]) or np.any(bodies.omega[:, :2]) or np.any(bodies.attitude[:, 1:3]):
         return 3
-    if (
-        np.any(stacked[:, 1])
-        or np.any(bodies.omega)
-        or not all(isinstance(s, Point | Sphere) for s in bodies.shapes)
-    ):
+    are_round = all(isinstance(shape, Point | Sphere) for shape in bodies.shapes)
+    if np.any(stacked[:, 1]) or np.any(bodies.omega) or not are_round:
         return 2
     return 1

@@ -32,15 +32,17 @@ class SceneDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Bodies as columns and the elements that act on them.
+    """Bodies as columns, and the elements that act on them.
 
-    Raises SceneError if it is not physical.
+    Raises SceneError if a number is not finite, a value is unphysical, or an element names a body
+    that does not exist.
     """
 
     bodies: Bodies
     elements: tuple[Element, ...] = ()
 
     def __post_init__(self) -> None:
+        """Raises SceneError, with the place, for an element that is not physical."""
         for number, element in enumerate(self.elements):
             where = f"scene.elements.{number} ({element.kind})"
             for name in element.__struct_fields__:
@@ -63,8 +65,9 @@ class Scene:
 
     @classmethod
     def from_json(cls, text: bytes | str, file: bytes | Path | None = None) -> "Scene":
-        """Reads a scene, and its bodies' file if it names one; raises SceneError with the path of
-        the first fault.
+        """The scene in a JSON text, and in its bodies' file if it names one.
+
+        Raises SceneError with the path of the first fault.
         """
         try:
             document = msgspec.json.decode(text, type=SceneDocument)
@@ -111,7 +114,7 @@ class Scene:
 
     @cached_property
     def features(self) -> frozenset[str]:
-        """What an engine must be able to do, derived from the content."""
+        """Names of what an engine must support to run the scene (scene/features.py)."""
         return features(self.bodies, self.elements)
 
     def is_isolated(self) -> bool:
@@ -148,6 +151,7 @@ def encoded(document: Any) -> bytes:
 
 
 def _plain(value: Any) -> Any:
+    """A NumPy number as Python's; raises TypeError for anything else that JSON does not know."""
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")

@@ -45,7 +45,7 @@ Shape = Point | Sphere | Polyhedron
 
 def box(x: float, y: float, z: float) -> Polyhedron:
     """A box with full side lengths x, y, z [m] about its centre."""
-    # z changes its sign first, x last.
+    # Vertex 4 i + 2 j + k has the signs (-1)^(i+1), (-1)^(j+1), (-1)^(k+1) of x, y, z.
     signs = product((-1, 1), repeat=3)
     vertices = tuple((sx * x / 2, sy * y / 2, sz * z / 2) for sx, sy, sz in signs)
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from refdem.campaign import certification, reproof
-from refdem.campaign.certification import Certification, stale, wanted_sets
+from refdem.campaign.certification import Certification, Certified, stale, wanted_sets
 from refdem.core.store import Store
 from refdem.errors import UsageError
 from refdem.truth import load
@@ -31,13 +31,10 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def certified(
-    folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqlite"
-) -> Certification:
-    work = Certification(folder, Store(folder / cache), jobs)
-    work.run(cases)
-    assert work.problems == []
-    return work
+def certified(folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqlite") -> Certified:
+    outcome = Certification(folder, Store(folder / cache), jobs).run(cases)
+    assert outcome.problems == ()
+    return outcome
 
 
 def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -> None:
@@ -123,13 +120,11 @@ def test_only_the_cases_asked_for_are_written(folder: Path) -> None:
 
 
 def test_a_killed_run_goes_on_where_it_was(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    work = Certification(folder, Store(folder / "store.sqlite"), 1)
-
     def killed(stage: str, done: int, total: int) -> None:
         if done == 2:
             raise KeyboardInterrupt
 
-    work.progress = killed
+    work = Certification(folder, Store(folder / "store.sqlite"), 1, progress=killed)
     with pytest.raises(KeyboardInterrupt):
         work.run()
     assert not (folder / "certified").exists()

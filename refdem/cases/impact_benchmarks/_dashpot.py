@@ -25,8 +25,8 @@ def dashpot_of(v: Any, mass: Any) -> Any:
     except ValueError:
         restitution = float(v.restitution)
         raise UsageError(
-            f"parameter restitution: got {restitution:g}; expected more than exp(-2) where the force"
-            " must not pull"
+            f"parameter restitution: got {restitution:g}; expected more than exp(-2) where the"
+            " force must not pull"
         ) from None
 
 

@@ -22,7 +22,7 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 
 class OnFloor(Member):
-    """What the members have in common: one law, gravity."""
+    """A member with spheres on the floor, under one linear law and gravity."""
 
     def values(self, p: Parameters) -> Any:
         """The parameters with the dashpot that gives the restitution of an impact on the floor

@@ -52,21 +52,23 @@ class Squeeze(Member):
 
         def large(side: int) -> Body:
             """The large sphere at x < 0 for side 1, at x > 0 for side -1."""
+            velocity = (side * float(v.normal), side * float(v.across), 0.0)
             return Body(
                 mass=float(v.large),
                 inertia=(moment, moment, moment),
                 shape=Sphere(radius=r),
                 position=(-side * distance, 0.0, 0.0),
-                velocity=(side * float(v.normal), side * float(v.across), 0.0),
+                velocity=velocity,
                 omega=(0.0, 0.0, float(v.partner_spin)),
             )
 
-        m = float(v.mass)
-        small = float(v.radius)
+        small_mass = float(v.mass)
+        small_radius = float(v.radius)
+        small_moment = 0.4 * small_mass * small_radius * small_radius
         middle = Body(
-            mass=m,
-            inertia=(0.4 * m * small * small,) * 3,
-            shape=Sphere(radius=small),
+            mass=small_mass,
+            inertia=(small_moment, small_moment, small_moment),
+            shape=Sphere(radius=small_radius),
             omega=(0.0, 0.0, float(v.spin)),
         )
         return Scene.of([large(1), middle, large(-1)], [linear(v)])

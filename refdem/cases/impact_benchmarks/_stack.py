@@ -48,8 +48,8 @@ class Stack(OnFloor):
     def scales(self, v: Any) -> Scales:
         """L = height/8; tau = sqrt(m/(3 k)) of the lighter sphere, T = 40 tau.
 
-        In the fastest mode of two spheres between walls the middle contact is compressed twice as
-        much as the outer ones: 3 k m^-1 for equal masses.
+        The fastest mode of two equal spheres moves them against each other: each is pushed back by
+        k x of its wall and 2 k x of the other sphere, so that omega^2 = 3 k/m.
         """
         lighter = min(float(v.mass), float(v.upper))
         tau = float(np.sqrt(lighter / float(v.stiffness) / 3))

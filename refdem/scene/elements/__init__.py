@@ -1,4 +1,4 @@
-"""One element a file; a new file is found by itself."""
+"""The elements of a scene, one a file; a new file in this folder is found without being named."""
 
 from functools import reduce
 from importlib import import_module
@@ -12,7 +12,8 @@ __all__ = ["KINDS", "AnyElement"]
 
 
 def _kinds() -> dict[str, type[Element]]:
-    found: dict[str, type[Element]] = {}
+    """Every element class of the folder's modules by its tag in JSON."""
+    kinds: dict[str, type[Element]] = {}
     for path in sorted(Path(__file__).parent.glob("*.py")):
         if path.stem.startswith("_"):
             continue
@@ -23,8 +24,8 @@ def _kinds() -> dict[str, type[Element]]:
                 and issubclass(value, Element)
                 and value not in (Element, Link)
             ):
-                found[str(value.__struct_config__.tag)] = value
-    return found
+                kinds[str(value.__struct_config__.tag)] = value
+    return kinds
 
 
 KINDS = _kinds()

@@ -24,7 +24,7 @@ class Catch(Link, frozen=True, kw_only=True, tag="catch"):
         return frozenset({"catch", "constraint"})
 
     def faults(self) -> list[str]:
-        """Faults of the fields: a reach within which nothing is caught."""
+        """Faults of the fields: a radius within which nothing is caught."""
         if self.radius > 0:
             return []
         return [f"radius is {self.radius}, expected > 0"]

@@ -65,7 +65,7 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
-        """Neither damping nor friction, and a rigid law that gives everything back."""
+        """True without damping and friction, and for the rigid law with restitution 1."""
         return (
             self.damping == 0
             and self.friction == 0
@@ -106,18 +106,18 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     def faults(self) -> list[str]:
         """Negative coefficients, and a linear law without stiffness."""
         numbers = ("stiffness", "damping", "tangential_stiffness", "friction", "restitution")
-        found = [
+        faults = [
             f"{name} is {value}, expected >= 0"
             for name in numbers
             if (value := getattr(self, name)) < 0
         ]
         if self.law != "rigid" and not self.stiffness > 0:
-            found.append(f"stiffness is {self.stiffness}, expected > 0 for the {self.law} law")
+            faults.append(f"stiffness is {self.stiffness}, expected > 0 for the {self.law} law")
         if self.law == "hertz" and self.damping:
-            found.append(f"damping is {self.damping}, expected 0 for the hertz law")
+            faults.append(f"damping is {self.damping}, expected 0 for the hertz law")
         if self.restitution > 1:
-            found.append(f"restitution is {self.restitution}, expected <= 1")
-        return found + self._tangential_faults()
+            faults.append(f"restitution is {self.restitution}, expected <= 1")
+        return faults + self._tangential_faults()
 
     def _tangential_faults(self) -> list[str]:
         """A tangential restitution out of 0 to 1, or of a law that has none."""
@@ -132,50 +132,57 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return []
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`stiffness overlap**(n+1) / (n+1)` of spheres with each other and with planes (T,) [J], n
-        = 1 or 3/2; no tangential spring.
+        """Potential energy (T,) [J] of all normal contacts: the sum of k d^(n+1)/(n+1) over
+        overlaps d > 0, with the stiffness k and n = 1 or 3/2.
+
+        Contacts are those of spheres with each other and with planes, and of a polyhedron's corners
+        with planes. A rigid law has no overlap; the tangential spring is not counted.
         """
         energy = np.zeros(len(position))
         if self.law == "rigid":
             return energy
         power = self.exponent + 1
         radius = scene.bodies.radius
-        few = np.count_nonzero(radius) <= FEW
-        if few:
-            parts = [slice(None)]
+        # Many spheres are searched for near pairs, which differ from sample to sample.
+        are_few = np.count_nonzero(radius) <= FEW
+        if are_few:
+            sample_groups = [slice(None)]
         else:
-            parts = [slice(k, k + 1) for k in range(len(position))]
-        for samples in parts:
-            pressed = np.maximum(_overlaps(scene, position[samples], radius), 0.0)
-            energy[samples] = self.stiffness / power * np.sum(pressed**power, axis=1)
+            sample_groups = [slice(k, k + 1) for k in range(len(position))]
+        for samples in sample_groups:
+            overlap = np.maximum(_overlaps(scene, position[samples], radius), 0.0)
+            energy[samples] = self.stiffness / power * np.sum(overlap**power, axis=1)
         for plane in scene.all(Plane):
             height = (position - np.array(plane.point)) @ np.array(plane.normal)
-            pressed = np.maximum(radius - height, 0.0)
+            overlap = np.maximum(radius - height, 0.0)
             # Points have no radius, and do not touch the plane.
-            energy += self.stiffness / power * np.sum(pressed**power * (radius > 0), axis=1)
-            deep = np.maximum(_depths(scene, plane, position, attitude), 0.0)
-            energy += self.stiffness / power * np.sum(deep**power, axis=1)
+            energy += self.stiffness / power * np.sum(overlap**power * (radius > 0), axis=1)
+            depth = np.maximum(_depths(scene, plane, position, attitude), 0.0)
+            energy += self.stiffness / power * np.sum(depth**power, axis=1)
         return energy
 
 
 def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array:
-    """How deep (T, C) [m] the corners of all polyhedra are behind a plane."""
+    """Depths (T, C) [m] of the corners of all polyhedra behind a plane: -(r + R c - point) . n."""
+    # The number of the body (C,) and the place in body axes (C, 3) of every corner.
     body: list[int] = []
     corners: list[Any] = []
     for number, shape in enumerate(scene.bodies.shape):
-        own = getattr(shape, "vertices", ())
-        corners += own
-        body += [number] * len(own)
-    arm = np.array(corners).reshape(-1, 3)
-    turned = rotated(attitude[:, body], np.broadcast_to(arm, (len(position), *arm.shape)))
-    from_plane = position[:, body] + turned - np.array(plane.point)
+        vertices = getattr(shape, "vertices", ())
+        corners += vertices
+        body += [number] * len(vertices)
+    corner = np.array(corners).reshape(-1, 3)
+    arm = rotated(attitude[:, body], np.broadcast_to(corner, (len(position), *corner.shape)))
+    from_plane = position[:, body] + arm - np.array(plane.point)
     depth: Array = -from_plane @ np.array(plane.normal)
     return depth
 
 
 def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
-    """Overlaps (T, P) [m] of all pairs of spheres, of many of those that are near in the first
-    sample; of nearest images in a box.
+    """Overlaps R_i + R_j - |r_j - r_i| (T, P) [m] of pairs of spheres, negative while apart.
+
+    With at most FEW spheres these are all pairs, else those that are near in the first sample. In a
+    periodic box a pair meets by its nearest images.
     """
     spheres = np.flatnonzero(radius > 0)
     boxes = scene.all(PeriodicBox)
@@ -183,14 +190,14 @@ def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
         i, j = np.triu_indices(len(spheres), 1)
     else:
         if boxes:
-            size = boxes[0].size
+            period = boxes[0].size
         else:
-            size = 0.0
-        i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), size)
+            period = 0.0
+        i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), period)
     i = spheres[i]
     j = spheres[j]
-    apart = position[:, j] - position[:, i]
+    branch = position[:, j] - position[:, i]
     if boxes:
-        apart = boxes[0].nearest(apart)
-    overlap: Array = radius[i] + radius[j] - np.linalg.norm(apart, axis=-1)
+        branch = boxes[0].nearest(branch)
+    overlap: Array = radius[i] + radius[j] - np.linalg.norm(branch, axis=-1)
     return overlap

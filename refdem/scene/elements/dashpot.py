@@ -24,7 +24,7 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
-        """True only of a dashpot that does nothing: any other loses energy."""
+        """True only for a dashpot without force: any other changes the energy."""
         return self.damping == 0 and self.van_der_pol == 0
 
     @property

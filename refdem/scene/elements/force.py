@@ -31,22 +31,21 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
 
     @property
     def external(self) -> bool:  # type: ignore[override]
-        """A force that nothing in the scene answers acts from outside."""
+        """True without a body b, on which the opposite force would act."""
         return self.b < 0
 
     def faults(self) -> list[str]:
-        """An axis that is not a unit vector, a frequency below zero."""
-        if self.frequency >= 0:
-            found = []
-        else:
-            found = [f"frequency is {self.frequency}, expected >= 0"]
-        size = sum(x * x for x in self.axis)
-        if abs(size - 1) < 1e-12:
-            return found
-        return [*found, f"axis has length {size**0.5}, expected 1"]
+        """Faults of the fields: an axis that is not a unit vector, a frequency below zero."""
+        faults = []
+        if not self.frequency >= 0:
+            faults.append(f"frequency is {self.frequency}, expected >= 0")
+        square = sum(x * x for x in self.axis)
+        if not abs(square - 1) < 1e-12:
+            faults.append(f"axis has length {square**0.5}, expected 1")
+        return faults
 
     def delayed(self, delay: float) -> Self:
-        """The same force for a motion that begins `delay` [s] later."""
+        """The same force for a motion begun `delay` [s] later: cos(w (t - delay) + phase)."""
         if delay:
             return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
         return self

@@ -23,10 +23,10 @@ class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
     coefficient: Annotated[float, Dimension(-1, -2, 1)]
 
     def faults(self) -> list[str]:
-        """Damping that brings energy in, or that is between two bodies."""
-        found = []
+        """Faults of the fields: damping that brings energy in, or that is between two bodies."""
+        faults = []
         if not self.coefficient >= 0:
-            found.append(f"coefficient is {self.coefficient}, expected >= 0")
+            faults.append(f"coefficient is {self.coefficient}, expected >= 0")
         if not self.b < 0:
-            found.append(f"b is {self.b}, expected -1: it is inside body a alone")
-        return found
+            faults.append(f"b is {self.b}, expected -1: it is inside body a alone")
+        return faults

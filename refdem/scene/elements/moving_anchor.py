@@ -34,40 +34,41 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
         return frozenset({"moving_anchor", "constraint"})
 
     def faults(self) -> list[str]:
-        """An end that is not the world's, an axis that is not a unit vector, a frequency below
-        zero.
+        """Faults of the fields: an end that is not the world's, an anchor off the body's centre, an
+        axis that is not a unit vector, a frequency below zero.
         """
-        if self.b < 0:
-            found = []
-        else:
-            found = [f"b is {self.b}, expected -1: a law of time is one of the world"]
+        faults = []
+        if not self.b < 0:
+            faults.append(f"b is {self.b}, expected -1: a law of time is one of the world")
         if any(self.anchor_a):
-            found.append(
+            faults.append(
                 f"anchor_a is {self.anchor_a}, expected zeros: the centre of the body is carried"
             )
         if not self.frequency >= 0:
-            found.append(f"frequency is {self.frequency}, expected >= 0")
-        size = sum(x * x for x in self.axis)
-        if abs(size - 1) < 1e-12:
-            return found
-        return [*found, f"axis has length {size**0.5}, expected 1"]
+            faults.append(f"frequency is {self.frequency}, expected >= 0")
+        square = sum(x * x for x in self.axis)
+        if not abs(square - 1) < 1e-12:
+            faults.append(f"axis has length {square**0.5}, expected 1")
+        return faults
 
     def delayed(self, delay: float) -> Self:
-        """The same anchor for a motion that begins `delay` [s] later."""
+        """The same anchor for a motion begun `delay` [s] later: cos(w (t - delay) + phase)."""
         if not delay:
             return self
         return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
 
     def place(self, t: Array) -> Array:
-        """Where the body is (T, 3) [m] at times t (T,) [s]: anchor + A cos(w t + phase) axis."""
+        """The position (T, 3) [m] of the body at times t (T,) [s]: anchor + A cos(w t + phase)
+        axis.
+        """
         cosine = np.cos(self.frequency * t + self.phase)
-        shift = self.amplitude * cosine[:, None] * np.array(self.axis)
-        place: Array = np.array(self.anchor_b) + shift
-        return place
+        displacement = self.amplitude * cosine[:, None] * np.array(self.axis)
+        position: Array = np.array(self.anchor_b) + displacement
+        return position
 
     def velocity(self, t: Array) -> Array:
         """The velocity of the body (T, 3) [m/s] at times t (T,) [s]: -A w sin(w t + phase) axis."""
         sine = np.sin(self.frequency * t + self.phase)
-        largest = -self.amplitude * self.frequency
-        velocity: Array = largest * sine[:, None] * np.array(self.axis)
+        factor = -self.amplitude * self.frequency
+        velocity: Array = factor * sine[:, None] * np.array(self.axis)
         return velocity

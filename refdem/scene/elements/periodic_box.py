@@ -18,12 +18,14 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
     size: Length
 
     def faults(self) -> list[str]:
-        """What is wrong with the box: it has no size."""
+        """Faults of the fields: a box without size."""
         if self.size > 0:
             return []
         return [f"size is {self.size}, expected > 0"]
 
-    def nearest(self, apart: Array) -> Array:
-        """The vectors (..., 3) [m] between bodies, to the nearest image."""
-        found: Array = apart - self.size * (apart / self.size).round()
-        return found
+    def nearest(self, branch: Array) -> Array:
+        """The branch vectors (..., 3) [m] between bodies, each to the nearest image of the other:
+        x - size round(x/size).
+        """
+        to_nearest: Array = branch - self.size * (branch / self.size).round()
+        return to_nearest

@@ -29,24 +29,26 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
     axis: Direction = (1.0, 0.0, 0.0)
 
     def faults(self) -> list[str]:
-        """Flanks that do not meet, an axis that is not a unit vector."""
-        found = []
+        """Faults of the fields: flanks that do not meet, an axis that is not a unit vector."""
+        faults = []
         if not (self.x1 < 0 < self.x2 and self.k1 > 0 > self.k2):
-            found.append(
+            faults.append(
                 f"x1, x2, k1, k2 are {self.x1}, {self.x2}, {self.k1}, {self.k2}, expected x1 < 0 <"
                 " x2 and k1 > 0 > k2"
             )
         elif abs(self.k1 * self.x1 - self.k2 * self.x2) > 1e-12 * self.k1 * -self.x1:
-            found.append(
+            faults.append(
                 f"k1 x1 is {self.k1 * self.x1} and k2 x2 {self.k2 * self.x2}, expected the same:"
                 " the force is continuous"
             )
         if abs(sum(x * x for x in self.axis) - 1) > 1e-12:
-            found.append(f"axis has length {sum(x * x for x in self.axis) ** 0.5}, expected 1")
-        return found
+            faults.append(f"axis has length {sum(x * x for x in self.axis) ** 0.5}, expected 1")
+        return faults
 
     def force(self, s: Array) -> Array:
-        """The force F [N] of any shape at positions s [m]."""
+        """The force F [N] at positions s [m] along the axis, both of any shape: k1 (s - x1) from x1
+        to 0, k2 (s - x2) from 0 to x2, else 0.
+        """
         rising = self.k1 * np.maximum(s - self.x1, 0.0)
         falling = self.k2 * np.minimum(s - self.x2, 0.0)
         return np.where(s <= 0, rising, falling)
@@ -54,9 +56,9 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """The potential energy `-integral F` of every body (T,) [J]."""
         s = (position - np.asarray(self.point)) @ np.asarray(self.axis)
-        low = np.clip(s, self.x1, 0.0) - self.x1
-        high = np.clip(s, 0.0, self.x2) - self.x2
         # Work of the force from x1 on: k1 (s - x1)^2/2, then k2 ((s - x2)^2 - x2^2)/2 more.
-        gained = 0.5 * self.k1 * low**2 + 0.5 * self.k2 * (high**2 - self.x2**2)
-        energy: Array = -np.sum(np.where(scene.bodies.fixed, 0.0, gained), axis=-1)
+        from_x1 = np.clip(s, self.x1, 0.0) - self.x1
+        from_x2 = np.clip(s, 0.0, self.x2) - self.x2
+        work = 0.5 * self.k1 * from_x1**2 + 0.5 * self.k2 * (from_x2**2 - self.x2**2)
+        energy: Array = -np.sum(np.where(scene.bodies.fixed, 0.0, work), axis=-1)
         return energy

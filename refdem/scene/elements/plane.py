@@ -16,7 +16,7 @@ class Plane(Element, frozen=True, kw_only=True, tag="plane"):
 
     def faults(self) -> list[str]:
         """Faults of the fields: a normal that is not a unit vector."""
-        size = sum(x * x for x in self.normal)
-        if abs(size - 1) < 1e-12:
+        square = sum(x * x for x in self.normal)
+        if abs(square - 1) < 1e-12:
             return []
-        return [f"normal has length {size**0.5}, expected 1"]
+        return [f"normal has length {square**0.5}, expected 1"]

@@ -56,7 +56,9 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         return super().dimension(field)
 
     def features(self) -> frozenset[str]:
-        """Dry friction is a feature of its own: it lowers the order of most methods."""
+        """The features of dry friction; `friction` is one of its own because it lowers the order of
+        most methods.
+        """
         names = {"slider", "friction"}
         if self.law != "coulomb":
             names.add("slider:stribeck")
@@ -65,7 +67,7 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         return frozenset(names)
 
     def faults(self) -> list[str]:
-        """A negative coefficient or normal force."""
+        """Faults of the fields: a negative coefficient or normal force."""
         names = ("friction", "normal_force", "mu0", "mu1", "lambda0", "lambda1")
         return [
             f"{name} is {value}, expected >= 0"
@@ -74,14 +76,16 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         ]
 
     def coefficient(self, speed: Any) -> Any:
-        """Friction over normal force at a speed |u| >= 0 [m/s]:
-        (mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 u^2, or lambda1 |u| where it is linear.
+        """Friction force over normal force at a speed |u| >= 0 [m/s].
+
+        Coulomb: `friction`. Stribeck: (mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 u^2, or lambda1
+        |u| for the last term (stribeck_linear).
         """
         if self.law == "coulomb":
             return self.friction
         if self.law == "stribeck":
-            last = speed * speed
+            rising = speed * speed
         else:
-            last = speed
+            rising = speed
         falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
-        return falling + self.mu1 + self.lambda1 * last
+        return falling + self.mu1 + self.lambda1 * rising

@@ -42,19 +42,20 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
             "spring:quadratic": self.quadratic != 0,
             "spring:cubic": self.cubic != 0,
         }
-        return frozenset({"spring", *(name for name, has in laws.items() if has)})
+        present = [name for name, is_present in laws.items() if is_present]
+        return frozenset({"spring", *present})
 
     def faults(self) -> list[str]:
-        """Negative length or an exponent that makes no restoring force."""
-        found = []
+        """Faults of the fields: a negative length, an exponent that is not > 0."""
+        faults = []
         if self.length < 0:
-            found.append(f"length is {self.length}, expected >= 0")
+            faults.append(f"length is {self.length}, expected >= 0")
         if self.exponent <= 0:
-            found.append(f"exponent is {self.exponent}, expected > 0")
-        return found
+            faults.append(f"exponent is {self.exponent}, expected > 0")
+        return faults
 
     def pull(self, stretch: Array) -> Array:
-        """Force [N] towards each other for stretch [m], both of any shape."""
+        """Force [N] that pulls the ends together at a stretch [m], both of any shape."""
         # k sgn(s) |s|^n + a s^2 + b s^3.
         s = np.asarray(stretch, float)
         power = self.stiffness * np.sign(s) * np.abs(s) ** self.exponent
@@ -62,13 +63,15 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         return pull
 
     def potential_size(self, position: Array, attitude: Array) -> Array:
-        """The potential (T,) [J] with the sizes of its terms: terms of opposite sign cancel, their
-        rounding does not.
+        """The sum (T,) [J] of the absolute terms of the potential, to which its rounding is
+        relative.
+
+        With s the absolute stretch: |k| s^(n+1)/(n+1) + |a| s^3/3 + |b| s^4/4.
         """
         s = np.abs(self.distance(position, attitude) - self.length)
-        size: Array = abs(self.stiffness) * s ** (self.exponent + 1) / (self.exponent + 1)
-        size += (abs(self.quadratic) / 3 + abs(self.cubic) * s / 4) * s**3
-        return size
+        total: Array = abs(self.stiffness) * s ** (self.exponent + 1) / (self.exponent + 1)
+        total += (abs(self.quadratic) / 3 + abs(self.cubic) * s / 4) * s**3
+        return total
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`stiffness |s|**(exponent+1) / (exponent+1) + quadratic s**3 / 3 + cubic s**4 / 4` (T,)

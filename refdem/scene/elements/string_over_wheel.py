@@ -32,20 +32,20 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
         return frozenset({"string_over_wheel", "constraint"})
 
     def faults(self) -> list[str]:
-        """Negative sizes, a wheel of no radius that would have to turn infinitely fast."""
-        found = [
+        """Faults of the fields: negative sizes, a wheel of radius 0 with inertia, no body b."""
+        faults = [
             f"{name} is {value}, expected >= 0"
             for name in ("radius", "inertia")
             if (value := getattr(self, name)) < 0
         ]
         if self.radius == 0 and self.inertia > 0:
-            found.append(
+            faults.append(
                 f"inertia is {self.inertia} at radius 0, expected 0: a point does not turn with the"
                 " string"
             )
         if self.b >= 0:
-            return found
-        return [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
+            return faults
+        return [*faults, f"b is {self.b}, expected a body: the world does not hang on a string"]
 
     @property
     def drag(self) -> float:

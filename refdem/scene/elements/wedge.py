@@ -32,33 +32,35 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
 
     @property
     def reversible(self) -> bool:
-        """Nothing in it knows the direction of time."""
+        """True: the force depends on place and orientation, not on the direction of time."""
         return True
 
     def faults(self) -> list[str]:
-        """Forces that do not press, a normal that is not a unit vector."""
-        found = [
+        """Faults of the fields: forces that do not press, a normal that is not a unit vector."""
+        faults = [
             f"{name} is {value}, expected > 0"
             for name in ("quadratic", "stiffness")
             if not (value := getattr(self, name)) > 0
         ]
-        size = sum(x * x for x in self.normal)
-        if abs(size - 1) < 1e-12:
-            return found
-        return [*found, f"normal has length {size**0.5}, expected 1"]
+        square = sum(x * x for x in self.normal)
+        if not abs(square - 1) < 1e-12:
+            faults.append(f"normal has length {square**0.5}, expected 1")
+        return faults
 
     def overlap(self, position: Array) -> Array:
-        """d (...) [m], negative before the wall, for position (..., 3)."""
+        """The overlap d (...) [m] with the wall at position (..., 3) [m], negative in front of
+        it.
+        """
         depth: Array = (np.asarray(self.point) - position) @ np.asarray(self.normal)
         return depth
 
     def edge_first(self, attitude: Array) -> Array:
-        """Whether the edge looks at the wall (...), for attitude (..., 4)."""
+        """True (...) where the edge points to the wall, for attitude (..., 4)."""
         # The edge points along y in body axes.
         y_axis = np.array([0.0, 1.0, 0.0])
         edge = rotated(attitude, np.broadcast_to(y_axis, (*attitude.shape[:-1], 3)))
-        looks: Array = edge @ np.asarray(self.normal) < 0
-        return looks
+        points_to_wall: Array = edge @ np.asarray(self.normal) < 0
+        return points_to_wall
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`quadratic d**3 / 3` or `stiffness d**2 / 2` of every body that presses (T,) [J]."""
