@@ -250,8 +250,9 @@ def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) ->
             break
         if number > 1:
             # The step lies inside. A wider disc is taken while it makes the series shorter.
-            order = found.jacobian_order(JACOBIAN_BITS)
-            if best is not None and order > best.jacobian_order(JACOBIAN_BITS):
-                break
+            if best is not None:
+                order = found.jacobian_order(JACOBIAN_BITS)
+                if order > best.jacobian_order(JACOBIAN_BITS):
+                    break
             best = found
     return best
