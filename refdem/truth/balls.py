@@ -132,7 +132,9 @@ def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
 
 
 def ball_of(value: arb) -> Ball:
-    """The same ball with exact rational midpoint and radius; ValueError if it is not finite."""
+    """The core ball, of exact rational midpoint and radius, of an Arb ball; ValueError if it is not
+    finite.
+    """
     if not value.is_finite():
         raise ValueError(f"{value} is not finite")
     return Ball(_exact(value.mid()), _exact(value.rad()))

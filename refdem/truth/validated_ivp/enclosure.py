@@ -171,11 +171,7 @@ def disc(
         here = tube.box(arb(0))
         rates = field.run(here)
         start = jacobian.run(here)
-        nearby = typical(
-            lambda radius: jacobian.run(tube.box(arb(radius))),
-            min(first, REACH / quickest(start)) / 3,
-        )
-        weights = weighted(rates, nearby or start, 1 / first, least)
+        weights = chosen_weights(jacobian, tube, rates, start, first=first, least=least)
         speed_here = norm(rates, weights)
         stiff = matrix_norm(start, weights)
         # Keeps the ratio of speeds from 0/0 where the motion rests.
@@ -203,6 +199,25 @@ def disc(
         if short:
             return grown(begun, jacobian, tube, norm(radii, weights), stiff)
         return None
+
+
+def chosen_weights(
+    jacobian: Program,
+    tube: Tube,
+    rates: Sequence[acb],
+    start: Sequence[acb],
+    *,
+    first: float,
+    least: Sequence[arb],
+) -> list[arb]:
+    """The weights of the norm in which a disc is proved, from f (`rates`) and J (`start`) at T(0).
+
+    |J| may vanish there by chance: it is taken on a disc on which the motion is typical, if there
+    is one. Other arguments are those of `disc`.
+    """
+    radius = min(first, REACH / quickest(start)) / 3
+    nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), radius)
+    return weighted(rates, nearby or start, 1 / first, least)
 
 
 def highest(value: Callable[[float], float], first: float) -> float:
