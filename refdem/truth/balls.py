@@ -1,5 +1,5 @@
-"""From parameters to Arb balls and back to exact core balls, at a working precision that is raised
-until it suffices.
+"""Arb balls: made from exact parameters, turned into exact core balls, at a working precision that
+is raised until it suffices.
 """
 
 from abc import ABC, abstractmethod
@@ -33,11 +33,11 @@ Result = TypeVar("Result")
 
 
 def exclusive(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-    """The same function, run by one thread at a time.
+    """A decorator: the function is run by one thread at a time.
 
     A second thread that set the precision, or cut a series short, meanwhile would change every ball
-    of the first one. A thread that holds the lock may call further; it must not wait inside
-    `precision` for another thread that proves something.
+    of the first one. A thread that holds the lock may call other such functions; it must not wait
+    inside `precision` for another thread that proves something.
     """
 
     @wraps(function)
@@ -49,11 +49,12 @@ def exclusive(function: Callable[Parameters, Result]) -> Callable[Parameters, Re
 
 
 class Guarded:
-    """Something that one thread at a time asks, and that is made of exact numbers alone.
+    """A base of everything that proves: one thread at a time, and from exact numbers alone.
 
-    Its public methods and its constructor are run by one thread at a time: so the proofs that any
-    number of threads make are, bit for bit, those that one thread makes. Its constructor refuses
-    what is rounded where it is annotated with exact numbers: 1/3 of ints is, and 0.1 is not 1/10.
+    Public methods and the constructor are run by one thread at a time: so the proofs that any
+    number of threads make are, bit for bit, those that one thread makes. The constructor refuses
+    rounded numbers where it is annotated with exact ones: 1/3 of ints is rounded, and 0.1 is not
+    1/10.
     """
 
     def __init_subclass__(cls, **named: Any) -> None:
@@ -83,8 +84,8 @@ def precision(bits: int) -> Iterator[None]:
 
 @contextmanager
 def series_length(terms: int) -> Iterator[None]:
-    """How many terms power series keep, restored afterwards; other threads that ask for one
-    wait.
+    """The number of terms that power series keep, restored afterwards; other threads that ask for
+    one wait.
     """
     with CONTEXT:
         before = ctx.cap
@@ -117,28 +118,30 @@ class Enclosed(ABC):
 
 
 def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
-    """A ball that contains an exact number, at the current precision; a ball is one already.
+    """A ball that contains an exact number, at the current precision; a ball is returned as it is.
 
-    This is the door through which numbers enter a proof: TypeError for a binary64, a Decimal or
-    anything else that is rounded.
+    All numbers enter a proof through this function: TypeError for a binary64, a Decimal or anything
+    else that is rounded.
     """
     if isinstance(value, arb):
         return value
     if isinstance(value, Enclosed):
         return value.ball()
     if isinstance(value, bool) or not isinstance(value, int | Fraction):
-        told = (
+        message = (
             f"a proof got {value!r} ({type(value).__name__}); expected an exact rational (Fraction"
             " or int) or a ball"
         )
-        raise TypeError(f"{told}: a rounded number is not the number that was meant")
+        raise TypeError(f"{message}: a rounded number is not the number that was meant")
     exact = Fraction(value)
     return arb(fmpq(exact.numerator, exact.denominator))
 
 
 def ball_of(value: arb) -> Ball:
-    """A ball with exact rational midpoint and radius that holds this one, and is the same unless
-    one of them is below 2^-FARTHEST; ValueError if it is not finite, or above 2^FARTHEST.
+    """The core ball, of exact rational midpoint and radius, that holds an Arb ball.
+
+    It is the same ball unless one of these numbers is below 2^-FARTHEST. ValueError if the ball is
+    not finite, or above 2^FARTHEST.
     """
     if not value.is_finite():
         raise ValueError(f"{value} is not finite")
@@ -165,7 +168,7 @@ def _size(value: arb) -> int:
 
 
 def _exact(value: arb) -> Fraction:
-    """The exact value; ValueError if it is too large to be written down."""
+    """The rational value of a ball without a radius; ValueError above 2^FARTHEST."""
     mantissa, exponent = value.man_exp()
     if _size(value) > FARTHEST:
         raise ValueError(f"a value above 2^{FARTHEST} is too large to be told")
@@ -181,13 +184,13 @@ def largest(values: Sequence[arb | acb]) -> arb:
     """An exact upper bound of all absolute values (0 if there are none); nan if one is not
     finite.
     """
-    found = arb(0)
+    largest_bound = arb(0)
     for bound in map(outward, values):
         if not bound.is_finite():
             return arb("nan")
-        if bound > found:
-            found = bound
-    return found
+        if bound > largest_bound:
+            largest_bound = bound
+    return largest_bound
 
 
 def nearest_integer(value: arb) -> int:
@@ -201,9 +204,9 @@ class UndecidedError(ValueError):
     """Balls at this precision cannot tell which branch of a formula holds, or cannot follow a
     motion.
 
-    `code` says which end it is if no precision helps (errors.py lists them); `final`: more bits
-    would not help. Where a motion was followed for a while, `time` [s] is how far, and `balls` has
-    its last certified state.
+    `code` says which end it is if no precision helps (errors.py lists them); `final` says that more
+    bits would not help. Where a motion was followed up to a `time` [s], `balls` has its state
+    there, the last certified one.
     """
 
     def __init__(
@@ -223,15 +226,15 @@ class UndecidedError(ValueError):
 
 
 SPARE = 32
-"""Bits more than a radius is too large by: what it loses grows a little with the precision's own
-roundings.
+"""The bits by which the precision is raised beyond those that a radius is too large by: a radius
+grows a little with the roundings of a longer computation.
 """
 
 
 @dataclass(frozen=True)
 class Climb:
-    """What raising the precision came to: the last balls (None if the last precision gave none),
-    why there are none, the last bits.
+    """The outcome of raising the precision: the last `balls` (None if the last precision gave
+    none), the `reason` why there are none, and the last precision [bit].
     """
 
     balls: dict[str, Ball] | None
@@ -242,11 +245,11 @@ class Climb:
 def climbed(
     evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384
 ) -> Climb:
-    """Evaluates at rising precision until every radius is at most `target`, or `most` bits are
-    reached, or no bits can help.
+    """The balls of a formula, evaluated at rising precision until every radius is at most `target`.
 
-    Bits rise by what the largest radius lacks, and twofold where the formula is undecided or not
-    finite.
+    It also ends where `most` bits are reached, or no bits can help. The precision begins at `bits`.
+    It rises by the bits that the largest radius is too large by, and twofold where the formula is
+    undecided or not finite.
     """
     while True:
         balls: dict[str, Ball] | None = None
@@ -257,18 +260,19 @@ def climbed(
             except ValueError as error:
                 reason = error
         if balls is None:
-            worst = None
+            largest_radius = None
         else:
-            worst = max((ball.radius for ball in balls.values()), default=Fraction(0))
-        is_met = worst is not None and worst <= target
+            largest_radius = max((ball.radius for ball in balls.values()), default=Fraction(0))
+        is_met = largest_radius is not None and largest_radius <= target
         is_final = isinstance(reason, UndecidedError) and reason.final
         if is_met or bits >= most or is_final:
             return Climb(balls, reason, bits)
-        if worst is None:
-            lacking = bits
+        if largest_radius is None:
+            more_bits = bits
         else:
-            lacking = max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
-        bits = min(most, bits + lacking)
+            missing_bits = (largest_radius / target).__ceil__().bit_length()
+            more_bits = max(bits // 4, missing_bits + SPARE)
+        bits = min(most, bits + more_bits)
 
 
 def refined(

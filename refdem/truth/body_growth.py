@@ -378,6 +378,9 @@ class Tumbling(BodyGrowth):
         return self.instants[:count]
 
     def unrounded_at(self, t: Fraction) -> float:
+        """S(t) before it is rounded up: the largest growth of the errors of this period (whole
+        cells, and the last one) and of earlier ones.
+        """
         time = arb_of(t)
         periods = 0
         since = time
@@ -533,6 +536,11 @@ class Spinning(BodyGrowth):
         self.followed = Fraction(float(2 * arb.pi() * TURNS / self.rate))
 
     def unrounded_at(self, t: Fraction) -> float:
+        """S(t) before it is rounded up: the largest growth over elapsed times of up to TURNS, cell
+        by cell, and over longer ones.
+
+        D(tau) = along + x across + y across C + what turns with exp(-i omega tau).
+        """
         read = self.read(t, self.axes, self.omega, self.length)
         elapsed = min(t, self.followed)
         self.cover(elapsed)
@@ -569,14 +577,16 @@ class Spinning(BodyGrowth):
         return self.sources(self.axes, self.length)[None]
 
     def along_part(self, times: Sequence[arb]) -> Near:
-        """What errors along M become (cells, 6, 6): alpha stays, and p grows by omega alpha tau."""
+        """The part of D for errors along M (cells, 6, 6): alpha stays, p grows by omega alpha
+        tau.
+        """
         one = exact(np.ones(len(times)))
         turned = near([time * self.rate for time in times])
         return filled({(0, 0): one, (0, 3): turned, (3, 3): one})
 
     def across_parts(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[Near]:
-        """What changes across M become, v(t) = x v(s) + y C v(s) and psi = -i v, as the part of x
-        and the part of y (cells, 6, 6).
+        """The two parts of D for changes across M (cells, 6, 6 each): that of x and that of y in
+        v(t) = x v(s) + y C v(s), with psi = -i v.
 
         `cosines` has x and `sines` y of each cell.
         """

@@ -28,7 +28,7 @@ DISPLACEMENT = Fraction(1, 2**120)
 
 
 class Remembers(Protocol):
-    """What keeps its findings."""
+    """A truth that keeps what it has computed in `kept`."""
 
     @property
     def kept(self) -> dict[Any, Any]: ...
@@ -39,17 +39,19 @@ Kept = TypeVar("Kept")
 
 
 def per_precision(method: Callable[[Owner], Kept]) -> Callable[[Owner], Kept]:
-    """Keeps what a method without arguments returns, once for each working precision."""
+    """A decorator that keeps what a method without arguments returns, once for each working
+    precision.
+    """
 
     @wraps(method)
-    def kept(self: Owner) -> Kept:
+    def evaluated_once(self: Owner) -> Kept:
         key = (method.__name__, ctx.prec)
         if key not in self.kept:
             self.kept[key] = method(self)
-        found: Kept = self.kept[key]
-        return found
+        result: Kept = self.kept[key]
+        return result
 
-    return kept
+    return evaluated_once
 
 
 class ClosedForm(Guarded, Truth):
@@ -57,7 +59,7 @@ class ClosedForm(Guarded, Truth):
 
     `refiner` proves values and has their scales and digits; `proof_of_s` proves S. `state` names,
     for each coordinate of the start, the quantity in whose scale that coordinate is displaced.
-    `told` names the quantities that are told; empty for all.
+    `told` names the quantities that `at` returns; empty for all.
     """
 
     refiner: Refiner
@@ -80,8 +82,8 @@ class ClosedForm(Guarded, Truth):
 
     @abstractmethod
     def growth(self) -> Grows:
-        """How errors of this motion grow, at the current precision (refdem/truth/growth.py); kept
-        by `per_precision`.
+        """The growth S of this motion's errors, at the current precision (refdem/truth/growth.py);
+        families keep it by `per_precision`.
         """
 
     def constants(self) -> dict[str, arb]:
@@ -90,7 +92,7 @@ class ClosedForm(Guarded, Truth):
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
-        """What was found, by what it depends on besides the start."""
+        """Results that are kept, by what they depend on besides the start."""
         return {}
 
     @property
@@ -138,5 +140,5 @@ class ClosedForm(Guarded, Truth):
             self.kept["sensitivity", t] = self.proof_of_s.at(
                 self.growth, t, lambda: self.refiner.at_start(t, self.evaluated_at_0)
             )
-        found: float = self.kept["sensitivity", t]
-        return found
+        bound: float = self.kept["sensitivity", t]
+        return bound

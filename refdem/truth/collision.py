@@ -32,7 +32,13 @@ Formula = Callable[[], dict[str, arb]]
 
 
 class Collision(Guarded, Truth):
-    """The motion through a contact, in the units of its phases, as quantities of the bodies."""
+    """The motion through a contact as quantities of the bodies.
+
+    `phases` are those of the contact, in units of their own; `proof` follows them from event to
+    event; `effective_mass` [kg] is that of the relative motion. Errors are counted in the
+    quantities of both bodies, while a mode knows their relative motion only: `beside`, `chart` and
+    `drift` add the centre of mass, which moves uniformly.
+    """
 
     phases: LinearContact
     proof: EventProof[ContactMotion]
@@ -46,7 +52,7 @@ class Collision(Guarded, Truth):
         *,
         digits: int,
     ) -> None:
-        """Sets what is followed, and to how many digits."""
+        """Sets the phases that are followed, the scales of the quantities, and the digits."""
         self.phases = phases
         self.effective_mass = effective_mass
         self.proof = EventProof(self, Refiner.of(scale, digits=digits), "two-spheres ")
@@ -57,18 +63,20 @@ class Collision(Guarded, Truth):
 
     @abstractmethod
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
-        """Every quantity from what a motion says, in SI units."""
+        """Every quantity from the relative positions, velocities and spins (`relative`), in SI
+        units.
+        """
 
     @abstractmethod
     def drifting(self) -> Sequence[int]:
-        """The relative coordinates that have a counterpart of the centre of mass: places, then
+        """The numbers of the relative coordinates that the centre of mass has too: positions, then
         velocities.
         """
 
     @abstractmethod
     def bodies(self) -> arb_mat:
-        """The coordinates `counted`, and what only the mode knows, by the coordinates of the mode
-        and those of the centre of mass.
+        """The derivative of the quantities `counted`, and of the coordinates that only the mode
+        knows, by the coordinates of the mode and those of the centre of mass.
         """
 
     @abstractmethod
@@ -113,9 +121,12 @@ class Collision(Guarded, Truth):
         formula = self.formula_at(t)
         if formula is not None:
             return self.proof.refiner.balls(formula, what)
-        return self.proof.climbed(
-            lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what
-        )
+
+        def quantities_at_t(motion: ContactMotion) -> dict[str, arb]:
+            relative = motion.place(self.clock(t))
+            return self.quantities(self.in_si(relative))
+
+        return self.proof.climbed(quantities_at_t, what)
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""
@@ -125,14 +136,18 @@ class Collision(Guarded, Truth):
         return self.proof.climbed(self.extremes, "scalars")
 
     def sensitivity(self, t: Fraction) -> float:
-        """S(t), with the jump matrix at each event; where nothing slips it leaves friction out: a
-        slip that a small displacement starts is soon stuck again.
+        """S(t), with the jump matrix at each event.
+
+        Where nothing slips friction is left out: a slip that a small displacement starts is soon
+        stuck again.
         """
         return self.proof.sensitivity(t)
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """The forecast of the contact, half a period of its spring, which the scalars ask for
-        whatever t is; what comes after it costs nothing.
+        """CPU seconds that `at(t)` to so many digits is about to cost: those of the contact, which
+        lasts half a period of its spring.
+
+        The scalars ask for the whole contact whatever t is; what comes after it costs nothing.
         """
         if self.formula_of_scalars() is not None:
             return 0.0
@@ -152,15 +167,18 @@ class Collision(Guarded, Truth):
         kept: dict[Any, Any] = self.proof.kept
         if "traced" not in kept:
             kept["traced"] = TracedContact(self.phases)
-        found: TracedContact = kept["traced"]
-        return found
+        contact: TracedContact = kept["traced"]
+        return contact
 
     def clock(self, t: Fraction) -> arb:
-        """A time in units of the phases'."""
+        """The time t [s] in the phases' unit of time."""
         return arb_of(t / self.phases.time)
 
     def in_si(self, place: Sequence[arb]) -> list[arb]:
-        """What a motion says of places, velocities and spins, in SI units."""
+        """Positions, velocities and spins of a motion, from the units of the phases to SI units.
+
+        What follows them in `place` (spring, clock) is left out.
+        """
         return [value * arb_of(unit) for value, unit in zip(place, self.units(), strict=False)]
 
     def last_state(self, state: Sequence[arb]) -> tuple[dict[str, arb], float]:
@@ -170,37 +188,42 @@ class Collision(Guarded, Truth):
         return self.quantities(self.in_si(place)), time
 
     def contact_extremes(self, motion: ContactMotion) -> dict[str, arb]:
-        """duration, restitution, max_overlap, and max_force where it is proved."""
+        """The scalars of a contact: duration [s], restitution, max_overlap [m], and max_force [N]
+        where it is proved.
+        """
         motion.part()
         end = motion.events[-1]
         phases = self.phases
-        hardest = motion.hardest()
-        found = {
+        largest_force = motion.hardest()
+        scalars = {
             "duration": end.time * arb_of(phases.time),
             "restitution": motion.restitution(),
             "max_overlap": motion.deepest() * arb_of(phases.length),
         }
-        if hardest is None:
-            return found
-        force = arb_of(self.effective_mass * phases.speed / phases.time)
-        return {**found, "max_force": hardest * force}
+        if largest_force is None:
+            return scalars
+        # The unit of force is m V/T.
+        unit_of_force = arb_of(self.effective_mass * phases.speed / phases.time)
+        return {**scalars, "max_force": largest_force * unit_of_force}
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """The coordinates of a mode but its clock, and then those of the centre of mass at the
-        start.
+        """The derivative of a mode's coordinates without its clock (`inner`, less a row and a
+        column), and beside it the unit matrix of the centre of mass at the start.
         """
         count = inner.nrows() - 1
         drift = len(self.drifting())
         table = inner.table()
         rows = [table[i][:count] + [arb(0)] * drift for i in range(count)]
-        kept = [
-            [arb(int(i == j)) for j in range(count + drift)] for i in range(count, count + drift)
-        ]
-        return arb_mat(rows + kept)
+        for i in range(count, count + drift):
+            rows.append([arb(int(i == j)) for j in range(count + drift)])
+        return arb_mat(rows)
 
     def chart(self, motion: ContactMotion, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """Errors of both bodies, as `bodies` has them, by those of the mode's coordinates and of
-        the centre of mass at the start.
+        """The errors of both bodies, in scales, by those of the mode's coordinates and of the
+        centre of mass at the start.
+
+        1/scale . bodies . diag(units . d place/d state, drift): from the coordinates of the mode to
+        relative positions, velocities and spins in SI units, and on to those of both bodies.
         """
         slopes = motion.traced.slopes(motion.name(phase), state).table()
         count = len(slopes) - 1
@@ -212,48 +235,51 @@ class Collision(Guarded, Truth):
             for row, unit in zip(slopes[:count], units, strict=True)
         ]
         seconds = state[-1] * arb_of(self.phases.time)
-        moved = arb_mat(relative + [[arb(0)] * count + row for row in self.drift(seconds)])
-        rows = (self.bodies() * moved).table()
-        return arb_mat(
-            [
-                [entry / size for entry in row]
-                for row, size in zip(rows, self.own_scales(), strict=True)
-            ]
-        )
+        centre_of_mass = [[arb(0)] * count + row for row in self.drift(seconds)]
+        rows = (self.bodies() * arb_mat(relative + centre_of_mass)).table()
+        scaled_rows = []
+        for row, scale in zip(rows, self.scales_of_coordinates(), strict=True):
+            scaled_rows.append([entry / scale for entry in row])
+        return arb_mat(scaled_rows)
 
     def drift(self, seconds: arb) -> list[list[arb]]:
-        """Errors of the centre of mass, after a time, by those at the start: it moves uniformly."""
+        """The errors of the centre of mass after `seconds` by those at the start: x + t v."""
         count = len(self.drifting())
         rows = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
-        for place in range(count // 2):
-            velocity = place + count // 2
-            rows[place][velocity] = seconds
+        for position in range(count // 2):
+            velocity = position + count // 2
+            rows[position][velocity] = seconds
         return rows
 
-    def own_scales(self) -> list[arb]:
-        """The scales of the quantities; of what only the mode knows, its unit."""
-        sizes = [arb_of(self.scale[name]) for name in self.counted()]
-        return sizes + [arb(1)] * (self.phases.size - 1 + len(self.drifting()) - len(sizes))
+    def scales_of_coordinates(self) -> list[arb]:
+        """The scales of the quantities `counted`, and 1 for each coordinate that only the mode
+        knows.
+        """
+        scales = [arb_of(self.scale[name]) for name in self.counted()]
+        count = self.phases.size - 1 + len(self.drifting())
+        return scales + [arb(1)] * (count - len(scales))
 
     def parts(self) -> list[int]:
         """Every coordinate is measured alone."""
-        return [1] * len(self.own_scales())
+        return [1] * len(self.scales_of_coordinates())
 
     def struck(self) -> Sequence[int]:
-        """Errors are made in the coordinates of the bodies."""
+        """The coordinates in which errors are made: those of the bodies."""
         return range(len(self.counted()))
 
     def readings(self, motion: ContactMotion, t: arb) -> arb_mat:
-        """The quantities themselves."""
-        count = len(self.own_scales())
+        """The rows of the unit matrix for the quantities: they are coordinates themselves."""
+        count = len(self.scales_of_coordinates())
         return arb_mat([[arb(int(i == j)) for j in range(count)] for i in self.struck()])
 
 
 def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -> arb_mat:
-    """The coordinates of two bodies and what only the mode knows, by those of the relative motion,
-    the spins, the rest, and the centre of mass.
+    """The derivative of the coordinates of two bodies, and of those that only the mode knows, by
+    those of the relative motion, the spins, the rest, and the centre of mass.
 
-    Body 1 has the share m2/M of the relative motion, body 2 the share -m1/M.
+    x1 = x_c + m2/M r, x2 = x_c - m1/M r, with r = x1 - x2. `shares` are m1/M and m2/M, `drifting`
+    the numbers of the relative positions and velocities, `size` is the number of coordinates of the
+    mode without its clock.
     """
     count = size + len(drifting)
     rows = [[arb(0)] * count for _ in range(count)]
@@ -262,6 +288,7 @@ def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -
             row = rows[body * len(drifting) + i]
             row[i] = share
             row[size + i] = arb(1)
+    # Spins, and what only the mode knows, stay what they are.
     for i in range(len(drifting), size):
         rows[len(drifting) + i][i] = arb(1)
     return arb_mat(rows)

@@ -1,5 +1,5 @@
-"""What follows from the parameters of a contact: masses of spheres, the dashpot of a restitution,
-Hertz's and Mindlin's stiffness.
+"""Numbers that follow from the parameters of a contact: masses of spheres, the dashpot of a
+restitution, Hertz's and Mindlin's stiffness.
 """
 
 from fractions import Fraction
@@ -11,8 +11,8 @@ from refdem.truth.power_contact import root as solved
 from refdem.truth.reals import Number, Real, logarithm, pi, root
 
 LEAST_SLOPE = Fraction(2, 3)
-"""Of 2 - 2 sqrt(z) cot sqrt(z) by z, for every 0 <= z < pi^2: all coefficients of its power series
-are positive, the first is 2/3.
+"""The least derivative by z of h(z) = 2 - 2 sqrt(z) cot sqrt(z), for 0 <= z < pi^2: all
+coefficients of its power series are positive, the first is 2/3.
 """
 
 
@@ -34,6 +34,7 @@ def dashpot(
     alpha cot alpha = D until the force does, with D = ln(1/e), which is below 2 for every damping
     that is not over-critical: ValueError for an e that is not above exp(-2) there.
     """
+    # D = ln(1/e), and c = 2 cos(alpha) sqrt(m k).
     decay = -logarithm(restitution)
     if not decay:
         return Fraction(0)
@@ -41,8 +42,8 @@ def dashpot(
         return 2 * decay * root(mass * stiffness / (pi() ** 2 + decay**2))
     if not decay < 2:
         raise ValueError(f"restitution {restitution} is not above exp(-2)")
-    found: Number = 2 * Real(lambda: damping_cosine(arb_of(decay))) * root(mass * stiffness)
-    return found
+    damping: Number = 2 * Real(lambda: damping_cosine(arb_of(decay))) * root(mass * stiffness)
+    return damping
 
 
 def damping_cosine(decay: arb) -> arb:
@@ -55,16 +56,14 @@ def damping_cosine(decay: arb) -> arb:
     is never above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in
     rounding.
     """
-    gap = 2 - decay
+    goal = 2 - decay
     least = arb_of(LEAST_SLOPE)
-    most = arb((gap / least).upper())
-    square = arb(0).union(most)
-    if gap > 0:
-        found = solved(shortfall, shortfall_slope, gap, least)
-        if found.is_finite() and found > 0:
-            square = found
-        else:
-            square = square
+    # All z that the bound (2 - decay)/LEAST_SLOPE allows, and the root itself where it is found.
+    square = arb(0).union(arb((goal / least).upper()))
+    if goal > 0:
+        z = solved(shortfall, shortfall_slope, goal, least)
+        if z.is_finite() and z > 0:
+            square = z
     # cos sqrt(z) falls with z: its values at both ends of z are sharper than that of a ball, whose
     # radius sqrt would blow up near 0.
     low = arb(square.upper()).sqrt().cos()
@@ -76,15 +75,15 @@ def damping_cosine(decay: arb) -> arb:
 
 
 def shortfall(square: arb) -> arb:
-    """h(z) = 2 - 2 sqrt(z) cot sqrt(z) at z = `square`."""
+    """The function h(z) = 2 - 2 sqrt(z) cot sqrt(z) of `damping_cosine` at z = `square`."""
     angle = square.sqrt()
     return 2 - 2 * angle.cos() / angle.sinc()
 
 
 def shortfall_slope(square: arb) -> arb:
-    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps.
+    """The derivative h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps.
 
-    LEAST_SLOPE where rounding would spoil it.
+    LEAST_SLOPE where rounding would spoil it; no proof rests on it.
     """
     cotangent = 1 - shortfall(square) / 2
     slope = (square - cotangent + cotangent * cotangent) / square

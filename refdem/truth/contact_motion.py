@@ -1,5 +1,5 @@
-"""The collision of two spheres from phase to phase, at one precision: places, their derivatives by
-the start, and extremes.
+"""The collision of two spheres followed from phase to phase, at one precision: positions, their
+derivatives by the start, and extremes.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,18 +18,27 @@ from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LONGEST = 128
-"""Units of time, each at most the shortest of the law: a contact that has not ended by then is
-left.
+"""The longest contact that is followed, in the phases' unit of time, which is at most the shortest
+time of the law.
 """
 PRESSES = ("press", "slip", "slip back", "stick", "hold")
+"""The modes in which the normal force presses."""
 
 
 HIGHEST = 2
-"""Guards of a contact vanish at an entry to the second order at most."""
+"""The highest derivative of a guard: those of a contact vanish at an entry to the second order at
+most.
+"""
 
 
 class TracedContact:
-    """A pair's modes as programs, with those of the places and of what has extremes."""
+    """A pair's modes as programs, with programs of positions and of the quantities that have
+    extremes.
+
+    `places` has, by whether the spheres fly, the programs of the positions and of their Jacobian;
+    `closing` and `steepening` have, by mode, those of the closing speed and of the rate of the
+    force, each with its own rate.
+    """
 
     def __init__(self, phases: LinearContact) -> None:
         self.phases = phases
@@ -39,13 +48,11 @@ class TracedContact:
             for name, mode in modes.items()
         }
         self.places = {
-            flies: traced_map(partial(phases.place, "apart" if flies else "contact"), phases.size)
-            for flies in (False, True)
+            False: traced_map(partial(phases.place, "contact"), phases.size),
+            True: traced_map(partial(phases.place, "apart"), phases.size),
         }
-        self.force, self.overlap = (
-            Program(traced(single(value), phases.size)[0])
-            for value in (phases.force, phases.overlap)
-        )
+        self.force, _ = traced_map(single(phases.force), phases.size)
+        self.overlap, _ = traced_map(single(phases.overlap), phases.size)
         contact = {name: mode for name, mode in modes.items() if name != "apart"}
         self.closing = {
             name: rates(phases.closing, mode.field, phases.size) for name, mode in contact.items()
@@ -56,12 +63,15 @@ class TracedContact:
         }
 
     def place(self, mode: str, y: Sequence[arb]) -> list[arb]:
-        """x, y, vx, vy, o1, o2, s, clock; in space as SpatialPhases says."""
-        return self.places[mode == "apart"][0].run(y)
+        """x, y, vx, vy, o1, o2, s, clock of a state; in space as SpatialPhases has them."""
+        values, _ = self.places[mode == "apart"]
+        return values.run(y)
 
     def slopes(self, mode: str, y: Sequence[arb]) -> arb_mat:
-        """The derivatives of the quantities by the state, as a square matrix."""
-        return arb_mat(self.phases.size, self.phases.size, self.places[mode == "apart"][1].run(y))
+        """The derivative of `place` by the state y, as a square matrix."""
+        _, jacobian = self.places[mode == "apart"]
+        size = self.phases.size
+        return arb_mat(size, size, jacobian.run(y))
 
 
 def single(value: Callable[[Sequence[Any]], Any]) -> Callable[[Sequence[Any]], list[Any]]:
@@ -72,7 +82,7 @@ def single(value: Callable[[Sequence[Any]], Any]) -> Callable[[Sequence[Any]], l
 def traced_map(
     function: Callable[[Sequence[Any]], Sequence[Any]], size: int
 ) -> tuple[Program, Program]:
-    """A map of a state of that size, and its Jacobian row by row."""
+    """Programs of a map of a state of that size, and of its Jacobian, row by row."""
     outputs, rows = traced(function, size)
     return Program(outputs), Program([entry for row in rows for entry in row])
 
@@ -82,13 +92,14 @@ def rates(
     field: Callable[[Sequence[Any]], Sequence[Any]],
     size: int,
 ) -> list[Program]:
-    """A function of the state and its rate along a field."""
+    """Programs of a function of the state and of its rate along a field."""
     nodes, _ = traced(lambda y: [value(y), *field(y)], size)
-    return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
+    function, *field_rates = nodes
+    return [Program([function]), Program([along(function, field_rates)])]
 
 
 class ContactMotion(Followed):
-    """A motion that knows when the spheres part, how deep they press, and how hard."""
+    """The motion of two spheres through a contact, with its end, its largest overlap and force."""
 
     def __init__(self, traced_contact: TracedContact, bits: int) -> None:
         self.traced = traced_contact
@@ -109,23 +120,23 @@ class ContactMotion(Followed):
             return self.traced.place(self.name(phase), state)
 
     def slopes(self, t: arb) -> arb_mat:
-        """The derivative of these by the state at t."""
+        """The derivative of `place` by the state at t."""
         phase = self.phase(t)
         state = self.at(t)
         with precision(self.bits + GUARD):
             return self.traced.slopes(self.name(phase), state)
 
     def restitution(self) -> arb:
-        """Speed along the normal where the force ends over that at touch."""
-        closing = {name: programs[0].run for name, programs in self.traced.closing.items()}
+        """The restitution: the speed along the normal where the force ends over that at touch."""
         first = self.phases[0]
         last = self.phases[-2]
+        _, _, _, states_at_end = last.crossing()
+        closing_at_end, _ = self.traced.closing[self.name(last)]
+        closing_at_touch, _ = self.traced.closing[self.name(first)]
         with precision(self.bits + GUARD):
-            found: arb = (
-                -closing[self.name(last)](last.crossing()[3])[0]
-                / closing[self.name(first)](first.entered)[0]
-            )
-            return found
+            parting_speed = -closing_at_end.run(states_at_end)[0]
+            ratio: arb = parting_speed / closing_at_touch.run(first.entered)[0]
+            return ratio
 
     def part(self) -> None:
         """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
@@ -138,75 +149,75 @@ class ContactMotion(Followed):
             self.follow()
 
     def stretches(self) -> Iterator[tuple[str, Piece, arb, arb]]:
-        """Mode, piece, begin and end of each piece of the contact since its own begin; the last one
-        ends with a phase.
+        """The mode, the piece, and begin and end [unit of time, since the piece's begin] of what of
+        it belongs to the contact, for all pieces in order of time.
         """
         for phase in self.phases[:-1]:
             assert phase.ends is not None
+            _, when = phase.ends
             for piece in phase.pieces:
-                end = min(piece.end, phase.searched)
-                final = phase.ends[1] - arb_of(piece.begin)
-                if piece is phase.piece(phase.ends[1]):
-                    high = final
-                else:
-                    high = arb_of(end - piece.begin)
-                yield self.name(phase), piece, arb(0), high
-                if high is final:
+                if piece is phase.piece(when):
+                    # The event ends the phase within this piece.
+                    yield self.name(phase), piece, arb(0), when - arb_of(piece.begin)
                     break
+                end = min(piece.end, phase.searched)
+                yield self.name(phase), piece, arb(0), arb_of(end - piece.begin)
 
     def deepest(self) -> arb:
-        """The largest overlap: where its rate is first zero."""
+        """The largest overlap a: that where its rate, the closing speed, is first zero.
+
+        SwitchError where that is not proved.
+        """
         with precision(self.bits + GUARD):
             for name, piece, low, high in self.stretches():
                 turn = first_crossing(watched(piece, self.traced.closing[name]), low, high)
                 if turn is not None:
-                    found: arb = self.traced.overlap.run(piece.at(turn))[0]
-                    return found
+                    overlap: arb = self.traced.overlap.run(piece.at(turn))[0]
+                    return overlap
         raise SwitchError("precision", "no turn of the overlap is proved", 0.0)
 
     def hardest(self) -> arb | None:
-        """The largest normal force (K a + C u), at the start or where it first falls.
+        """The largest normal force F = K a + C u: that at touch, or where F first begins to fall.
 
-        None where it is not proved to fall from there on.
+        None where F is not proved to fall from there on.
         """
         force = self.traced.force.run
         with precision(self.bits + GUARD):
             start = self.phases[0].entered
-            rises = sign(self.traced.steepening["press"][0].run(start)[0], "dF/dt at touch") > 0
-            if rises:
-                most = None
+            rate_at_touch = self.traced.steepening["press"][0].run(start)[0]
+            if sign(rate_at_touch, "dF/dt at touch") > 0:
+                largest = None
             else:
-                most = force(start)[0]
+                largest = force(start)[0]
             for name, piece, low, high in self.stretches():
                 if name not in PRESSES:
                     break
+                rate_of_force = self.traced.steepening[name]
                 begin = low
                 touching = 0
-                if most is None:
-                    top = first_crossing(watched(piece, self.traced.steepening[name]), low, high)
+                if largest is None:
+                    # F rises so far: its top is where the rate is first zero.
+                    top = first_crossing(watched(piece, rate_of_force), low, high)
                     if top is None:
                         continue
-                    most = force(piece.at(top))[0]
+                    largest = force(piece.at(top))[0]
                     begin = top
                     touching = 1
-                if (
-                    first_crossing(
-                        watched(piece, self.traced.steepening[name], touching, sense=-1),
-                        begin,
-                        high,
-                    )
-                    is not None
-                ):
+                falling = watched(piece, rate_of_force, touching, sense=-1)
+                if first_crossing(falling, begin, high) is not None:
                     return None
-            return most
+            return largest
 
 
 def watched(
     piece: Piece, programs: Sequence[Program], touching: int = 0, *, sense: int = 1
 ) -> Watched:
-    """A function of the state (or its negative) along a piece."""
+    """A function of the state, with its rate, along a piece; negated if `sense` is -1.
 
-    def seen(program: Program) -> Along:
+    `touching` is the order of its zero at the begin.
+    """
+
+    def along_piece(program: Program) -> Along:
         return lambda t: sense * program.run(piece.at(t))[0]
 
-    return Watched("an extreme", [seen(program) for program in programs], touching)
+    return Watched("an extreme", [along_piece(program) for program in programs], touching)

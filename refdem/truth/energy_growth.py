@@ -28,7 +28,7 @@ Hypotheses, and where each is checked:
   raises UnsharpError where W is not known;
 * P, K and H' are those of the family: `Line.neighbour`, in closed form, which the families derive;
 * |f'| is at most `Line.steepest` all along the motion: an exact number of each family;
-* the cells cover all times at which errors are made: `found_at`, whose last cell is `own`;
+* the cells cover all times at which errors are made: `unrounded_at`, with a last cell up to t;
 * what rounding may have lost is a small part of S: `grown` compares it with LOST.
 """
 
@@ -57,8 +57,8 @@ from refdem.truth.growth import (
 Array = NDArray[np.float64]
 
 ROUNDED = 2.0**-46
-"""Part of the product of their Euclidean norms by which the sum of a row of readings, axes, D and
-axes is off, at most.
+"""A bound of what the sum of a row of the product of readings, axes, D and axes is off, as a part
+of the product of their Euclidean norms.
 
 Counted in units of KNOWN = 2^-50. A number known to 1 and cut off to a double is off by 1.25, a
 rounding is 1/8. Each in parts of its own norm, a row of two readings is off by sqrt(2) 1.25 < 1.8,
@@ -71,8 +71,10 @@ sum of a row of two is at most sqrt(2) of its norm: 14.8 < 16.
 
 @dataclass(frozen=True)
 class Neighbour:
-    """How a motion of a family changes by its parameter at a time: P = (place, speed), K [s] along
-    the motion, and H' of its energy.
+    """The derivative of a motion of a family by the family's parameter, at one time.
+
+    It is P + K Z, with P = (`place`, `speed`) in the units of x and v, K (`along`) [s per unit of
+    the parameter] and Z the rate of the motion; `energy` is H', the derivative of the energy.
     """
 
     place: arb
@@ -83,8 +85,11 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Line:
-    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, a period [s] if
-    there is one, and a bound of |f'| along it.
+    """A motion x'' = f(x) of one degree of freedom.
+
+    `state(t)` gives (x, v), `force(x)` f, `neighbour(t)` the derivative of the motion by the
+    parameter of its family; `period` [s] is None if there is none; `steepest` bounds |f'| [1/s^2]
+    along the motion.
     """
 
     state: Callable[[arb], tuple[arb, arb]]
@@ -96,7 +101,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Instant:
-    """The axes e and n (columns), W and k at a time."""
+    """The axes e and n (columns of `axes`), W (`rate`) and k (`lead`) at a time."""
 
     axes: Array
     rate: float
@@ -104,7 +109,12 @@ class Instant:
 
 
 class EnergyGrowth:
-    """S of a motion of one degree of freedom, whose readings (q, 2) by the state are in scales."""
+    """S of a motion of one degree of freedom.
+
+    `place` X and `speed` V are the scales of x and v; `readings` gives the derivative (q, 2) of the
+    quantities by a state (x, v), in scales. `half` [s] is half the width of a cell; over one period
+    k grows by `gained`.
+    """
 
     def __init__(
         self,
@@ -115,7 +125,9 @@ class EnergyGrowth:
     ) -> None:
         self.line = line
         self.readings = readings
-        self.place, self.speed = arb_of(place), arb_of(speed)
+        self.place = arb_of(place)
+        self.speed = arb_of(speed)
+        # `quick` = max(1/rho, rho |f'|) of the theorem on cells.
         ratio = self.place / self.speed
         quick = arb.max(1 / ratio, ratio * line.steepest)
         self.quick = float(quick.upper()) * UPWARDS
@@ -131,10 +143,10 @@ class EnergyGrowth:
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; BOUNDLESS where doubles end."""
         with np.errstate(over="ignore", invalid="ignore"):
-            return bounded(self.found_at(t))
+            return bounded(self.unrounded_at(t))
 
-    def found_at(self, t: Fraction) -> float:
-        """S(t), or what is not finite."""
+    def unrounded_at(self, t: Fraction) -> float:
+        """S(t) before it is rounded up; not finite where doubles end."""
         period = self.line.period
         since = arb_of(t)
         periods = 0
@@ -143,82 +155,88 @@ class EnergyGrowth:
             since = since - periods * period
         now = self.instant(since)
         read = self.read(since)
-        passed = max(upper(since), Fraction(0))
+        elapsed = max(upper(since), Fraction(0))
         # Errors of this period: those of whole cells, and those that are made since the last of
         # them.
-        ended = int(passed // (2 * self.half))
-        rest = float(passed - ended * 2 * self.half)
-        own = float(np.abs(read).sum(axis=1).max() * np.exp(self.quick * rest)) * UPWARDS
-        found = max(own, self.grown(read, now, ended, 0))
+        ended = int(elapsed // (2 * self.half))
+        rest = float(elapsed - ended * 2 * self.half)
+        of_last_cell = float(np.abs(read).sum(axis=1).max() * np.exp(self.quick * rest)) * UPWARDS
+        bound = max(of_last_cell, self.grown(read, now, ended, 0))
         if periods and period is not None:
+            # All cells of a period; the norm is largest for the fewest or the most periods between.
             count = -int(-upper(period) // (2 * self.half))
-            found = max(found, *(self.grown(read, now, count, n) for n in {1, periods}))
-        return found
+            bound = max(bound, *(self.grown(read, now, count, n) for n in {1, periods}))
+        return bound
 
     def read(self, since: arb) -> Array:
-        """The readings as an array of doubles."""
+        """The readings (q, 2) as doubles; UnsharpError where they are not known to doubles."""
         table = self.readings(self.line.state(since)).table()
-        size = max(float(entry.abs_upper()) for row in table for entry in row)
-        return np.array([[known(entry, size) for entry in row] for row in table])
+        largest = max(float(entry.abs_upper()) for row in table for entry in row)
+        return np.array([[known(entry, largest) for entry in row] for row in table])
 
     def rates(self, t: arb) -> tuple[arb, arb]:
-        """The vector Z of scaled rates (dx/dt, dv/dt) at time t."""
+        """The rate Z = (v/X, f/V) [1/s] of the state at time t."""
         x, v = self.line.state(t)
         return v / self.place, self.line.force(x) / self.speed
 
     def lead(self, t: arb) -> arb:
-        """The lead k of a neighbour, up to a constant."""
-        beside = self.line.neighbour(t)
-        first, second = self.rates(t)
-        across = beside.place / self.place * first + beside.speed / self.speed * second
-        ahead = beside.along + across / (first * first + second * second)
-        return ahead * self.place * self.speed / beside.energy
+        """The lead k = (K + P . Z/W^2) X V/H', up to a constant."""
+        neighbour = self.line.neighbour(t)
+        z_x, z_v = self.rates(t)
+        # P . Z with P in scales.
+        along_motion = neighbour.place / self.place * z_x + neighbour.speed / self.speed * z_v
+        ahead = neighbour.along + along_motion / (z_x * z_x + z_v * z_v)
+        return ahead * self.place * self.speed / neighbour.energy
 
     def instant(self, t: arb) -> Instant:
-        """The axes and numbers of a time; UnsharpError where they are not known to doubles."""
-        first, second = self.rates(t)
-        rate = (first * first + second * second).sqrt()
-        cosine = known(first / rate, 1.0)
-        sine = known(second / rate, 1.0)
+        """The axes, W and k at the time t; UnsharpError where they are not known to doubles."""
+        z_x, z_v = self.rates(t)
+        rate = (z_x * z_x + z_v * z_v).sqrt()
+        # e = Z/W, and n is e turned by 90 degrees.
+        cosine = known(z_x / rate, 1.0)
+        sine = known(z_v / rate, 1.0)
         axes = np.array([[cosine, -sine], [sine, cosine]])
         return Instant(axes, known(rate), self.lead(t))
 
     def instants_of(self, count: int) -> list[Instant]:
-        """The instants at the middles of the first cells."""
+        """The instants at the middles of the first `count` cells; kept for later calls."""
         while len(self.instants) < count:
             middle = (2 * len(self.instants) + 1) * self.half
             self.instants.append(self.instant(arb_of(middle)))
         return self.instants[:count]
 
     def grown(self, read: Array, now: Instant, count: int, periods: int) -> float:
-        """The growth of errors of the first `count` cells, made so many periods ago."""
+        """The growth of errors of the first `count` cells, made `periods` periods ago.
+
+        `read` (q, 2) are the readings at the instant `now`. Infinite where doubles end;
+        UnsharpError where rounding may have lost more than the part LOST.
+        """
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
-        leads, blur = rounded(
+        # k(t) - k(s) of each cell, and the largest radius of these balls.
+        leads, radius = rounded(
             [now.lead - instant.lead + periods * self.gained for instant in instants]
         )
         rates = np.array([instant.rate for instant in instants])
-        changed = np.zeros((count, 2, 2))
-        changed[:, 0, 0] = now.rate / rates
-        changed[:, 0, 1] = now.rate * rates * leads
-        changed[:, 1, 1] = rates / now.rate
-        if blur * now.rate * rates.max() > float(KNOWN) * np.abs(changed).max():
+        # Theorem on errors, (gamma, beta) at t by those at s:
+        # gamma(t) = W(t) (gamma(s)/W(s) + W(s) (k(t) - k(s)) beta(s)), beta(t) = beta(s) W(s)/W(t).
+        matrices = np.zeros((count, 2, 2))
+        matrices[:, 0, 0] = now.rate / rates
+        matrices[:, 0, 1] = now.rate * rates * leads
+        matrices[:, 1, 1] = rates / now.rate
+        if radius * now.rate * rates.max() > float(KNOWN) * np.abs(matrices).max():
             raise UnsharpError("how errors grow is not known well enough at this precision")
-        back = np.array([instant.axes.T for instant in instants])
-        answers = read @ now.axes @ changed @ back
-        largest = (
-            np.abs(answers).sum(axis=-1).max() * np.exp(self.quick * float(self.half)) * UPWARDS
-        )
-        lost = (
-            ROUNDED
-            * float(np.linalg.norm(read))
-            * float(np.linalg.norm(changed, axis=(-2, -1)).max())
-        )
+        to_axes = np.array([instant.axes.T for instant in instants])
+        answers = read @ now.axes @ matrices @ to_axes
+        within_cell = np.exp(self.quick * float(self.half))
+        largest = np.abs(answers).sum(axis=-1).max() * within_cell * UPWARDS
+        largest_matrix = float(np.linalg.norm(matrices, axis=(-2, -1)).max())
+        rounding = ROUNDED * float(np.linalg.norm(read)) * largest_matrix
         if not isfinite(largest):
             return inf
-        if lost > LOST * largest:
+        if rounding > LOST * largest:
             raise UnsharpError(
                 "rounding has a larger part in how errors grow than doubles allow", final=True
             )
-        return float(largest) + lost
+        return float(largest) + rounding

@@ -1,5 +1,5 @@
-"""Exact parameters by kind: one number, or the numbers of a vector; what is not exact is
-refused.
+"""The parameters of a case as exact numbers or vectors, and the refusal of rounded numbers in the
+constructors of truths.
 """
 
 import sys
@@ -38,20 +38,24 @@ def vector(p: Mapping[str, Exact], name: str) -> tuple[Fraction, ...]:
 def refuse_rounded(
     constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]
 ) -> None:
-    """Raises TypeError for a number that is not exact, in any depth, where a truth's constructor is
-    annotated with exact numbers.
+    """Raises TypeError for a number that is not exact where a truth's constructor is annotated with
+    exact numbers; `given` and `named` are its arguments.
 
-    A binary64, a Decimal or a numpy number is never exact. An int is refused too, unless it is
-    annotated: 1/3 of ints is rounded. An annotation that has float in it (a scale, against which
-    errors count) is left alone.
+    Numbers are looked for at any depth of mappings, sequences and dataclasses. A binary64, a
+    Decimal or a numpy number is never exact. An int is refused too, unless it is annotated: 1/3 of
+    ints is rounded. An annotation that has float in it (a scale, against which errors count) is
+    left alone.
     """
+    # None stands in for `self`, which is not made yet.
     refuse_rounded_arguments(constructor, (None, *given), named)
 
 
 def refuse_rounded_arguments(
     function: Callable[..., Any], given: Sequence[Any], named: Mapping[str, Any]
 ) -> None:
-    """The same for all arguments of a function that makes a truth."""
+    """Raises TypeError as `refuse_rounded` does, for all arguments of a function that makes a
+    truth.
+    """
     kinds = argument_kinds(function)
     owner = function.__qualname__.partition(".")[0]
     for name, value in signature(function).bind(*given, **named).arguments.items():
@@ -59,19 +63,19 @@ def refuse_rounded_arguments(
 
 
 def refuse_rounded_part(owner: str, name: str, value: Any, kinds: frozenset[Any]) -> None:
-    """The same for one argument, or for one field of a dataclass, by the types in its
-    annotation.
+    """Raises TypeError as `refuse_rounded` does, for the argument or the field `name` of `owner`,
+    whose annotation is made of the types `kinds`.
     """
     if is_dataclass(value) and not isinstance(value, type):
         whole = f"{owner}: {type(value).__name__}"
-        for field, of_field in field_kinds(type(value)).items():
-            refuse_rounded_part(whole, field, getattr(value, field), of_field)
+        for field, kinds_of_field in field_kinds(type(value)).items():
+            refuse_rounded_part(whole, field, getattr(value, field), kinds_of_field)
         return
     if Fraction not in kinds or float in kinds:
         return
     for part in parts(value):
-        is_allowed = isinstance(part, Fraction) or (isinstance(part, int) and int in kinds)
-        if isinstance(part, AnyNumber) and not is_allowed:
+        is_exact = isinstance(part, Fraction) or (isinstance(part, int) and int in kinds)
+        if isinstance(part, AnyNumber) and not is_exact:
             raise TypeError(
                 f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')"
             )
@@ -93,25 +97,28 @@ def field_kinds(kind: type) -> dict[str, frozenset[Any]]:
 
 
 def types_in(annotation: Any, names: Mapping[str, Any]) -> frozenset[Any]:
-    """The types that an annotation is made of, at any depth; one that is written as a text is read
-    with the `names` of its module.
+    """The types that an annotation is made of, at any depth: Fraction and int for `dict[Fraction,
+    list[int]]`.
+
+    An annotation that is written as a text is read with the `names` of its module.
     """
     if isinstance(annotation, str):
         annotation = eval(annotation, dict(names))
     if isinstance(annotation, list):
-        inner = tuple(annotation)  # the arguments of a callable
+        # The arguments of a callable.
+        inner = tuple(annotation)
     else:
         inner = get_args(annotation)
         if not inner:
             return frozenset([annotation])
-    found: set[Any] = set()
+    types: set[Any] = set()
     for one in inner:
-        found |= types_in(one, names)
-    return frozenset(found)
+        types |= types_in(one, names)
+    return frozenset(types)
 
 
 def parts(value: Any) -> Iterator[Any]:
-    """The values in a value, however deep in mappings and sequences."""
+    """The values in a mapping, list or tuple, at any depth; any other value by itself."""
     if isinstance(value, Mapping):
         value = list(value.values())
     if isinstance(value, list | tuple):

@@ -97,9 +97,11 @@ class Steady(FreeBody):
         self.begin(inertia, omega)
 
     def omega(self, t: arb) -> list[arb]:
+        """The constant omega (3) [rad/s] in body axes."""
         return [arb_of(w) for w in self.start]
 
     def turn(self, t: arb) -> list[arb]:
+        """The quaternion of the turn by |omega| t about omega; 1 if the body rests."""
         omega = self.omega(t)
         rate = arb_of(dot_exact(self.start, self.start)).sqrt()
         if rate > 0:
@@ -107,9 +109,11 @@ class Steady(FreeBody):
         return [arb(1), arb(0), arb(0), arb(0)]
 
     def fastest(self) -> arb:
+        """The constant |omega| [rad/s]."""
         return length_of(self.start)
 
     def lead(self, t: arb) -> arb:
+        """Raises UndecidedError: a steady spin has no lead."""
         raise UndecidedError(
             "a body that spins about its momentum has no motion beside it of more energy and the"
             " same momentum"
@@ -133,16 +137,21 @@ class Axisymmetric(FreeBody):
         self.rate = arb_of(self.start[self.axis] - self.momentum0[self.axis] / self.across)
 
     def omega(self, t: arb) -> list[arb]:
+        """omega (3) [rad/s] at t: that of the start, turned about the body's own axis by -rate
+        t.
+        """
         backwards = matrix(turn(_unit(self.axis), -self.rate * t))
         return applied(backwards, [arb_of(w) for w in self.start])
 
     def turn(self, t: arb) -> list[arb]:
+        """The quaternion of the turn about M by L t/J1, after that about the own axis by rate t."""
         momentum_axis = [arb_of(m) / self.length for m in self.momentum0]
         about_momentum = turn(momentum_axis, self.length / arb_of(self.across) * t)
         about_own_axis = turn(_unit(self.axis), self.rate * t)
         return times(about_momentum, about_own_axis)
 
     def constants(self) -> dict[str, arb]:
+        """The period 2 pi/|rate| of omega in body axes, and the elliptic parameter 0."""
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
 
     def fastest(self) -> arb:
@@ -150,6 +159,7 @@ class Axisymmetric(FreeBody):
         return length_of(self.start)
 
     def lead(self, t: arb) -> arb:
+        """The lead k = k' t with the constant k' of `steady_lead`."""
         twice_energy = arb_of(dot_exact(self.momentum0, self.start))
         square = arb_of(dot_exact(self.start, self.start))
         return steady_lead(arb_of(self.inertia[self.axis]), twice_energy, self.length, square) * t
@@ -172,11 +182,15 @@ class Nodal(FreeBody):
         """exp(i phi) at t; 1 at t = 0."""
 
     def omega(self, t: arb) -> list[arb]:
+        """omega_i = M_i/J_i (3) [rad/s] in body axes at t."""
         return [m / arb_of(j) for m, j in zip(self.momentum(t), self.inertia, strict=True)]
 
     def turn(self, t: arb) -> list[arb]:
-        # Body axes at t -> axes about M at t -> the same ones at 0, turned by phi -> body axes at
-        # 0: R = F(0)^T Z(phi) F(t), F being `_frame`.
+        """The quaternion of R = F(0)^T Z(phi) F(t), with F of `_frame` and Z a turn about M.
+
+        F(t) takes body axes at t to axes about M and the line of nodes, which has turned by phi;
+        F(0)^T takes those at 0 to body axes at 0.
+        """
         phi = self.nodes(t)
         turn_about_momentum = [
             [phi.real, -phi.imag, arb(0)],
@@ -226,6 +240,7 @@ class Separatrix(Nodal):
         self.shift = (arb_of(self.momentum0[self.axis]) / across).asinh()
 
     def momentum(self, t: arb) -> list[arb]:
+        """M (3) at t: L tanh u along the intermediate axis, s_i L sech u along the others."""
         u = self.rate * t + self.shift
         across = self.length / u.cosh()
         momentum = {i: share * across for i, share in self.shares.items()}
@@ -233,9 +248,11 @@ class Separatrix(Nodal):
         return [momentum[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
+        """exp(i L t/J2): the line of nodes of the intermediate axis turns uniformly."""
         return (acb(0, 1) * self.length / arb_of(self.inertia[self.axis]) * t).exp()
 
     def constants(self) -> dict[str, arb]:
+        """The elliptic parameter 1; a separatrix has no period."""
         return {"elliptic_m": arb(1)}
 
     def fastest(self) -> arb:
@@ -342,6 +359,7 @@ class Elliptic(Nodal):
         self.phase0 = self._phase(self.shift)
 
     def momentum(self, t: arb) -> list[arb]:
+        """M (3) at t: A cn u, +-B sn u and +-C dn u along the axes a, 2 and c."""
         sn, cn, dn = self.jacobi.sn_cn_dn(self.rate * t + self.shift)
         a, b, c = self.sizes
         momentum = {
@@ -352,7 +370,7 @@ class Elliptic(Nodal):
         return [momentum[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
-        # exp(i nu t) Theta(u + i a)/|Theta(u + i a)|, divided by its value at 0.
+        """exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)|, divided by its value at 0."""
         uniform = (acb(0, 1) * self.drift * t).exp()
         return uniform * self._phase(self.rate * t + self.shift) / self.phase0
 
@@ -367,6 +385,7 @@ class Elliptic(Nodal):
         return unit.conjugate()
 
     def constants(self) -> dict[str, arb]:
+        """The period 4 K/rate of omega, and the elliptic parameter m."""
         return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
 
     def fastest(self) -> arb:
@@ -454,8 +473,9 @@ def kind(inertia: Exact3, omega: Exact3) -> Kind:
 
 def dot_exact(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """The dot product a . b, which is exact if both are."""
-    first, *rest = (x * y for x, y in zip(a, b, strict=True))
-    return sum(rest, first)
+    # The sum begins with a product, not with 0, so that its type is that of the products.
+    first, *others = (x * y for x, y in zip(a, b, strict=True))
+    return sum(others, first)
 
 
 def _growth(body: FreeBody, a: int, c: int) -> Any:

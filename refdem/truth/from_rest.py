@@ -22,8 +22,10 @@ from refdem.truth.smooth_flow import scaled_changes
 
 
 class FromRest(Guarded, ABC):
-    """x [m] and v [m/s] at t of the motion that starts at rest at `amplitude` [m], which is not
-    zero: how the start is displaced, and the derivative by it; `state` is (x, v).
+    """A part of closed forms whose motion starts at rest at `amplitude` [m], which is not zero: the
+    displacement of the start, and the derivative of x [m] and v [m/s] by it.
+
+    `state` is (x, v).
     """
 
     state: tuple[str, ...]
@@ -54,19 +56,21 @@ class FromRest(Guarded, ABC):
         """d(x, v)(t)/d v(0) [s, 1]."""
 
     def rates_of_the_motion(self, t: Fraction) -> tuple[arb, arb]:
-        """The same where the start is no equilibrium: (v(t), a(x(t)))/a(amplitude)."""
+        """`rates` where the start is no equilibrium: (v(t), a(x(t)))/a(amplitude)."""
         state = self.evaluate(arb_of(t))
         first = self.acceleration(arb_of(self.amplitude))
         return state["v"] / first, self.acceleration(state["x"]) / first
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """d(x, v)(t)/scale over d(x, v)(0)/scale."""
+        """The derivative (2, 2) of x and v at t by those at the start, all in scales: columns by
+        amplitude and by speed.
+        """
         form: Any = self
         changes = scaled_changes(form, 0, arb_of(t))
-        by_place = [change / arb_of(2 * DISPLACEMENT) for change in changes]
-        speed = arb_of(form.scale["v"])
+        by_amplitude = [change / arb_of(2 * DISPLACEMENT) for change in changes]
+        scale_of_v = arb_of(form.scale["v"])
         by_speed = [
-            rate * speed / arb_of(form.scale[name])
+            rate * scale_of_v / arb_of(form.scale[name])
             for name, rate in zip(self.state, self.rates(t), strict=True)
         ]
-        return arb_mat([list(row) for row in zip(by_place, by_speed, strict=True)])
+        return arb_mat([list(row) for row in zip(by_amplitude, by_speed, strict=True)])

@@ -26,9 +26,9 @@ Hypotheses, and where each is checked:
   one ended;
 * t lies in one stretch: `Stretch.is_over_at` raises UnsharpError within the uncertainty of an end;
 * |P_m - Q_m| <= eps_m: `doubles` gives the radii of what is rounded, and ROUNDING is a bound of
-  products in binary64 (`Growth.passed`, `Growth.errors_at`);
+  products in binary64 (`Growth.passed`, `Growth.effect_at`);
 * what rounding may have lost is a small part of S: `Growth.read` compares it with LOST, and goes on
-  in balls (`read_wide`), or asks for more bits.
+  in balls (`read_in_balls`), or asks for more bits.
 """
 
 from bisect import bisect_right
@@ -418,7 +418,7 @@ class Front:
 
 
 @dataclass(frozen=True)
-class Wide:
+class BallEffect:
     """The effect of all errors, in balls.
 
     `carried` has M X (q, n cells) of all cells side by side (None: there are no cells), `slack`
@@ -439,19 +439,20 @@ class Wide:
 
 
 def followed(
-    reading: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]
-) -> Wide:
-    """What was carried to the begin of an element, and the errors of its cells, followed by the
-    `matrix` M at a time in it.
+    reading: Array, matrix: arb_mat, front: BallEffect, element: Element, cells: Sequence[Cell]
+) -> BallEffect:
+    """The effect, at a time in an element, of the errors that were carried to its begin (`front`)
+    and of those of its `cells`.
 
-    An error made before the element is multiplied by M M(0)^-1, one made in a cell becomes M X.
+    `matrix` is M at that time, times the readings if any. An error made before the element is
+    multiplied by M M(0)^-1, one made in a cell becomes M X. `reading` is that of an error made now.
     """
     since_begin = matrix * element.inverse_at_begin()
     blocks = [matrix * beside([cell.exact for cell in cells])]
     if front.carried is not None:
         blocks.insert(0, since_begin * front.carried)
     slack = np.concatenate([front.slack, [cell.slack for cell in cells]])
-    return Wide(reading, beside(blocks), slack, since_begin * front.whole)
+    return BallEffect(reading, beside(blocks), slack, since_begin * front.whole)
 
 
 class Growth:
@@ -478,8 +479,8 @@ class Growth:
         self.step = step
         self.elements: list[Element] = []
         self.front: Front | None = None
-        self.wide: Wide | None = None
-        self.wide_count = 0
+        self.ball_front: BallEffect | None = None
+        self.ball_count = 0
 
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; UndecidedError where it is not known at this precision."""
@@ -496,18 +497,18 @@ class Growth:
         The growth by a cell is at most |M X| (1 + slack) (theorem on cells), and rounding adds its
         bound.
         """
-        effect = self.errors_at(time, readings)
+        effect = self.effect_at(time, readings)
         by_cell = self.norm.read(effect.answers) + self.norm.read(effect.carried) * effect.slack
         # An error made at the time itself has not grown, but is read.
         at_once = self.norm.read(effect.reading)
         bound = max(float(by_cell.max(initial=0.0)), float(at_once))
         if effect.rounding > LOST * bound:
-            return self.read_wide(time, readings)
+            return self.read_in_balls(time, readings)
         return bounded(bound + effect.rounding)
 
-    def read_wide(self, time: arb, readings: arb_mat | None) -> float:
+    def read_in_balls(self, time: arb, readings: arb_mat | None) -> float:
         """The same growth by products of balls, which more bits make as sharp as need be."""
-        effect = self.wide_at(time, readings)
+        effect = self.effect_in_balls(time, readings)
         at_once = float(self.norm.read(effect.reading))
         return bounded(max(at_once, self.largest(effect.answers, effect.slack)))
 
@@ -525,7 +526,7 @@ class Growth:
             raise UnsharpError("how errors grow is not known well enough at this precision")
         return bound
 
-    def wide_at(self, time: arb, readings: arb_mat | None) -> Wide:
+    def effect_in_balls(self, time: arb, readings: arb_mat | None) -> BallEffect:
         """The effect of all errors up to a time, as they are read there, in balls.
 
         UnsharpError where errors are made in some coordinates only, or felt at once: what balls
@@ -548,28 +549,30 @@ class Growth:
         else:
             reading = doubles(readings)[0]
             matrix = readings * now
-        front = self.wide_front_at(number, count)
+        front = self.front_in_balls(number, count)
         return followed(reading, matrix, front, element, element.until(upper(since)))
 
-    def wide_front_at(self, number: int, count: int) -> Wide:
+    def front_in_balls(self, number: int, count: int) -> BallEffect:
         """The effect of all errors made before the element of that number, at its begin, in balls.
 
         `count` is the number of coordinates. Elements are passed one after another; a number before
         the last one asked for starts anew.
         """
-        if self.wide is None or self.wide_count > number:
-            self.wide = Wide(np.eye(count), None, np.zeros(0), unit_matrix(count))
-            self.wide_count = 0
-        while self.wide_count < number:
-            element = self.elements[self.wide_count]
+        if self.ball_front is None or self.ball_count > number:
+            self.ball_front = BallEffect(np.eye(count), None, np.zeros(0), unit_matrix(count))
+            self.ball_count = 0
+        while self.ball_count < number:
+            element = self.elements[self.ball_count]
             assert element.end is not None
             element.cover(element.end)
             handover = element.stretch.handover()
-            self.wide = followed(np.eye(count), handover, self.wide, element, element.cells)
-            self.wide_count += 1
-        return self.wide
+            self.ball_front = followed(
+                np.eye(count), handover, self.ball_front, element, element.cells
+            )
+            self.ball_count += 1
+        return self.ball_front
 
-    def errors_at(self, time: arb, readings: arb_mat | None) -> Effect:
+    def effect_at(self, time: arb, readings: arb_mat | None) -> Effect:
         """The effect of all errors up to a time, as they are read there, in doubles."""
         number = self.number(time)
         element = self.elements[number]
@@ -711,7 +714,9 @@ class Growth:
         return self.chosen(carried @ doubles(element.stretch.felt)[0])
 
     def chosen(self, carried: Array) -> Array:
-        """The same matrices with zero columns for the coordinates in which no errors are made."""
+        """Matrices (cells, q, n) with zero columns for the coordinates in which no errors are
+        made.
+        """
         if self.made is None:
             return carried
         chosen = np.zeros_like(carried)
@@ -736,7 +741,7 @@ class PeriodicGrowth:
         self.first = first
         self.period = period
         self.over_a_period: Effect | None = None
-        self.wide_over_a_period: Wide | None = None
+        self.over_a_period_in_balls: BallEffect | None = None
 
     def at(self, t: Fraction) -> float:
         """The bound S(t) >= 1 on the growth of an error."""
@@ -756,7 +761,7 @@ class PeriodicGrowth:
         this_period = self.first.read(since, readings)
         earlier, rounding = self.of_earlier(since, readings, turns)
         if rounding > LOST * max(this_period, earlier):
-            return bounded(max(this_period, self.of_earlier_wide(since, readings, turns)))
+            return bounded(max(this_period, self.of_earlier_in_balls(since, readings, turns)))
         return bounded(max(this_period, earlier + rounding))
 
     def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
@@ -766,9 +771,9 @@ class PeriodicGrowth:
         growth = self.first
         norm = growth.norm
         if self.over_a_period is None:
-            self.over_a_period = growth.errors_at(self.period, None)
+            self.over_a_period = growth.effect_at(self.period, None)
         period = self.over_a_period
-        now = growth.errors_at(since, readings)
+        now = growth.effect_at(since, readings)
         # S at the end of the first period.
         by_cell = norm(period.answers) + norm(period.carried) * period.slack
         largest = bounded(float(by_cell.max()) + period.rounding)
@@ -792,13 +797,13 @@ class PeriodicGrowth:
             rounding_bound = max(rounding_bound, lost)
         return growth_bound, rounding_bound
 
-    def of_earlier_wide(self, since: arb, readings: arb_mat | None, turns: int) -> float:
+    def of_earlier_in_balls(self, since: arb, readings: arb_mat | None, turns: int) -> float:
         """The growth of errors made in earlier periods by products of balls."""
         growth = self.first
-        if self.wide_over_a_period is None:
-            self.wide_over_a_period = growth.wide_at(self.period, None)
-        period = self.wide_over_a_period
-        now = growth.wide_at(since, readings).whole
+        if self.over_a_period_in_balls is None:
+            self.over_a_period_in_balls = growth.effect_in_balls(self.period, None)
+        period = self.over_a_period_in_balls
+        now = growth.effect_in_balls(since, readings).whole
         one = unit_matrix(period.whole.nrows())
         drift = period.whole - one
         bounds = []

@@ -13,7 +13,11 @@ from refdem.truth.sphere_pair import SpherePair
 
 
 class HeadOnContact:
-    """Overlap, force and free flight of a head-on pair at the current precision."""
+    """Overlap, force and free flight of a head-on pair at the current precision.
+
+    `decay` is b, `rate` w (under-damped) or W, `regime` the sign of w^2: 1 under-damped, 0
+    critical, -1 over-critical. `angle` is atan2(w, b): the overlap is largest at angle/w.
+    """
 
     def __init__(self, pair: SpherePair) -> None:
         self.pair = pair
@@ -28,34 +32,48 @@ class HeadOnContact:
         self.speed = arb_of(pair.closing_speed)
 
     def overlap(self, t: arb) -> tuple[arb, arb]:
-        """Overlap [m] and its rate [m/s] while the law acts."""
-        wave = arb(1)
-        swing = t
-        if self.regime > 0:
-            wave = (self.rate * t).cos()
-            swing = (self.rate * t).sin() / self.rate
-        elif self.regime < 0:
-            wave = (self.rate * t).cosh()
-            swing = (self.rate * t).sinh() / self.rate
-        size = self.speed * (-self.decay * t).exp()
-        return size * swing, size * (wave - self.decay * swing)
+        """The overlap d [m] and its rate d' [m/s] at t [s], while the law acts.
 
-    def end(self) -> arb | None:
-        """When the force ends [s].
-
-        None if the overlap never does (zero_overlap, not under-damped).
+        d = v exp(-b t) s and d' = v exp(-b t) (c - b s), with c = cos(w t), s = sin(w t)/w or what
+        stands in their place.
         """
         if self.regime > 0:
-            return (arb.pi() if self.pair.ends_with_overlap else 2 * self.angle) / self.rate
+            cosine = (self.rate * t).cos()
+            sine = (self.rate * t).sin() / self.rate
+        elif self.regime < 0:
+            cosine = (self.rate * t).cosh()
+            sine = (self.rate * t).sinh() / self.rate
+        else:
+            cosine = arb(1)
+            sine = t
+        amplitude = self.speed * (-self.decay * t).exp()
+        return amplitude * sine, amplitude * (cosine - self.decay * sine)
+
+    def end(self) -> arb | None:
+        """The time [s] at which the force ends; None if the overlap never does (zero_overlap, not
+        under-damped).
+        """
+        if self.regime > 0:
+            if self.pair.ends_with_overlap:
+                phase = arb.pi()
+            else:
+                # The force k d + c d' ends at twice the phase of the largest overlap.
+                phase = 2 * self.angle
+            return phase / self.rate
         if self.pair.ends_with_overlap:
             return None
-        return self._span(2)
+        return self._times_to_turn(2)
 
-    def _span(self, times: int) -> arb:
-        """Once or twice the time to the turn for over-critical or critical damping [s]."""
+    def _times_to_turn(self, count: int) -> arb:
+        """`count` times the time [s] from touch to the largest overlap, for over-critical or
+        critical damping.
+
+        tanh(W t) = W/b, so that t = ln((b + W)/(b - W))/(2 W); t = 1/b for W = 0.
+        """
         if self.regime == 0:
-            return times / self.decay
-        return ((self.decay + self.rate) / (self.decay - self.rate)).log() / self.rate * times / 2
+            return count / self.decay
+        logarithm = ((self.decay + self.rate) / (self.decay - self.rate)).log()
+        return logarithm / self.rate * count / 2
 
     def force(self, t: arb) -> arb:
         """Normal force [N] at t while the law acts."""
@@ -63,31 +81,42 @@ class HeadOnContact:
         return arb_of(self.pair.stiffness) * overlap + arb_of(self.pair.damping) * rate
 
     def relative(self, t: arb) -> list[arb]:
-        """x, y, vx, vy of body 1 against body 2, the friction impulse and its moment arm lost, at
-        t.
+        """x, y, vx, vy of body 1 against body 2 at t [s], and two zeros: the friction impulse and
+        what its moment arm loses.
         """
         end = self.end()
         overlap, rate = self.overlap(t)
         if end is not None and not t <= end:
-            at_end, flying = self.overlap(end)
-            free = at_end + flying * (t - end), flying
-            overlap, rate = free if t >= end else (overlap.union(free[0]), rate.union(free[1]))
+            # Free flight from the end of the force on.
+            overlap_at_end, free_rate = self.overlap(end)
+            free_overlap = overlap_at_end + free_rate * (t - end)
+            if t >= end:
+                overlap = free_overlap
+                rate = free_rate
+            else:
+                # Balls do not tell on which side of the end t lies: both are held.
+                overlap = overlap.union(free_overlap)
+                rate = rate.union(free_rate)
         return [overlap - arb_of(self.pair.reach), arb(0), rate, arb(0), arb(0), arb(0)]
 
     def constants(self) -> dict[str, arb]:
-        """max_overlap, max_force, and duration and restitution if the force ends."""
+        """The scalars max_overlap [m], max_force [N], and, if the force ends, duration [s] and
+        restitution exp(-b t_end).
+        """
         pair = self.pair
         end = self.end()
         if self.regime > 0:
             turn = self.angle / self.rate
         else:
-            turn = self._span(1)
-        found = {
-            "max_overlap": self.overlap(turn)[0],
-            "max_force": arb_of(pair.damping) * self.speed,
-        }
+            turn = self._times_to_turn(1)
+        largest_overlap, _ = self.overlap(turn)
+        # k d + c d' falls from touch on, where it is c v, unless 4 b^2 < k/m: then it is largest
+        # where its rate vanishes, at w t = 3 angle - pi.
         if 4 * pair.half_decay**2 * pair.effective_mass < pair.stiffness:
-            found["max_force"] = self.force((3 * self.angle - arb.pi()) / self.rate)
+            largest_force = self.force((3 * self.angle - arb.pi()) / self.rate)
+        else:
+            largest_force = arb_of(pair.damping) * self.speed
+        scalars = {"max_overlap": largest_overlap, "max_force": largest_force}
         if end is not None:
-            found |= {"duration": end, "restitution": (-self.decay * end).exp()}
-        return found
+            scalars |= {"duration": end, "restitution": (-self.decay * end).exp()}
+        return scalars

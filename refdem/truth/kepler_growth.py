@@ -40,14 +40,17 @@ from refdem.truth.growth import UPWARDS, inverted, upper
 from refdem.truth.swept_growth import Span, largest_growth
 
 FARTHEST = 50.0
-"""w h of a cell for which no bound is asked: e^50 of what is there."""
+"""The w h of a cell beyond which no bound is computed: it would be e^50 of what is there."""
 PLACE = slice(0, 2)
 SPEED = slice(2, 4)
+"""The columns of answers to errors of the position and of the velocity: y_r and y_v."""
 
 
 @dataclass(frozen=True)
 class Moment:
-    """What a cell needs whatever is asked: M(c)^-1, w and h."""
+    """The numbers of a cell that do not depend on the time of reading: M(c)^-1 (`inverse`), w
+    (`rate`) [1/s] and h (`half`) [s].
+    """
 
     inverse: arb_mat
     rate: float
@@ -55,7 +58,7 @@ class Moment:
 
 
 class CentralGrowth:
-    """S of (x, y, vx, vy), in scales of a place and of a velocity."""
+    """S of (x, y, vx, vy) in a central field, in scales of a position and of a velocity."""
 
     def __init__(
         self,
@@ -64,7 +67,9 @@ class CentralGrowth:
         period: arb,
         ratio: float,
     ) -> None:
-        """Takes M in scales, |dG| [1/s^2] on a ball of times, and the scales' `ratio` [s]."""
+        """Takes M in scales (`fundamental`), a bound of |dG| [1/s^2] on a ball of times
+        (`gradient`), the period [s], and the `ratio` [s] of the scales of position and velocity.
+        """
         self.fundamental = fundamental
         self.gradient = gradient
         self.period = period
@@ -79,65 +84,71 @@ class CentralGrowth:
         # Where balls do not tell whether the period is over, some errors are made just after t.
         spans = self.spans(max(upper(since), Fraction(0)), since)
         if turns:
+            # Errors of earlier periods grow most over the fewest or the most periods between.
             whole = upper(self.period)
             for periods in {1, turns}:
                 spans += self.spans(whole, since + periods * self.period)
         return largest_growth(spans)
 
     def spans(self, end: Fraction, now: arb) -> list[Span]:
-        """Errors made up to `end`, as they are answered at the time `now`, counted from the same
-        periapsis.
+        """The spans of times up to `end` at which errors are made that are read at the time `now`;
+        both are counted from the same periapsis.
 
-        Halves of the period, halves of those that are left, and so on: the same cells for all
-        times.
+        Spans are halves of the period, halves of those that are left, and so on: the same ones for
+        all times, so that `moment` is computed once for each.
         """
         matrix = self.fundamental(now)
         answers = partial(self.answers, matrix)
         whole = upper(self.period)
-        found = []
+        spans = []
         low = Fraction(0)
         width = whole
         while low < end and width > whole / 2**40:
             if low + width <= end:
-                found.append(Span(low, low + width, answers))
+                spans.append(Span(low, low + width, answers))
                 low += width
             width /= 2
         if low < end:
-            found.append(Span(low, end, answers))
-        return found
+            spans.append(Span(low, end, answers))
+        return spans
 
     def answers(
         self, matrix: arb_mat, middle: Fraction, half: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """The answers of each quantity to errors of one scale in all coordinates: those of
-        `middle`, and those at most `half` from it.
+        """The answer of each quantity to errors of one scale in all coordinates, made at `middle`,
+        and a bound of it for those made at most `half` from there.
+
+        `matrix` is M(t) at the time of reading: the answers are the rows of M(t) M(s)^-1.
         """
         moment = self.moment(middle, half)
-        seen = []
+        at_middle = []
         bounds = []
         for row in (matrix * moment.inverse).table():
+            # p and q of the theorem on cells.
             place = sum((abs(entry) for entry in row[PLACE]), arb(0))
             speed = sum((abs(entry) for entry in row[SPEED]), arb(0))
-            seen.append(place + speed)
+            at_middle.append(place + speed)
             bounds.append(place + speed + self.change(moment, place, speed))
-        return seen, bounds
+        return at_middle, bounds
 
     def change(self, moment: Moment, place: arb, speed: arb) -> arb:
-        """The amount by which the sum of both may be larger in the cell."""
+        """The amount by which |y_r| + |y_v| may be larger elsewhere in the cell than p + q at its
+        middle (theorem on cells); `place` is p, `speed` q.
+        """
         angle = moment.rate * moment.half
         if not angle < FARTHEST:
             return arb(inf)
         # In units of time the rows of M^-1 have the ratio of the scales.
         rate = moment.rate * self.ratio
-        # cosh - 1 without its cancellation.
-        even = 2 * sinh(angle / 2) ** 2 * UPWARDS
-        odd = sinh(angle) * UPWARDS
-        places = place * even + speed * rate * odd
-        speeds = speed * even + place * (odd / rate)
-        return (places + speeds) * UPWARDS
+        # cosh(w h) - 1 = 2 sinh^2(w h/2), without its cancellation.
+        cosh_less_1 = 2 * sinh(angle / 2) ** 2 * UPWARDS
+        sinh_angle = sinh(angle) * UPWARDS
+        place_change = place * cosh_less_1 + speed * rate * sinh_angle
+        speed_change = speed * cosh_less_1 + place * (sinh_angle / rate)
+        return (place_change + speed_change) * UPWARDS
 
     def moment(self, middle: Fraction, half: Fraction) -> Moment:
-        """The same for all that is asked."""
+        """The numbers of the cell middle +- half; kept for later calls."""
         if (middle, half) not in self.moments:
             times = arb_of(middle - half).union(arb_of(middle + half))
             rate = self.gradient(times) ** 0.5 * UPWARDS

@@ -22,24 +22,31 @@ from refdem.truth.balls import UndecidedError, arb_of, ball_of, exclusive, preci
 from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.smooth_flow import Variational
-from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.validated_flow import ValidatedFlow, balls_of
 from refdem.truth.validated_ivp.integration import Integration, Steps
 
 LEAST_BITS = 256
 MOST_BITS = 2**13
+"""The first and the last working precision [bit]."""
 MOST_SQUARINGS = 80
+"""The most squarings j of M^m, m = 2^j."""
 FLOW_BITS = 512
-"""Of a flow that is integrated: its cost grows much faster than that of a map."""
+"""The last working precision [bit] of a flow that is integrated: its cost grows much faster than
+that of a map.
+"""
 JACOBIAN_BITS = 96
-"""To which the flow Jacobian of a step of a validated flow is known: 1e-20 of an exponent leaves a
-third of them to spare.
+"""The bits to which the flow Jacobian of a step of a validated flow is known: 1e-20 of an exponent
+leaves a third of them to spare.
 """
 
 
 @exclusive
 def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
-    """log sigma_max(D)/t [1/s, or 1/iterate] with a radius of at most 10^-digits; raises
-    NotCertifiedError where D is not proved.
+    """The finite-time Lyapunov exponent log sigma_max(D)/t [1/s, or 1/iterate] at t, with a radius
+    of at most 10^-digits.
+
+    The precision is doubled until the radius is met. Raises NotCertifiedError where D is not
+    proved.
     """
     target = Fraction(1, 10**digits)
     reason = ""
@@ -51,10 +58,11 @@ def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
     while bits <= most:
         try:
             with precision(bits):
-                found = ball_of(log_stretch(variation(truth, t), target * t / 2) / arb_of(t))
-            if found.radius <= target:
-                return found
-            reason = f"its radius stays at {float(found.radius):.3g}"
+                derivative = variation(truth, t)
+                ball = ball_of(log_stretch(derivative, target * t / 2) / arb_of(t))
+            if ball.radius <= target:
+                return ball
+            reason = f"its radius stays at {float(ball.radius):.3g}"
         except (UndecidedError, ValueError) as error:
             reason = str(error)
         bits *= 2
@@ -69,19 +77,27 @@ def exponents(truth: Truth, times: Sequence[Fraction], *, digits: int = 20) -> l
 
 
 def log_stretch(derivative: arb_mat, radius: Fraction) -> arb:
-    """log sigma_max of a square matrix, to that radius where its entries allow it."""
+    """log sigma_max of a square matrix D, to that radius where its entries allow it.
+
+    With M = D^T D and m = 2^j after j squarings, log sigma_max = (log lambda_max(M^m))/(2 m). M^m
+    is kept as P times exp(2 m log_scale), tr P = 1, and lambda_max(P) lies between tr P^2 and its
+    root.
+    """
     power = derivative.transpose() * derivative
-    gained = arb(0)
+    log_scale = arb(0)
+    # 1/(2 m).
     weight = arb(1) / 2
     best: arb | None = None
     for _ in range(MOST_SQUARINGS):
         trace = _trace(power)
-        gained += weight * trace.log()
+        log_scale += weight * trace.log()
+        # P, and then P^2.
         power = (1 / trace) * power
         power = power * power
         square = _trace(power)
-        bracket = gained + weight * square.log().union(square.log() / 2)
+        bracket = log_scale + weight * square.log().union(square.log() / 2)
         if best is not None and bracket.rad() >= best.rad():
+            # What the squarings lose exceeds what they gain.
             break
         best = bracket
         weight = weight / 2
@@ -100,8 +116,10 @@ def _trace(matrix: arb_mat) -> arb:
 
 
 def variation(truth: Truth, t: Fraction) -> arb_mat:
-    """The derivative of the state at t by the start at the current precision, each number in its
-    scale: square.
+    """The derivative of the state at t by the start, each number in its scale, at the current
+    precision: a square matrix.
+
+    NotCertifiedError for a truth that has no such derivative.
     """
     if isinstance(truth, HybridFlow):
         return _through_events(truth, t)
@@ -123,26 +141,28 @@ def _sharper(truth: ValidatedFlow) -> ValidatedFlow:
     """
     key = ("sharper", ctx.prec)
     if key not in truth.kept:
-        other = copy(truth)
         steps = Steps(jacobian_bits=JACOBIAN_BITS)
-        other.kept = {
-            ("integration", ctx.prec): Integration(truth.field, truth.first, ctx.prec, steps)
-        }
+        integration = Integration(truth.field, truth.first, ctx.prec, steps)
+        other = copy(truth)
+        other.kept = {("integration", ctx.prec): integration}
         truth.kept[key] = other
-    found: ValidatedFlow = truth.kept[key]
-    return found
+    sharper: ValidatedFlow = truth.kept[key]
+    return sharper
 
 
 def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
-    """The Jacobian from event to event, with the jump matrix at each."""
+    """The derivative of `variation` for a motion from event to event, with the jump matrix at
+    each.
+    """
     key = ("sharper", ctx.prec)
     kept = truth.proof.kept
     if key not in kept:
-        start = [value() if callable(value) else arb_of(value) for value in truth.begin]
-        kept[key] = HybridMotion(
-            truth.modes, start, truth.first(start), ctx.prec, Steps(jacobian_bits=JACOBIAN_BITS)
-        )
+        start = balls_of(truth.begin)
+        steps = Steps(jacobian_bits=JACOBIAN_BITS)
+        kept[key] = HybridMotion(truth.modes, start, truth.first(start), ctx.prec, steps)
     flow = kept[key].jacobian(arb_of(t)).table()
-    sizes = [arb_of(truth.scale[name]) for name in truth.state]
-    pairs = list(zip(truth.moved, sizes, strict=True))
-    return arb_mat([[flow[i][j] * own / size for j, own in pairs] for i, size in pairs])
+    scales = [arb_of(truth.scale[name]) for name in truth.state]
+    moved = list(zip(truth.moved, scales, strict=True))
+    return arb_mat(
+        [[flow[i][j] * scale_of_start / scale for j, scale_of_start in moved] for i, scale in moved]
+    )

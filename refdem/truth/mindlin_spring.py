@@ -24,44 +24,53 @@ from refdem.truth.balls import arb_of
 from refdem.truth.power_contact import PowerContact
 
 NEAR = Fraction(3, 4)
+"""The scaled overlap D at which legs meet."""
 INWARD = 0
 TURNING = 1
 OUTWARD = 2
+"""The legs of a contact in order of time; x is D, -u and -D on them."""
 
 
-def _part(numerator: int, denominator: int) -> arb:
+def _ratio(numerator: int, denominator: int) -> arb:
+    """The ball of a quotient of whole numbers."""
     return arb_of(Fraction(numerator, denominator))
 
 
 class MindlinSpring:
     """Stretches [m] and their derivatives by the coordinate x of a leg, in a contact at the current
     precision.
+
+    `ratio` is k_t/k, so that `q` = 7/10 of it; `a` and `b` are the roots of x^2 - x/10 - q.
+    `turns_at` is |u| where D = NEAR.
     """
 
     def __init__(self, contact: PowerContact, ratio: Fraction) -> None:
         self.contact = contact
         self.q = arb_of(Fraction(7, 10) * ratio)
-        root = (_part(1, 400) + self.q).sqrt()
-        self.a, self.b = _part(1, 20) + root, _part(1, 20) - root
+        # x = 1/20 +- sqrt(1/400 + q).
+        half_difference = (_ratio(1, 400) + self.q).sqrt()
+        self.a = _ratio(1, 20) + half_difference
+        self.b = _ratio(1, 20) - half_difference
         self.turns_at = (1 - power_five_halves(arb_of(NEAR))).sqrt()
 
     def ends(self, leg: int) -> tuple[arb, arb]:
         """The first and the last x of a leg of the contact."""
         near = arb_of(NEAR)
-        return ((arb(0), near), (-self.turns_at, self.turns_at), (-near, arb(0)))[leg]
+        if leg == INWARD:
+            return arb(0), near
+        if leg == TURNING:
+            return -self.turns_at, self.turns_at
+        return -near, arb(0)
 
     def place(self, leg: int, x: arb) -> tuple[arb, arb]:
-        """The scaled overlap D and its rate u at x of a leg."""
+        """The scaled overlap D and its rate u at x of a leg: D^(5/2) + u^2 = 1."""
         if leg == TURNING:
-            return (1 - x * x) ** _part(2, 5), -x
-        if leg == INWARD:
-            depth = x
-        else:
-            depth = -x
-        return depth, (1 - power_five_halves(depth)).sqrt() * (1 if leg == INWARD else -1)
+            return (1 - x * x) ** _ratio(2, 5), -x
+        depth, sense = depth_of(leg, x)
+        return depth, (1 - power_five_halves(depth)).sqrt() * sense
 
     def coordinate(self, depth: arb, rate: arb) -> tuple[int, arb]:
-        """Leg and x of a place, of either leg where two meet."""
+        """The leg and x of a scaled overlap D and its rate u; either leg where two meet."""
         if depth <= arb_of(NEAR):
             if rate > 0:
                 return (INWARD, depth)
@@ -72,82 +81,98 @@ class MindlinSpring:
         """The time [s] since touch at x of a leg."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
-        if leg == INWARD:
-            depth = x
-        else:
-            depth = -x
+        depth, _ = depth_of(leg, x)
         since = arb(0)
         if depth != 0:
             since = self.contact.unit * self.contact.since_touch(depth)
         if leg == INWARD:
             return since
+        # The way out mirrors the way in.
         return 2 * self.contact.half - since
 
     def pace(self, leg: int, x: arb) -> arb:
-        """The rate dx/dt [1/s] at x of a leg."""
+        """The rate dx/dt [1/s] at x of a leg: u on the way in, -u on the way out, and -u' = 5/4
+        D^(3/2) about the turn, each in units of 1/`unit`.
+        """
         depth, rate = self.place(leg, x)
         if leg == TURNING:
-            return _part(5, 4) / self.contact.unit * depth * depth.sqrt()
-        return (rate if leg == INWARD else -rate) / self.contact.unit
+            return _ratio(5, 4) / self.contact.unit * depth * depth.sqrt()
+        if leg == INWARD:
+            return rate / self.contact.unit
+        return -rate / self.contact.unit
 
     def basis(self, leg: int, x: arb) -> tuple[arb, arb, arb, arb]:
-        """Two solutions, and their derivatives by x."""
+        """Two independent solutions f and g of the stretch's equation at x of a leg, and their
+        derivatives by x: (f, g, f', g').
+
+        They are the hypergeometric functions of the module.
+        """
         a = self.a
         b = self.b
         if leg == TURNING:
-            w = x * x
-            c = _part(3, 5) - a
-            d = _part(3, 5) - b
-            even = two_f_one(a, b, _part(1, 2), w)
-            odd = x * two_f_one(c, d, _part(3, 2), w)
-            even_slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _part(3, 2), w)
-            odd_slope = two_f_one(c, d, _part(1, 2), w)
+            # f = 2F1(a, b; 1/2; u^2), g = u 2F1(3/5 - a, 3/5 - b; 3/2; u^2), with u^2 = x^2.
+            u_squared = x * x
+            c = _ratio(3, 5) - a
+            d = _ratio(3, 5) - b
+            even = two_f_one(a, b, _ratio(1, 2), u_squared)
+            odd = x * two_f_one(c, d, _ratio(3, 2), u_squared)
+            # f' = a b/(1/2) 2F1(a + 1, b + 1; 3/2; u^2) 2 x, with a b = -q.
+            even_slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _ratio(3, 2), u_squared)
+            # (x 2F1(c, d; 3/2; x^2))' = 2F1(c, d; 1/2; x^2).
+            odd_slope = two_f_one(c, d, _ratio(1, 2), u_squared)
             return even, odd, even_slope, odd_slope
-        depth, sense = (x, 1) if leg == INWARD else (-x, -1)
+        # f = 2F1(a, b; 3/5; z), g = D 2F1(a + 2/5, b + 2/5; 7/5; z), with z = D^(5/2).
+        depth, sense = depth_of(leg, x)
         z = power_five_halves(depth)
-        c = a + _part(2, 5)
-        d = b + _part(2, 5)
+        c = a + _ratio(2, 5)
+        d = b + _ratio(2, 5)
+        first = two_f_one(a, b, _ratio(3, 5), z)
+        second = depth * two_f_one(c, d, _ratio(7, 5), z)
         # d 2F1(a, b; 3/5; z)/dD = a b/(3/5) 2F1(a + 1, b + 1; 8/5; z) dz/dD, with a b = -q.
-        steep = (
-            -_part(25, 6) * self.q * depth * root(depth) * two_f_one(a + 1, b + 1, _part(8, 5), z)
-        )
-        return (
-            two_f_one(a, b, _part(3, 5), z),
-            depth * two_f_one(c, d, _part(7, 5), z),
-            sense * steep,
-            sense * two_f_one(c, d, _part(2, 5), z),
-        )
+        derivative = two_f_one(a + 1, b + 1, _ratio(8, 5), z)
+        first_by_depth = -_ratio(25, 6) * self.q * depth * root(depth) * derivative
+        # d (D 2F1(c, d; 7/5; z))/dD = 2F1(c, d; 2/5; z).
+        second_by_depth = two_f_one(c, d, _ratio(2, 5), z)
+        return first, second, sense * first_by_depth, sense * second_by_depth
 
     def bent(self, leg: int, x: arb, s: arb, slope: arb) -> arb:
-        """The second derivative of the stretch s by x."""
+        """The second derivative of the stretch s [m] by x, from s and its `slope`, by the equations
+        of the module.
+        """
         if leg == TURNING:
-            return (_part(6, 5) * x * slope - 4 * self.q * s) / (1 - x * x)
-        depth, sense = (x, 1) if leg == INWARD else (-x, -1)
-        push = (
-            _part(5, 4) * depth * root(depth) * slope * sense
-            - _part(25, 4) * self.q * root(depth) * s
-        )
-        return push / (1 - power_five_halves(depth))
+            # (1 - u^2) s_uu = 6/5 u s_u - 4 q s.
+            return (_ratio(6, 5) * x * slope - 4 * self.q * s) / (1 - x * x)
+        # (1 - z) s_DD = 5/4 D^(3/2) s_D - 25/4 q D^(1/2) s.
+        depth, sense = depth_of(leg, x)
+        by_slope = _ratio(5, 4) * depth * root(depth) * slope * sense
+        by_stretch = _ratio(25, 4) * self.q * root(depth) * s
+        return (by_slope - by_stretch) / (1 - power_five_halves(depth))
 
     def overlap(self, leg: int, x: arb) -> tuple[arb, arb, arb]:
-        """d [m] and its derivatives by x."""
-        size = self.contact.depth
-        if leg != TURNING:
-            if leg == INWARD:
-                return (size * x, size, arb(0))
-            return (-size * x, -size, arb(0))
+        """The overlap d [m] and its first and second derivative by x."""
+        largest = self.contact.depth
+        if leg == INWARD:
+            return (largest * x, largest, arb(0))
+        if leg == OUTWARD:
+            return (-largest * x, -largest, arb(0))
+        # d = d_m w^(2/5) with w = 1 - x^2.
         w = 1 - x * x
-        depth = size * w ** _part(2, 5)
-        return (
-            depth,
-            -_part(4, 5) * x * depth / w,
-            -_part(4, 5) * depth / w * (1 + _part(6, 5) * x * x / w),
-        )
+        overlap = largest * w ** _ratio(2, 5)
+        first = -_ratio(4, 5) * x * overlap / w
+        second = -_ratio(4, 5) * overlap / w * (1 + _ratio(6, 5) * x * x / w)
+        return overlap, first, second
+
+
+def depth_of(leg: int, x: arb) -> tuple[arb, int]:
+    """The scaled overlap D at x of the way in or out, and dD/dx: 1 or -1."""
+    if leg == INWARD:
+        return x, 1
+    return -x, -1
 
 
 @dataclass(frozen=True)
 class Stretched:
-    """A solution A f + B g on a leg."""
+    """A stretch A f + B g of the `spring` on a leg; `first` is A, `second` B."""
 
     spring: MindlinSpring
     leg: int
@@ -155,25 +180,27 @@ class Stretched:
     second: arb
 
     def at(self, x: arb) -> tuple[arb, arb, arb]:
-        """s [m] and its derivatives by x."""
+        """The stretch s [m] and its first and second derivative by x."""
         f, g, df, dg = self.spring.basis(self.leg, x)
         s = self.first * f + self.second * g
         slope = self.first * df + self.second * dg
         return s, slope, self.spring.bent(self.leg, x, s, slope)
 
     def rate(self, x: arb) -> arb:
-        """The rate of stretch s' [m/s] at x."""
-        return self.at(x)[1] * self.spring.pace(self.leg, x)
+        """The rate ds/dt [m/s] at x."""
+        _, slope, _ = self.at(x)
+        return slope * self.spring.pace(self.leg, x)
 
     def beyond(self) -> "Stretched":
-        """The stretched spring, continued on the next leg."""
-        last = self.spring.ends(self.leg)[1]
-        first = self.spring.ends(self.leg + 1)[0]
-        return started(self.spring, self.leg + 1, first, self.at(last)[0], self.rate(last))
+        """The same stretch on the next leg: s and its rate go on where the legs meet."""
+        _, last = self.spring.ends(self.leg)
+        first, _ = self.spring.ends(self.leg + 1)
+        stretch, _, _ = self.at(last)
+        return started(self.spring, self.leg + 1, first, stretch, self.rate(last))
 
 
 def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stretched:
-    """The solution with this stretch [m] and rate [m/s] at x."""
+    """The solution on a leg with the stretch `s` [m] and its `rate` [m/s] at x."""
     f, g, df, dg = spring.basis(leg, x)
     slope = rate / spring.pace(leg, x)
     # Cramer's rule for first f + second g = s, first f' + second g' = slope.
@@ -185,13 +212,13 @@ def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stret
 
 def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
     """Gauss's hypergeometric function 2F1(a, b; c; z)."""
-    found: arb = z.hypgeom_2f1(a, b, c)
-    return found
+    value: arb = z.hypgeom_2f1(a, b, c)
+    return value
 
 
 def root(x: arb) -> arb:
-    """sqrt(x) of a ball of numbers that are not negative, though its lower end may be, by
-    rounding.
+    """The root sqrt(x) of numbers that are not negative, though the lower end of their ball may be,
+    by rounding.
     """
     if x.lower() > 0 or x == 0:
         return x.sqrt()
@@ -199,7 +226,9 @@ def root(x: arb) -> arb:
 
 
 def power_five_halves(x: arb) -> arb:
-    """The power x^(5/2), where x may touch zero."""
+    """The power x^(5/2) of numbers that are not negative, though the lower end of their ball may
+    be.
+    """
     if x.lower() > 0 or x == 0:
         return x * x * root(x)
-    return arb(0).union(arb(x.upper()) ** _part(5, 2))
+    return arb(0).union(arb(x.upper()) ** _ratio(5, 2))

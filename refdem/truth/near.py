@@ -30,11 +30,11 @@ from refdem.truth.balls import UndecidedError
 
 Array = NDArray[np.float64]
 UNIT = 2.0**-52
-"""What a double may be off in parts of itself: twice what rounding to nearest does, as a ball's
-midpoint is cut off.
+"""A bound of what a double is off, as a part of itself: twice that of rounding to nearest, as a
+ball's midpoint is cut off.
 """
 TINIEST = 2.0**-1022
-"""What a number below the normal doubles may be off."""
+"""A bound of what a number below the normal doubles is off."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +46,15 @@ class Near:
 
     @property
     def size(self) -> Array:
-        """The absolute values of what stands for the numbers."""
-        found: Array = np.abs(self.middle)
-        return found
+        """The absolute values of the doubles."""
+        magnitudes: Array = np.abs(self.middle)
+        return magnitudes
 
     def __getitem__(self, key: Any) -> "Near":
         return Near(self.middle[key], self.off[key])
 
     def __matmul__(self, other: "Near") -> "Near":
-        """The matrix product, with a bound on its rounding."""
+        """The matrix product, with the bound of the theorem: r (|B| + s) + |A| s and rounding."""
         count = self.middle.shape[-1]
         middle = self.middle @ other.middle
         inexact = self.off @ (other.size + other.off) + self.size @ other.off
@@ -62,7 +62,7 @@ class Near:
         return Near(middle, inexact + rounding + count * TINIEST)
 
     def __mul__(self, other: "Near") -> "Near":
-        """The product entry by entry, with a bound on its rounding."""
+        """The product entry by entry, with the bound r (|B| + s) + |A| s and its rounding."""
         middle = self.middle * other.middle
         inexact = self.off * (other.size + other.off) + self.size * other.off
         return Near(middle, inexact + UNIT * np.abs(middle) + TINIEST)
@@ -76,7 +76,9 @@ class Near:
 
 
 def near(values: Sequence[Any]) -> Near:
-    """Balls, in lists of one shape, by doubles; UndecidedError where one is not finite."""
+    """The doubles near balls, which are given in nested lists of one shape; UndecidedError where a
+    ball is not finite.
+    """
     balls = np.array(values, dtype=object)
     flat: list[arb] = balls.ravel().tolist()
     if not all(ball.is_finite() for ball in flat):
@@ -88,7 +90,7 @@ def near(values: Sequence[Any]) -> Near:
 
 
 def exact(values: Array) -> Near:
-    """Doubles that are what is meant."""
+    """Doubles that are the numbers themselves, without error."""
     return Near(values, np.zeros_like(values))
 
 

@@ -27,57 +27,73 @@ beyond it s^2 below 0.55.
 
 
 class PowerContact:
-    """The contact at the current precision; `speed` is that at touch."""
+    """The contact at the current precision.
+
+    `speed` v is that at touch. `depth` [m] is d_m, `unit` [s] d_m/v, `half` [s] the time from touch
+    to the turn; `part` is a = 1/(n + 1), `power` n + 1.
+    """
 
     def __init__(self, mass: Number, stiffness: Number, exponent: Fraction, speed: arb) -> None:
         self.part = 1 / (exponent + 1)
-        self.a, self.power = arb_of(self.part), arb_of(exponent + 1)
-        self.speed, self.ease = speed, arb_of((exponent + 1) * mass / (2 * stiffness))
+        self.a = arb_of(self.part)
+        self.power = arb_of(exponent + 1)
+        self.speed = speed
+        # d_m = ((n+1) m v^2/(2k))^a.
+        self.ease = arb_of((exponent + 1) * mass / (2 * stiffness))
         self.depth = (self.ease * speed * speed) ** self.a
         self.unit = self.depth / speed
-        self.half = (
-            self.unit
-            * arb.pi().sqrt()
-            * (1 + self.a).gamma()
-            / (self.a + arb_of(Fraction(1, 2))).gamma()
-        )
+        # a B(a, 1/2) = sqrt(pi) Gamma(1 + a)/Gamma(a + 1/2).
+        gamma = (1 + self.a).gamma()
+        half_gamma = (self.a + arb_of(Fraction(1, 2))).gamma()
+        self.half = self.unit * arb.pi().sqrt() * gamma / half_gamma
 
     def since_touch(self, y: arb) -> arb:
-        """Time since touch [d_m/v] on the way in."""
-        found: arb = y * (y**self.power).hypgeom_2f1(arb_of(Fraction(1, 2)), self.a, 1 + self.a)
-        return found
+        """The time since touch [d_m/v] on the way in: y 2F1(1/2, a; 1 + a; y^(n+1))."""
+        half = arb_of(Fraction(1, 2))
+        elapsed: arb = y * (y**self.power).hypgeom_2f1(half, self.a, 1 + self.a)
+        return elapsed
 
     def before_turn(self, s: arb) -> arb:
-        """Time to the turn [d_m/v] on the way in."""
-        found: arb = (
-            2
-            * self.a
-            * s
-            * (s * s).hypgeom_2f1(1 - self.a, arb_of(Fraction(1, 2)), arb_of(Fraction(3, 2)))
-        )
-        return found
+        """The time to the turn [d_m/v] on the way in: 2 a s 2F1(1 - a, 1/2; 3/2; s^2)."""
+        half = arb_of(Fraction(1, 2))
+        series: arb = (s * s).hypgeom_2f1(1 - self.a, half, arb_of(Fraction(3, 2)))
+        return 2 * self.a * s * series
 
     def state(self, t: arb) -> tuple[arb, arb]:
-        """Overlap [m] and its rate [m/s] at t since touch, while it lasts."""
-        left = self.half - t
-        if not (left >= 0 or left <= 0):
-            return self.near_turn(left)
-        inward, outward = (t, 1) if left >= 0 else (2 * self.half - t, -1)
-        if inward > 0 or inward == 0:
-            if inward / self.unit < arb_of(NEAR_TOUCH):
-                return self.near_touch(inward, outward)
-            return self.near_turn(left)
+        """The overlap [m] and its rate [m/s] at t [s] since touch, while the contact lasts.
+
+        UndecidedError where balls do not tell whether it still does.
+        """
+        before_turn = self.half - t
+        if not (before_turn >= 0 or before_turn <= 0):
+            # The ball holds the turn.
+            return self.near_turn(before_turn)
+        # The way out mirrors the way in: the time from touch, or to parting.
+        if before_turn >= 0:
+            from_touch = t
+            sense = 1
+        else:
+            from_touch = 2 * self.half - t
+            sense = -1
+        if from_touch > 0 or from_touch == 0:
+            if from_touch / self.unit < arb_of(NEAR_TOUCH):
+                return self.near_touch(from_touch, sense)
+            return self.near_turn(before_turn)
         raise UndecidedError(f"whether the spheres still touch at {t}")
 
     def near_touch(self, t: arb, sense: int) -> tuple[arb, arb]:
-        """The state near touch, by y; `sense` is -1 on the way out."""
+        """The state near touch, by y, `t` [s] after touch; `sense` is -1 on the way out, where `t`
+        is the time to parting.
+        """
         if t == 0:
             return arb(0), sense * self.speed
+        # d (since_touch)/dy = (1 - y^(n+1))^(-1/2) >= 1.
         y = root(self.since_touch, lambda y: (1 - y**self.power).rsqrt(), t / self.unit, arb(1))
         return self.depth * y, sense * self.speed * (1 - y**self.power).sqrt()
 
     def near_turn(self, left: arb) -> tuple[arb, arb]:
-        """The state near the turn, by s of either sign; `left` is the time to the turn."""
+        """The state near the turn, by s of either sign; `left` [s] is the time to the turn."""
+        # d (before_turn)/ds = 2 a (1 - s^2)^(a-1) >= 2 a.
         s = root(
             self.before_turn,
             lambda s: 2 * self.a * (1 - s * s) ** (self.a - 1),
@@ -94,12 +110,13 @@ class PowerContact:
 def touching(
     mass: Number, stiffness: Number, exponent: Fraction, overlap: Number, speed: Number
 ) -> tuple[PowerContact, arb]:
-    """The contact of a start with this overlap (none, or a little of either sign) and speed, and
-    the time of touch [s].
+    """The contact of a start with this overlap [m] (none, or a little of either sign) and closing
+    speed [m/s], and the time [s] of its touch, which is negative if the start overlaps.
     """
     closing = arb_of(speed)
     if overlap <= 0:
         return PowerContact(mass, stiffness, exponent, closing), arb_of(-overlap / speed)
+    # The speed at touch: m v^2/2 = m speed^2/2 + k d^(n+1)/(n+1).
     power = arb_of(exponent + 1)
     energy = closing * closing + arb_of(2 * stiffness / mass) / power * arb_of(overlap) ** power
     contact = PowerContact(mass, stiffness, exponent, energy.sqrt())
@@ -107,17 +124,20 @@ def touching(
 
 
 def root(value: Callable[[arb], arb], slope: Callable[[arb], arb], goal: arb, least: arb) -> arb:
-    """The x with value(x) = goal.
+    """A ball of the x with value(x) = goal, for a function whose slope is at least `least`
+    everywhere.
 
-    `slope` >= `least` everywhere. Newton on midpoints, from a slope of 1; then the bound.
+    Newton on midpoints, from x = 0, until the residual shrinks no more. Wherever it ends,
+    |goal - value(x)|/least bounds the error (mean value theorem).
     """
     x = goal.mid() * 0
-    apart = goal
+    residual = goal
     for _ in range(60):
-        step = (apart / slope(x)).mid()
+        step = (residual / slope(x)).mid()
         x = (x + step).mid()
-        before = apart
-        apart = (goal - value(x)).mid()
-        if apart == 0 or (abs(step) <= abs(x) * arb(2) ** -20 and abs(apart) >= abs(before)):
+        before = residual
+        residual = (goal - value(x)).mid()
+        is_small = abs(step) <= abs(x) * arb(2) ** -20
+        if residual == 0 or (is_small and abs(residual) >= abs(before)):
             break
     return x + arb(0, ((goal - value(x)) / least).abs_upper())

@@ -19,17 +19,18 @@ Number = Union[Fraction, "Real"]
 """
 
 DECIDING = (64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384)
-"""Working precisions [bit] at which a sign is looked for, one after another."""
+"""The working precisions [bit] at which a sign is looked for, one after another."""
 NEAR_BITS = 64
-"""Bits to which the rounded value of a number is known: a few more than binary64 has."""
+"""The bits to which the rounded value of a number is known: a few more than binary64 has."""
 
 
 class Real(Enclosed):
-    """A real number; `enclosed()` returns a ball that contains it at the current precision.
+    """A real number, given by a function `enclosed()` that returns a ball which contains it at the
+    current precision.
 
-    + - * / and whole powers with exact rationals and other such numbers give others; a comparison
-    is proved, or raises UndecidedError. No precision can prove two such numbers equal, so that ==
-    means the same object.
+    Sums, products, quotients and whole powers with exact rationals and other Reals are Reals; a
+    comparison is proved, or raises UndecidedError. No precision can prove two such numbers equal,
+    so that == means the same object.
     """
 
     __array_ufunc__ = None
@@ -62,12 +63,14 @@ class Real(Enclosed):
     def near(self) -> Fraction:
         """A rational within 2^-NEAR_BITS of the number, relative to its size; for scenes and step
         sizes, never for a proof.
+
+        If no precision tells the number from 0, it is the midpoint of the last ball.
         """
         for bits in DECIDING[1:]:
             with precision(bits):
                 ball = self.ball()
-                accurate = ball.is_finite() and ball.rad() * arb(2) ** NEAR_BITS <= abs(ball.mid())
-            if accurate:
+                is_near = ball.is_finite() and ball.rad() * arb(2) ** NEAR_BITS <= abs(ball.mid())
+            if is_near:
                 break
         mantissa, exponent = ball.mid().man_exp()
         return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
@@ -154,8 +157,11 @@ class Real(Enclosed):
 
 
 class Root(Real):
-    """+-sqrt(square) of a rational that is no square; products and quotients of such numbers are
-    again such, or rational.
+    """The number side sqrt(square), for a rational `square` that is no square and a `side` of 1 or
+    -1.
+
+    Products, quotients and whole powers of such numbers are again such, or rational, and stay
+    exact.
     """
 
     square: Fraction
@@ -192,26 +198,27 @@ class Root(Real):
         return signed_root(self.square, -self.side)
 
     def __pow__(self, power: int) -> Any:
+        # sqrt(square)^(2 half + odd) = square^half sqrt(square)^odd.
         half, odd = divmod(power, 2)
-        whole = self.square**half
+        even_power = self.square**half
         if odd:
-            return whole * self
-        return whole
+            return even_power * self
+        return even_power
 
     __rmul__ = __mul__
 
 
 def signed_root(square: Fraction, side: int) -> Root:
-    """side sqrt(square), of a rational that is no square."""
-    found = Root(lambda: side * arb_of(square).sqrt())
-    found.square = square
-    found.side = side
-    return found
+    """The number side sqrt(square), of a rational that is no square."""
+    number = Root(lambda: side * arb_of(square).sqrt())
+    number.square = square
+    number.side = side
+    return number
 
 
 def is_number(value: object) -> bool:
-    """True if the value is exact: a whole number, a Fraction or a Real; a truth value is none, nor
-    is anything rounded.
+    """True if the value is exact: a whole number, a Fraction or a Real; neither a truth value nor
+    anything rounded is.
     """
     return isinstance(value, int | Fraction | Real) and not isinstance(value, bool)
 
@@ -236,13 +243,16 @@ def pi() -> Real:
 
 
 def root(value: Number) -> Number:
-    """sqrt(value), value >= 0; a Fraction where that is one."""
+    """The root sqrt(value) of value >= 0; a Fraction where that is one."""
     if isinstance(value, Real):
         return Real(lambda: value.ball().sqrt())
-    above = isqrt(value.numerator)
-    below = isqrt(value.denominator)
-    if above * above == value.numerator and below * below == value.denominator:
-        return Fraction(above, below)
+    numerator = isqrt(value.numerator)
+    denominator = isqrt(value.denominator)
+    is_square = (
+        numerator * numerator == value.numerator and denominator * denominator == value.denominator
+    )
+    if is_square:
+        return Fraction(numerator, denominator)
     return signed_root(value, 1)
 
 

@@ -27,9 +27,9 @@ from refdem.truth.balls import Climb, UndecidedError, climbed, precision, refine
 from refdem.truth.growth import Grows
 
 FIRST_BITS = 256
-"""Working precision to begin with."""
+"""The working precision [bit] to begin with."""
 MOST_BITS = 16384
-"""Where raising it ends."""
+"""The precision [bit] at which raising it ends."""
 GROWTH_BITS = (64, 128, 256, 512, 1024, 2048)
 """Working precisions for S, which need not be sharp."""
 
@@ -81,49 +81,51 @@ class Refiner:
         if any(ball.radius > target for ball in balls.values()):
             worst = max(balls, key=lambda name: balls[name].radius)
             radius = float(balls[worst].radius)
-            told = (
+            message = (
                 f"{what}: precision: with {climb.bits} bits the radius of {worst} stays at"
                 f" {radius:.3g}; ask for fewer digits"
             )
-            raise NotCertifiedError(
-                told,
-                code="precision",
-                time=None if t is None else float(t),
-                state={} if t is None else balls,
-            )
+            if t is None:
+                # Scalars have no time and no state.
+                raise NotCertifiedError(message, code="precision", time=None, state={})
+            raise NotCertifiedError(message, code="precision", time=float(t), state=balls)
         return balls
 
     def undecided(
         self, climb: Climb, what: str, t: Fraction | None, start: Formula | None
     ) -> NotCertifiedError:
-        """The end of a climb without balls; the last certified state is that which the reason has,
-        or the one at the start.
+        """The error of a climb that ended without balls.
+
+        Its last certified state is that which the reason of the climb has, or the one at the start.
         """
         reason = climb.reason
-        if not isinstance(reason, UndecidedError):
-            told = f"{what}: precision: with {climb.bits} bits a value is not finite: {reason}"
+        if isinstance(reason, UndecidedError) and reason.time is not None:
+            message = f"{what}: {reason.code}: {reason}"
             return NotCertifiedError(
-                told, code="precision", time=0.0 if t else None, state=self.at_start(t, start)
+                message, code=reason.code, time=reason.time, state=reason.balls
             )
-        if reason.time is not None:
-            told = f"{what}: {reason.code}: {reason}"
-            return NotCertifiedError(told, code=reason.code, time=reason.time, state=reason.balls)
-        if reason.code == "separatrix":
-            advice = "; move the start off the boundary"
+        if isinstance(reason, UndecidedError):
+            code = reason.code
+            message = (
+                f"{what}: {code}: with {climb.bits} bits balls cannot decide a branch: {reason}"
+            )
+            if code == "separatrix":
+                message += "; move the start off the boundary"
         else:
-            advice = ""
-        told = (
-            f"{what}: {reason.code}: with {climb.bits} bits balls cannot decide a branch:"
-            f" {reason}{advice}"
-        )
-        return NotCertifiedError(
-            told, code=reason.code, time=0.0 if t else None, state=self.at_start(t, start)
-        )
+            code = "precision"
+            message = f"{what}: precision: with {climb.bits} bits a value is not finite: {reason}"
+        if t:
+            certified_until = 0.0
+        else:
+            # Scalars, or the start itself: nothing before it is certified.
+            certified_until = None
+        state = self.at_start(t, start)
+        return NotCertifiedError(message, code=code, time=certified_until, state=state)
 
     def at_start(self, t: Fraction | None, start: Formula | None) -> dict[str, Ball]:
-        """The last state that is certified where a branch is not: that at 0.
+        """The quantities at time 0, the last certified state where a branch is not decided at t.
 
-        None for scalars, for a time 0, and where the start has such a branch itself.
+        Empty for scalars, for a time 0, and where the start has such a branch itself.
         """
         if not t or start is None:
             return {}
@@ -157,5 +159,5 @@ class Sensitivity:
                     why = str(error)
                     if isinstance(error, UndecidedError) and error.final:
                         break
-        told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
-        raise NotCertifiedError(told, code=code, time=0.0, state=start())
+        message = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
+        raise NotCertifiedError(message, code=code, time=0.0, state=start())

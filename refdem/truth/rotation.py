@@ -21,11 +21,12 @@ def cross(a: Vector, b: Vector) -> list[arb]:
 
 
 def times(p: Vector, q: Vector) -> list[arb]:
-    """The quaternion product p q."""
-    (a, *u) = p
-    (b, *v) = q
+    """The quaternion product p q: (a, u) (b, v) = (a b - u.v, a v + b u + u x v)."""
+    a, *u = p
+    b, *v = q
     w = cross(u, v)
-    return [a * b - dot(u, v), *(a * v[i] + b * u[i] + w[i] for i in range(3))]
+    vector = [a * v[i] + b * u[i] + w[i] for i in range(3)]
+    return [a * b - dot(u, v), *vector]
 
 
 def conjugate(q: Vector) -> list[arb]:
@@ -49,19 +50,23 @@ def matrix(q: Vector) -> list[list[arb]]:
 
 
 def quaternion(r: Matrix) -> list[arb]:
-    """A unit quaternion of a rotation matrix (either sign), from its largest component (Shepperd
-    1978).
+    """A unit quaternion (w, x, y, z) of a rotation matrix R (either sign), from its largest
+    component (Shepperd 1978).
+
+    4 w^2 = 1 + tr R, 4 q_i^2 = 1 + 2 R_ii - tr R; 4 w q_i is the i-th component of the
+    antisymmetric part, 4 q_i q_j = R_ij + R_ji. Division by the largest loses no digits.
     """
     trace = r[0][0] + r[1][1] + r[2][2]
     squares = [(1 + trace) / 4, *((1 + 2 * r[i][i] - trace) / 4 for i in range(3))]
-    most = max(range(4), key=lambda i: float(squares[i].mid()))
-    spin = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
-    largest = squares[most].sqrt()
-    if most == 0:
-        return [largest, *(s / (4 * largest) for s in spin)]
-    i = most - 1
-    vector = [largest if j == i else (r[i][j] + r[j][i]) / (4 * largest) for j in range(3)]
-    return [spin[i] / (4 * largest), *vector]
+    number = max(range(4), key=lambda i: float(squares[i].mid()))
+    antisymmetric = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
+    largest = squares[number].sqrt()
+    if number == 0:
+        return [largest, *(s / (4 * largest) for s in antisymmetric)]
+    i = number - 1
+    vector = [(r[i][j] + r[j][i]) / (4 * largest) for j in range(3)]
+    vector[i] = largest
+    return [antisymmetric[i] / (4 * largest), *vector]
 
 
 def product(a: Matrix, b: Matrix) -> list[list[arb]]:

@@ -14,8 +14,9 @@ PRINTED = 20
 
 
 def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) -> SampledTruth:
-    """The truth at these exact binary64 times [s], up to the first at which it cannot be certified,
-    and `delays` [s] earlier.
+    """The truth at these exact binary64 times [s], up to the first at which it cannot be certified.
+
+    `delays` [s] asks for the values so much before each sample too.
     """
     values: dict[str, list[float]] = {}
     radii: dict[str, list[float]] = {}
@@ -34,6 +35,9 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
             values.setdefault(name, []).append(value)
             radii.setdefault(name, []).append(radius)
     scalars = certified_scalars(truth)
+    earlier = {}
+    if certified:
+        earlier = {delay: _earlier(truth, certified, Fraction(delay)) for delay in delays}
     return SampledTruth(
         t=[float(t) for t in times],
         values=values,
@@ -45,25 +49,28 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
         until=len(certified),
         reason=reason,
         printed={name: ball.decimals(PRINTED) for name, ball in scalars.items()},
-        earlier={
-            delay: _earlier(truth, certified, Fraction(delay)) for delay in delays if certified
-        },
+        earlier=earlier,
     )
 
 
 def _earlier(
     truth: Truth, certified: Sequence[Fraction], delay: Fraction
 ) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
-    """Values and radii so much before each sample; before the first nothing is known: an infinite
-    radius.
+    """The values and radii of each quantity, `delay` [s] before each sample.
+
+    Before the first sample nothing is known: 0 with an infinite radius.
     """
     samples = [truth.at(t - delay) for t in certified[1:]]
-    names = truth.at(certified[0])
-    rounded = {
-        name: [(0.0, math.inf), *(balls[name].rounded() for balls in samples)] for name in names
-    }
-    values = {name: [value for value, _ in pairs] for name, pairs in rounded.items()}
-    return values, {name: [radius for _, radius in pairs] for name, pairs in rounded.items()}
+    values: dict[str, list[float]] = {}
+    radii: dict[str, list[float]] = {}
+    for name in truth.at(certified[0]):
+        values[name] = [0.0]
+        radii[name] = [math.inf]
+        for balls in samples:
+            value, radius = balls[name].rounded()
+            values[name].append(value)
+            radii[name].append(radius)
+    return values, radii
 
 
 def certified_scalars(truth: Truth) -> Mapping[str, Ball]:

@@ -19,13 +19,15 @@ Real = Union["Sloped", arb]
 
 @dataclass(frozen=True)
 class Sloped:
-    """A number and its derivatives."""
+    """A number and its derivatives (`slopes`) by the parameters."""
 
     value: arb
     slopes: tuple[arb, ...]
 
     def along(self, value: arb, slope: arb) -> "Sloped":
-        """A function of it, with this value and this derivative."""
+        """The number f(self), from its `value` and the derivative f' (`slope`) there: chain
+        rule.
+        """
         return Sloped(value, tuple(slope * one for one in self.slopes))
 
     def __neg__(self) -> "Sloped":
@@ -61,15 +63,16 @@ class Sloped:
         return self * (1 / other)
 
     def __rtruediv__(self, other: arb | int) -> "Sloped":
+        # (c/x)' = -c/x^2.
         value = other / self.value
         return self.along(value, -value / self.value)
 
     def __pow__(self, power: int) -> "Sloped":
-        # python-flint's powers of balls that hold 0 are not numbers.
-        below = arb(1)
+        # python-flint's powers of balls that hold 0 are not numbers: x^(n-1) by products.
+        power_below = arb(1)
         for _ in range(power - 1):
-            below = below * self.value
-        return self.along(below * self.value, power * below)
+            power_below = power_below * self.value
+        return self.along(power_below * self.value, power * power_below)
 
     def sqrt(self) -> "Sloped":
         """The square root, with its derivatives."""
@@ -82,9 +85,12 @@ class Sloped:
 
 
 def parameters(values: Sequence[arb]) -> list[Sloped]:
-    """Independent numbers, each with derivatives by all of them."""
+    """Independent parameters with these values: the derivative of each by itself is 1, by the
+    others 0.
+    """
     count = len(values)
-    found = []
+    numbers = []
     for i, value in enumerate(values):
-        found.append(Sloped(value, tuple(arb(int(i == j)) for j in range(count))))
-    return found
+        unit = tuple(arb(int(i == j)) for j in range(count))
+        numbers.append(Sloped(value, unit))
+    return numbers

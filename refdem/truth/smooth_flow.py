@@ -17,7 +17,9 @@ from refdem.truth.growth import Grows, Growth, PeriodicGrowth
 
 
 class Equation(Protocol):
-    """A motion by the equation that it solves, as a closed form needs it (validated_flow.py)."""
+    """A motion given by the equation that it solves, as a closed form needs it
+    (validated_flow.py).
+    """
 
     @property
     def state(self) -> Sequence[str]:
@@ -39,7 +41,7 @@ class Variational(Protocol):
 
 
 class Displaceable(Protocol):
-    """A closed form, as differences by its start see it."""
+    """A closed form whose start can be displaced, as central differences need it."""
 
     state: tuple[str, ...]
 
@@ -72,18 +74,20 @@ class SmoothFlow(Guarded):
 
 
 def pair(form: Displaceable, axis: int) -> tuple[Any, Any]:
-    """The motions from starts displaced by +-DISPLACEMENT scales along one coordinate."""
+    """The two motions whose starts are displaced by +-DISPLACEMENT scales along one coordinate;
+    kept for later calls.
+    """
     if ("pair", axis) not in form.kept:
         amount = DISPLACEMENT * form.scale[form.state[axis]]
         form.kept["pair", axis] = form.displaced(axis, amount), form.displaced(axis, -amount)
-    found: tuple[Any, Any] = form.kept["pair", axis]
-    return found
+    motions: tuple[Any, Any] = form.kept["pair", axis]
+    return motions
 
 
 def scaled_changes(form: Displaceable, axis: int, t: arb) -> list[arb]:
-    """Differences at t, each in its scale, of the two motions displaced along one coordinate.
+    """The difference of each quantity at t, in its scale, between the two motions of `pair`.
 
-    The quantities of `state` come first.
+    Over 2 DISPLACEMENT it is a central difference. The quantities of `state` come first.
     """
     plus, minus = (displaced.evaluate(t) for displaced in pair(form, axis))
     names = [*form.state, *(name for name in plus if name not in form.state)]
@@ -92,9 +96,9 @@ def scaled_changes(form: Displaceable, axis: int, t: arb) -> list[arb]:
 
 
 def growth_along(line: Line, scale: Mapping[str, Fraction], equation: Equation) -> Grows:
-    """S of a motion of one degree of freedom with those beside it in closed form.
+    """S of a motion of one degree of freedom, from the closed form of its neighbours (`line`).
 
-    Its readings, the derivatives of the quantities by the state, are those of its equation.
+    The derivatives of the quantities by the state are those of its `equation`.
     """
     place, speed = (scale[name] for name in equation.state)
     return EnergyGrowth(line, place, speed, equation.readings_at)

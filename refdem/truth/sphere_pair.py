@@ -17,9 +17,13 @@ from refdem.truth.reals import Number, near
 
 @dataclass(frozen=True, kw_only=True)
 class TouchingPair(ABC):
-    """Numbers in SI units of a sphere that touches another one.
+    """The parameters, in SI units, of a sphere that touches another one.
 
-    `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
+    `masses` [kg] and `radii` [m] are those of both, `spins` (6,) [rad/s] their angular velocities.
+    `stiffness`, `damping` and `tangential_stiffness` are those of the linear law, `friction` is
+    Coulomb's. Body 1 comes at `closing_speed` [m/s] under `angle` [rad] to the normal. `lever` is
+    0, 1/2, 1 where friction acts at R, R-d/2, R-d, d being the overlap. `ends_with_overlap`: the
+    contact ends where the overlap does, else where the force does.
     """
 
     masses: tuple[Number, ...]
@@ -47,7 +51,7 @@ class TouchingPair(ABC):
     @property
     @abstractmethod
     def is_head_on(self) -> bool:
-        """Along the normal for ever, and told in closed form."""
+        """True if the motion stays along the normal for ever: it has a closed form."""
 
     @property
     def reach(self) -> Fraction:
@@ -56,7 +60,9 @@ class TouchingPair(ABC):
 
     @property
     def surface_spin(self) -> list[Fraction]:
-        """R1 omega1 + R2 omega2 (3,) [m/s]: what the spins add to the slip at touch."""
+        """R1 omega1 + R2 omega2 (3,) [m/s], from which the spins' part of the slip at touch
+        follows.
+        """
         return [
             sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0))
             for axis in range(3)
@@ -84,32 +90,31 @@ class SpherePair(TouchingPair):
 
     @property
     def is_head_on(self) -> bool:
-        """Along the normal for ever: no angle, and no friction or no slip, neither at touch nor
-        with the levers of an overlap.
+        """True if the motion stays along the normal: no angle, and no friction or no slip, neither
+        at touch nor with the levers of an overlap.
         """
-        across = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
-        return self.angle == 0 and (
-            self.friction == 0 or not any([*self.surface_spin[1:], *across])
-        )
+        # The levers shorten with the overlap d by beta d: so does the slip, by beta d (omega1 +
+        # omega2) across the normal.
+        by_overlap = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
+        slips = any([*self.surface_spin[1:], *by_overlap])
+        return self.angle == 0 and (self.friction == 0 or not slips)
 
     @property
     def leaves_plane(self) -> bool:
-        """Friction and spins that are not about z turn the motion out of its plane."""
-        return (
-            self.friction > 0
-            and not self.is_head_on
-            and any(self.spins[axis] for axis in (0, 1, 3, 4))
-        )
+        """True if friction and spins that are not about z turn the motion out of its plane."""
+        spins_across_z = any(self.spins[axis] for axis in (0, 1, 3, 4))
+        return self.friction > 0 and not self.is_head_on and spins_across_z
 
     def dyadic_step(self) -> Fraction:
-        """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32
-        of that to cross `reach`.
+        """A step [s] of proven integration: the largest power of two that is at most half of the
+        law's time 1/sqrt(k/m + (c/m)^2), and 1/32 of the time to cross `reach`.
 
         The first lets Picard's box close, the second keeps 1/rho (the only nonlinear term) well
         inside its convergence.
         """
-        fastest = near(self.stiffness / self.effective_mass) + 4 * near(self.half_decay) ** 2
-        limit = max(4 * fastest, (32 * self.closing_speed / self.reach) ** 2)
+        rate_squared = near(self.stiffness / self.effective_mass) + 4 * near(self.half_decay) ** 2
+        # step^2 limit <= 1.
+        limit = max(4 * rate_squared, (32 * self.closing_speed / self.reach) ** 2)
         step = Fraction(1)
         while step**2 * limit > 1:
             step /= 2

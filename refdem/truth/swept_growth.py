@@ -10,8 +10,8 @@ Hypotheses, and where each is checked:
 * the spans cover all times up to t at which errors are made: whoever makes them (kepler_growth.py,
   contact_path.py); halves cover what they halve (`Span.halves`);
 * what `answers` calls a bound holds for every error of the span: proved there;
-* the bound that is told is sharp: `largest_growth` stops only within WIDEST of a growth that is
-  seen, and raises UnsharpError after MOST_CELLS.
+* the bound is sharp: `largest_growth` stops only within WIDEST of a growth that is attained, and
+  raises UnsharpError after MOST_CELLS.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,16 +24,16 @@ from flint import arb
 from refdem.truth.growth import UPWARDS, WIDEST, UnsharpError, bounded, most
 
 Swept = Callable[[Fraction, Fraction], tuple[Sequence[arb], Sequence[arb]]]
-"""What every quantity answers to an error of one scale in each coordinate, made at a `middle` [s],
-and what it answers at most to one that is made at most `half` from there.
+"""From `middle` [s] and `half` [s]: the answer of every quantity to an error of one scale in each
+coordinate that is made at `middle`, and a bound of it for those made at most `half` from there.
 """
 MOST_CELLS = 4096
-"""More say that balls are too wide."""
+"""The most cells of a search; if more are needed the balls are too wide."""
 
 
 @dataclass(frozen=True)
 class Span:
-    """Times [low, high] at which an error is made, and what it becomes."""
+    """An interval [low, high] of times [s] at which errors are made, and the `answers` to them."""
 
     low: Fraction
     high: Fraction
@@ -41,15 +41,15 @@ class Span:
 
     @property
     def middle(self) -> Fraction:
-        """Where its growth is looked at."""
+        """The time [s] at which the growth is evaluated."""
         return (self.low + self.high) / 2
 
     def growth(self) -> tuple[float, float]:
-        """The growth of an error at the middle, at least, and that of any error of the span, at
-        most.
+        """A lower bound of the growth of an error made at the middle, and an upper bound of that of
+        every error of the span.
         """
-        seen, bounds = self.answers(self.middle, (self.high - self.low) / 2)
-        least = max(float(answer.lower()) for answer in seen)
+        at_middle, bounds = self.answers(self.middle, (self.high - self.low) / 2)
+        least = max(float(answer.lower()) for answer in at_middle)
         return least, most(bounds) * UPWARDS
 
     def halves(self) -> list["Span"]:
@@ -64,20 +64,22 @@ def largest_growth(spans: Sequence[Span]) -> float:
     """A bound of the growth of all errors of the spans, at most WIDEST above the supremum, and at
     least 1.
     """
+    # A heap with the largest bound first (as -bound); `count` decides between equal ones.
     waiting: list[tuple[float, int, Span]] = []
     count = 0
-    seen = 1.0
+    # The largest growth that is proved to happen.
+    attained = 1.0
     fresh = list(spans)
     while count < MOST_CELLS:
         for span in fresh:
             least, bound = span.growth()
-            seen = max(seen, least)
+            attained = max(attained, least)
             heappush(waiting, (-bound, count, span))
             count += 1
         if not waiting:
-            return seen
-        found, _, widest = heappop(waiting)
-        if -found <= (1 + WIDEST) * seen:
-            return bounded(-found)
-        fresh = widest.halves()
+            return attained
+        minus_largest, _, span_of_largest = heappop(waiting)
+        if -minus_largest <= (1 + WIDEST) * attained:
+            return bounded(-minus_largest)
+        fresh = span_of_largest.halves()
     raise UnsharpError("how errors grow is not known well enough at this precision")

@@ -1,5 +1,5 @@
-"""A field written once and traced: the same list of operations for complex balls, power series,
-recurrences and derivatives.
+"""A field that is written once and traced to a list of operations, which serves complex balls,
+power series, recurrences and derivatives.
 
 Theorem (inclusion): each operation on balls contains all its values on them, so a program does;
 where an operation is not analytic on the balls (a divisor or a root's argument that may vanish) the
@@ -17,35 +17,45 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.reals import Number, is_number
 
 Operation = tuple[Any, ...]
-"""("in", i), ("constant", c), ("scale", c, a), (+ * /, a, b) or (sin cos exp sqrt, a); a and b are
-earlier operations.
+"""The kind of an operation and its operands: ("in", i) for input i, ("constant", c), ("scale", c,
+a) for c times a, (+ * /, a, b) or (sin cos exp sqrt, a); a and b are the numbers of earlier
+operations.
 """
 
 
 @dataclass
 class Trace:
-    """Operations in the order in which they were written, each kept once."""
+    """Operations in the order in which they were written, each kept once.
+
+    `known` has the number of each operation, `slopes` the derivative of an operation (by number) by
+    an input.
+    """
 
     operations: list[Operation] = field(default_factory=list)
     known: dict[Operation, int] = field(default_factory=dict)
     slopes: dict[tuple[int, int], "Node"] = field(default_factory=dict)
 
     def node(self, *operation: Any) -> "Node":
-        """The node of an operation, new if it is not yet known."""
+        """The node of an operation, which is added if it is not yet known."""
         if operation not in self.known:
             self.known[operation] = len(self.operations)
             self.operations.append(operation)
         return Node(self, self.known[operation])
 
     def constant(self, value: object) -> "Node":
-        """A node, or that of an exact number; TypeError for anything else: 0.1 is not 1/10."""
+        """The node of an exact number; a node stays what it is.
+
+        TypeError for anything else: 0.1 is not 1/10.
+        """
         if isinstance(value, Node):
             return value
         if not is_number(value):
             raise TypeError(
                 f"constant {value!r} of a traced field; expected an int, a Fraction or a Real"
             )
-        return self.node("constant", Fraction(value) if isinstance(value, int) else value)
+        if isinstance(value, int):
+            value = Fraction(value)
+        return self.node("constant", value)
 
 
 @dataclass(frozen=True)
@@ -61,7 +71,7 @@ class Node:
         return self.trace.operations[self.index]
 
     def exact(self) -> Number | None:
-        """The value of the node if it is a constant."""
+        """The value of the node if it is a constant, else None."""
         kind, *parts = self.operation
         if kind != "constant":
             return None
@@ -72,6 +82,7 @@ class Node:
         other = self.trace.constant(other)
         a = self.exact()
         b = other.exact()
+        # Sums of constants are made at once, and zeros left out.
         if a is not None and b is not None:
             return self.trace.constant(a + b)
         if a == 0:
@@ -82,7 +93,13 @@ class Node:
 
     def __mul__(self, other: object) -> "Node":
         other = self.trace.constant(other)
-        factor, node = (other.exact(), self) if self.exact() is None else (self.exact(), other)
+        # A constant factor makes a "scale", whose series needs no product.
+        if self.exact() is None:
+            factor = other.exact()
+            node = self
+        else:
+            factor = self.exact()
+            node = other
         if factor is None:
             return self.trace.node("*", self.index, other.index)
         value = node.exact()
@@ -126,9 +143,12 @@ class Node:
     def sqrt(self) -> "Node":
         return self.trace.node("sqrt", self.index)
 
-    def _wave(self, *kinds: str) -> "Node":
-        """The last of the two, each of which needs the other one's series."""
-        return [self.trace.node(kind, self.index) for kind in kinds][-1]
+    def _wave(self, partner: str, kind: str) -> "Node":
+        """The node of sin or cos (`kind`); its `partner` is traced too, for each needs the other
+        one's series.
+        """
+        self.trace.node(partner, self.index)
+        return self.trace.node(kind, self.index)
 
 
 Field = Callable[[Sequence[Any]], Sequence[Any]]
@@ -138,27 +158,31 @@ coordinate with derivative 1.
 
 
 def traced(function: Field, inputs: int) -> tuple[list[Node], list[list[Node]]]:
-    """The outputs of a function of `inputs` numbers, and their derivatives by each of these."""
+    """The outputs of a function of `inputs` numbers, and the rows of its Jacobian, as nodes of one
+    trace.
+    """
     trace = Trace()
-    outputs = [
-        trace.constant(out) for out in function([trace.node("in", i) for i in range(inputs)])
-    ]
-    return outputs, [[slope(out, i) for i in range(inputs)] for out in outputs]
+    arguments = [trace.node("in", i) for i in range(inputs)]
+    outputs = [trace.constant(output) for output in function(arguments)]
+    jacobian = [[slope(output, i) for i in range(inputs)] for output in outputs]
+    return outputs, jacobian
 
 
 def slope(node: Node, by: int) -> Node:
-    """The derivative of a node by input `by`, by the chain rule."""
+    """The derivative of a node by input `by`, by the chain rule; kept for the next call."""
     trace = node.trace
     key = (node.index, by)
     if key not in trace.slopes:
-        kind, *parts = trace.operations[node.index]
+        kind, *operands = trace.operations[node.index]
         if kind in ("in", "constant"):
-            trace.slopes[key] = trace.constant(int(kind == "in" and parts[0] == by))
+            trace.slopes[key] = trace.constant(int(kind == "in" and operands[0] == by))
         elif kind == "scale":
-            trace.slopes[key] = slope(Node(trace, parts[1]), by) * parts[0]
+            factor, argument = operands
+            trace.slopes[key] = slope(Node(trace, argument), by) * factor
         else:
-            a = Node(trace, parts[0])
-            b = Node(trace, parts[-1])
+            # An operation of one operand has it as a and as b.
+            a = Node(trace, operands[0])
+            b = Node(trace, operands[-1])
             trace.slopes[key] = SLOPES[kind](node, a, slope(a, by), b, slope(b, by))
     return trace.slopes[key]
 
@@ -175,9 +199,9 @@ SLOPES: dict[str, Callable[..., Node]] = {
 
 
 class Program:
-    """The operations up to those of some nodes, in order.
+    """The operations that give the values of some nodes, in order.
 
-    `run` evaluates them on any numbers that know the operations.
+    `run` evaluates them on any numbers that have the operations: balls, complex balls, series.
     """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
@@ -186,37 +210,49 @@ class Program:
         self.balls: dict[int, list[arb]] = {}
 
     def constants(self) -> list[arb]:
-        """For each operation a ball, at the current precision, of the exact number in it; 0 where
-        there is none.
+        """A ball, at the current precision, of the exact number in each operation; 0 where there is
+        none.
 
         Raises UndecidedError for a number that this precision does not enclose.
         """
         if ctx.prec not in self.balls:
-            found = [
-                arb_of(o[1]) if o[0] in ("constant", "scale") else arb(0) for o in self.operations
-            ]
-            if not all(ball.is_finite() for ball in found):
+            balls = []
+            for kind, first, *_ in self.operations:
+                if kind in ("constant", "scale"):
+                    balls.append(arb_of(first))
+                else:
+                    balls.append(arb(0))
+            if not all(ball.is_finite() for ball in balls):
                 raise UndecidedError(
                     f"a constant of the field is not enclosed with {ctx.prec} bits"
                 )
-            self.balls[ctx.prec] = found
+            self.balls[ctx.prec] = balls
         return self.balls[ctx.prec]
 
     def run(self, inputs: Sequence[Any], constant: Callable[[arb], Any] = arb) -> list[Any]:
-        """The outputs; `constant` makes a number of the right kind from a ball."""
+        """The outputs for these inputs; `constant` makes a number of their kind from a ball."""
         values: list[Any] = []
         for (kind, first, *rest), ball in zip(self.operations, self.constants(), strict=True):
             if kind in ELEMENTARY:
-                values.append(ELEMENTARY[kind](values[first], *(values[i] for i in rest)))
+                value = ELEMENTARY[kind](values[first], *(values[i] for i in rest))
+            elif kind == "in":
+                value = inputs[first]
+            elif kind == "constant":
+                value = constant(ball)
             else:
-                values.append(
-                    inputs[first]
-                    if kind == "in"
-                    else constant(ball)
-                    if kind == "constant"
-                    else ball * values[rest[0]]
-                )
+                # ("scale", c, a).
+                value = ball * values[rest[0]]
+            values.append(value)
         return [values[i] for i in self.outputs]
+
+
+def square_root(a: Any) -> Any:
+    """The principal square root; of complex balls across its cut, where it is not analytic, not
+    finite.
+    """
+    if isinstance(a, acb):
+        return a.sqrt(analytic=True)
+    return a.sqrt()
 
 
 ELEMENTARY: dict[str, Callable[..., Any]] = {
@@ -226,6 +262,5 @@ ELEMENTARY: dict[str, Callable[..., Any]] = {
     "sin": lambda a: a.sin(),
     "cos": lambda a: a.cos(),
     "exp": lambda a: a.exp(),
-    # the principal root is not analytic across its cut, and then not finite
-    "sqrt": lambda a: a.sqrt(analytic=True) if isinstance(a, acb) else a.sqrt(),
+    "sqrt": square_root,
 }

@@ -2,24 +2,28 @@
 switches.
 
 Axes of the slope: x down it, z its normal, the plane is z = 0; to space they turn by the angle
-`slope` about y. State: quaternion, spin L, place, velocity, clock. A corner with arm s = R c has
-the gap g = z + s_z and the velocity u = v + w x s; it presses with N = -k g - c g' and rubs with
-friction N against (u_x, u_y), and no more once N would pull (cutoff zero_force).
+`slope` about y. State: quaternion (4), angular momentum L (3), position (3), velocity (3), clock. A
+corner with arm s = R c has the gap g = z + s_z and the velocity u = v + w x s; it presses with N =
+-k g - c g', friction mu N acts against (u_x, u_y), and both end where N would pull (cutoff
+zero_force).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from refdem.truth.events.system import Entry, Guard, Mode, along
+from refdem.truth.events.system import Entry, Guard, Mode, State, along
 from refdem.truth.reals import root
 from refdem.truth.traced_field import Field, Node, Program, Trace
 
 PRESSES = "p"
+"""The mark of a corner that presses, in the name of a mode."""
 IDLES = "i"
+"""The mark of a corner that is below the plane and does not press, as its dashpot would pull."""
 SIGNS = tuple((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
+"""The corners of the box, by the signs of their coordinates in body axes."""
 Vector = Sequence[Any]
 
 
@@ -40,10 +44,14 @@ class Slope:
     friction: Fraction
 
     def field(self, pressing: frozenset[int]) -> Field:
-        """Rates of the state while these corners press."""
+        """The rates of the state while these corners (by number) press.
+
+        q' = q omega_body/2, L' = sum of s x F, x' = v, v' = F/m + gravity.
+        """
 
         def rates(y: Vector) -> list[Any]:
-            seen = Seen(self, y)
+            body = BodyState(self, y)
+            # The angle as a number of the trace, which has sin and cos.
             angle = y[0] * 0 + self.slope
             force: list[Any] = [
                 angle.sin() * self.gravity * self.mass,
@@ -52,42 +60,50 @@ class Slope:
             ]
             torque: list[Any] = [0, 0, 0]
             for corner in sorted(pressing):
-                push = seen.push(corner)
-                force = [a + b for a, b in zip(force, push, strict=True)]
-                torque = [a + b for a, b in zip(torque, cross(seen.arm(corner), push), strict=True)]
-            return [*seen.turning(), *torque, *y[10:13], *(f / self.mass for f in force), 1]
+                corner_force = body.force_on(corner)
+                corner_torque = cross(body.arm(corner), corner_force)
+                force = [a + b for a, b in zip(force, corner_force, strict=True)]
+                torque = [a + b for a, b in zip(torque, corner_torque, strict=True)]
+            velocity = y[10:13]
+            acceleration = [f / self.mass for f in force]
+            clock_rate = 1
+            return [*body.attitude_rate(), *torque, *velocity, *acceleration, clock_rate]
 
         return rates
 
     @cached_property
     def window(self) -> Fraction:
-        """About a third of a contact [s]."""
+        """The window [s] of a search for events: about a third of a contact, sqrt(m/k)."""
         return Fraction(float(self.mass / self.stiffness) ** 0.5)
 
 
-class Seen:
-    """What follows from a state: quantities that corners need."""
+class BodyState:
+    """A state y of the body, with the quantities of its corners that follow from it.
+
+    `rows` is the rotation matrix R, from body axes to those of the slope; `omega_body` is J^-1 R^T
+    L, `omega` R of that.
+    """
 
     def __init__(self, system: Slope, y: Vector) -> None:
         self.system = system
         self.y = y
         self.rows = rotation(y[:4])
+        columns = zip(*self.rows, strict=True)
+        momentum = y[4:7]
         self.omega_body = [
-            dot(column, y[4:7]) / j
-            for column, j in zip(zip(*self.rows, strict=True), system.inertia, strict=True)
+            dot(column, momentum) / moment
+            for column, moment in zip(columns, system.inertia, strict=True)
         ]
         self.omega = [dot(row, self.omega_body) for row in self.rows]
 
     def arm(self, corner: int) -> list[Any]:
-        """The vector s (3) from the centre to a corner, in space axes."""
-        half = [side(self.y[0] * 0 + square / 4) for square in self.system.squares]
-        return [
-            dot(row, [h * sign for h, sign in zip(half, SIGNS[corner], strict=True)])
-            for row in self.rows
-        ]
+        """The vector s = R c (3) from the centre to a corner, in the axes of the slope."""
+        half_sides = [side(self.y[0] * 0 + square / 4) for square in self.system.squares]
+        arm_body = [half * sign for half, sign in zip(half_sides, SIGNS[corner], strict=True)]
+        return [dot(row, arm_body) for row in self.rows]
 
-    def turning(self) -> list[Any]:
-        """The rate q' = q omega_body / 2 of the attitude."""
+    def attitude_rate(self) -> list[Any]:
+        """The rate q' = q omega_body/2 (4) of the attitude."""
         w, x, y, z = self.y[:4]
         a, b, c = self.omega_body
         return [
@@ -98,50 +114,44 @@ class Seen:
         ]
 
     def velocity(self, corner: int) -> list[Any]:
-        """The velocity u (3) of a corner in space axes."""
-        return [
-            v + w for v, w in zip(self.y[10:13], cross(self.omega, self.arm(corner)), strict=True)
-        ]
+        """The velocity u = v + omega x s (3) of a corner, in the axes of the slope."""
+        by_turning = cross(self.omega, self.arm(corner))
+        return [v + w for v, w in zip(self.y[10:13], by_turning, strict=True)]
 
     def gap(self, corner: int) -> Any:
-        """The signed gap g between a corner and the plane."""
+        """The signed gap g = z + s_z between a corner and the plane."""
         return self.y[9] + self.arm(corner)[2]
 
     def pressure(self, corner: int) -> Any:
-        """The normal force N on a corner."""
-        return (
-            -self.system.stiffness * self.gap(corner)
-            - self.system.damping * self.velocity(corner)[2]
-        )
+        """The normal force N = -k g - c g' on a corner."""
+        gap_rate = self.velocity(corner)[2]
+        return -self.system.stiffness * self.gap(corner) - self.system.damping * gap_rate
 
-    def push(self, corner: int) -> list[Any]:
-        """The force on a corner that presses."""
+    def force_on(self, corner: int) -> list[Any]:
+        """The force (3) on a corner that presses: N along z, and friction mu N against (u_x,
+        u_y).
+        """
         pressure = self.pressure(corner)
         if not self.system.friction:
             return [0, 0, pressure]
         x, y, _ = self.velocity(corner)
-        rub = pressure * self.system.friction / (x * x + y * y).sqrt()
-        return [-rub * x, -rub * y, pressure]
+        friction_per_speed = pressure * self.system.friction / (x * x + y * y).sqrt()
+        return [-friction_per_speed * x, -friction_per_speed * y, pressure]
 
 
 def side(square: Any) -> Any:
-    """The root of a constant; exact where it is rational."""
+    """The root of a number of a trace; an exact constant where it is rational."""
     if isinstance(square, Node):
         exact = square.exact()
-    else:
-        exact = None
-    if exact is None:
-        found = None
-    else:
-        found = root(exact)
-    if isinstance(found, Fraction):
-        return square.trace.constant(found)
+        if exact is not None and isinstance(root(exact), Fraction):
+            return square.trace.constant(root(exact))
     return square.sqrt()
 
 
 class Modes(dict[str, Mode]):
-    """Modes by name, made as they are entered: each corner that touches, with p where it presses
-    and i where it idles: `3p 5i`.
+    """Modes by name, made as they are entered.
+
+    A name has each corner that touches, with p where it presses and i where it idles: `3p 5i`.
     """
 
     def __init__(self, system: Slope) -> None:
@@ -149,50 +159,60 @@ class Modes(dict[str, Mode]):
         self.system = system
 
     def __missing__(self, name: str) -> Mode:
-        touching = {int(part[:-1]): part[-1] for part in name.split()}
-        guards = [guard for corner in range(len(SIGNS)) for guard in self.guards(corner, touching)]
-        pressing = frozenset(corner for corner, how in touching.items() if how == PRESSES)
+        marks = {int(part[:-1]): part[-1] for part in name.split()}
+        guards: list[Guard] = []
+        for corner in range(len(SIGNS)):
+            guards += self.guards(corner, marks)
+        pressing = frozenset(corner for corner, mark in marks.items() if mark == PRESSES)
         self[name] = Mode(self.system.field(pressing), tuple(guards), window=self.system.window)
         return self[name]
 
-    def guards(self, corner: int, touching: dict[int, str]) -> list[Guard]:
-        """What ends a corner's flight, pressure or idling."""
+    def guards(self, corner: int, marks: dict[int, str]) -> list[Guard]:
+        """The guards that end a corner's flight, pressure or idling, in the mode in which the
+        corners that touch have these marks.
+        """
 
-        def seen(y: Vector) -> Seen:
-            return Seen(self.system, y)
+        def gap(y: Vector) -> Any:
+            return BodyState(self.system, y).gap(corner)
 
-        def entry(how: str, *vanishing: str) -> Any:
-            if how:
-                after = {**touching, corner: how}
+        def pressure(y: Vector) -> Any:
+            return BodyState(self.system, y).pressure(corner)
+
+        def entry(mark: str, *vanishing: str) -> Callable[[State], Entry]:
+            """The entry into the mode with another mark of the corner (none: it flies), in which
+            these guards of the corner vanish at first.
+            """
+            others = {other: kept for other, kept in marks.items() if other != corner}
+            if mark:
+                others[corner] = mark
+            name = " ".join(f"{number}{kept}" for number, kept in sorted(others.items()))
+            touching = {f"{guard}{corner}": 1 for guard in vanishing}
+            return lambda _: Entry(name, None, touching)
+
+        mark = marks.get(corner)
+        is_damped = self.system.damping > 0
+        if mark is None:
+            # A dashpot presses at once; a spring's force begins at zero.
+            if is_damped:
+                touched = entry(PRESSES)
             else:
-                after = {c: h for c, h in touching.items() if c != corner}
-            name = " ".join(f"{c}{h}" for c, h in sorted(after.items()))
-            return lambda _: Entry(name, None, {f"{what}{corner}": 1 for what in vanishing})
-
-        how = touching.get(corner)
-        damped = self.system.damping > 0
-        if how is None:
-            return [
-                Guard(
-                    f"touch{corner}",
-                    lambda y: seen(y).gap(corner),
-                    entry(PRESSES, *([] if damped else ["release"])),
-                )
-            ]
-        if how == PRESSES:
-            if damped:
-                after = entry(IDLES, "press")
+                touched = entry(PRESSES, "release")
+            return [Guard(f"touch{corner}", gap, touched)]
+        if mark == PRESSES:
+            # A damped corner is still below the plane where its force ends.
+            if is_damped:
+                released = entry(IDLES, "press")
             else:
-                after = entry("", "touch")
-            return [Guard(f"release{corner}", lambda y: seen(y).pressure(corner), after)]
+                released = entry("", "touch")
+            return [Guard(f"release{corner}", pressure, released)]
         return [
-            Guard(f"leave{corner}", lambda y: -seen(y).gap(corner), entry("", "touch")),
-            Guard(f"press{corner}", lambda y: -seen(y).pressure(corner), entry(PRESSES, "release")),
+            Guard(f"leave{corner}", lambda y: -gap(y), entry("", "touch")),
+            Guard(f"press{corner}", lambda y: -pressure(y), entry(PRESSES, "release")),
         ]
 
 
 def rotation(q: Vector) -> list[list[Any]]:
-    """R of a unit quaternion, body to space."""
+    """The matrix R of a unit quaternion, from body axes to those of the slope."""
     w, x, y, z = q
     first = [w * w + x * x - y * y - z * z, (x * y - w * z) * 2, (x * z + w * y) * 2]
     second = [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2]
@@ -211,8 +231,9 @@ def cross(a: Vector, b: Vector) -> list[Any]:
 
 
 def lean_rates(guard: Guard, mode: Mode, size: int) -> list[Program]:
-    """The first of the rates of a guard, whose zeros are simple, alone, and only the operations
-    that it needs.
+    """Programs of a guard's value and of its first rate, with only the operations that each needs.
+
+    All zeros of these guards are simple: no higher rate is asked for.
     """
     trace = Trace()
     y = [trace.node("in", i) for i in range(size)]
@@ -222,26 +243,26 @@ def lean_rates(guard: Guard, mode: Mode, size: int) -> list[Program]:
 
 
 def lean(node: Node) -> Node:
-    """The same node in a trace of nothing but what makes it."""
-    fresh = Trace()
-    kept = dict[int, int]()
-    waiting = [node.index]
+    """The same node in a new trace that has only the operations which its value needs."""
+    operations = node.trace.operations
     needed = set()
+    waiting = [node.index]
     while waiting:
         index = waiting.pop()
         if index not in needed:
             needed.add(index)
-            waiting += node.trace.operations[index][
-                OPERANDS.get(node.trace.operations[index][0], 1) :
-            ]
+            kind, *parts = operations[index]
+            waiting += parts[CONSTANTS.get(kind, 0) :]
+    # In rising order every operand has its new number before it is used.
+    fresh = Trace()
+    new_index = dict[int, int]()
     for index in sorted(needed):
-        kind, *parts = node.trace.operations[index]
-        first = OPERANDS.get(kind, 1) - 1
-        kept[index] = fresh.node(
-            kind, *parts[:first], *(kept[part] for part in parts[first:])
-        ).index
-    return Node(fresh, kept[node.index])
+        kind, *parts = operations[index]
+        count = CONSTANTS.get(kind, 0)
+        operands = [new_index[part] for part in parts[count:]]
+        new_index[index] = fresh.node(kind, *parts[:count], *operands).index
+    return Node(fresh, new_index[node.index])
 
 
-OPERANDS = {"in": 2, "constant": 2, "scale": 2}
-"""Where the numbers of earlier operations begin in an operation, if not right after its name."""
+CONSTANTS = {"in": 1, "constant": 1, "scale": 1}
+"""The number of parts of an operation, by its kind, that are no numbers of earlier operations."""

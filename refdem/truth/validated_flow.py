@@ -33,6 +33,7 @@ from refdem.truth.balls import SPARE, Guarded, UndecidedError, arb_of, ball_of, 
 from refdem.truth.closed_form import per_precision
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
+from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Sensitivity, Size
 from refdem.truth.traced_field import Field, Program, traced
 from refdem.truth.validated_ivp.integration import Integration, Piece
@@ -44,17 +45,31 @@ Escape = Callable[[Sequence[arb]], arb | None]
 None where that is not proved.
 """
 LOSS = 24
-"""Bits that a quiet motion may lose; one that loses more is integrated anew with as many more."""
+"""The bits that a quiet motion may lose; one that loses more is integrated anew with as many more.
+"""
 MOST_BITS = 4096
-"""Where a motion ends as `precision`: twice as many bits take about ten times the work."""
+"""The most bits of an integration, after which a motion ends with the code `precision`: twice as
+many bits take about ten times the work.
+"""
 GAIN = Fraction(1, 16)
-"""Part by which the end of a motion must move if bits are doubled: a motion that loses bits by and
-by comes twice as far.
+"""The part by which the end of a motion must move when bits are doubled, for more to be tried: a
+motion that loses bits by and by comes twice as far.
 """
 
 
+def balls_of(values: Sequence[Number | int | Callable[[], arb]]) -> list[arb]:
+    """Balls, at the current precision, of exact numbers or of what functions give as balls."""
+    balls = []
+    for value in values:
+        if callable(value):
+            balls.append(value())
+        else:
+            balls.append(arb_of(value))
+    return balls
+
+
 def never(y: Sequence[arb]) -> None:
-    """The escape of a motion that no proof says to be infinite."""
+    """The escape of a motion that no proof says to be infinite: always None."""
 
 
 class Reading(ABC):
@@ -75,12 +90,12 @@ class TracedReading(Reading):
     def __init__(self, quantities: Quantities, size: int) -> None:
         self.names: list[str] = []
 
-        def listed(y: Sequence[Any]) -> list[Any]:
-            found = quantities(y)
-            self.names = list(found)
-            return list(found.values())
+        def values_in_order(y: Sequence[Any]) -> list[Any]:
+            by_name = quantities(y)
+            self.names = list(by_name)
+            return list(by_name.values())
 
-        outputs, rows = traced(listed, size)
+        outputs, rows = traced(values_in_order, size)
         self.outputs = Program(outputs)
         self.rows = Program([entry for row in rows for entry in row])
 
@@ -97,14 +112,15 @@ class ValidatedFlow(Guarded, Truth):
     weighted (enclosure.py).
 
     `start` has, for each coordinate, an exact number, or a function that gives its ball at the
-    current precision (the cosine of a parameter). `moved` has the coordinates of the start that S
-    displaces and `state`, one for each, the quantities in whose scales they are displaced. Bits are
-    those that the digits ask for, and more until every radius is met; pieces are kept for each
-    number.
+    current precision (the cosine of a parameter). `quantities(y)` gives the quantities of a state
+    by name, and `scale` the size of each, against which its error counts. `moved` has the numbers
+    of the coordinates of the start that S displaces and `state`, one for each, the quantities in
+    whose scales they are displaced. The working precision is that which the digits ask for, and is
+    raised until every radius is met; the pieces of an integration are kept for each precision.
 
-    What a family adds is handed in: `witness` says who checked; `escape` proves that a motion is
-    infinite; `constants` gives the scalars; `told` names the quantities that are told (all by
-    default); `door` raises NotCertifiedError where the quantities say nothing.
+    A family hands in what it adds: `witness` says who checked; `escape` proves that a motion is
+    infinite; `constants` gives the scalars; `told` names the quantities that `at` returns (all by
+    default); `door` raises NotCertifiedError where the quantities have no meaning.
     """
 
     method = (
@@ -171,15 +187,16 @@ class ValidatedFlow(Guarded, Truth):
         return self.refiner_now().balls(lambda: self.constants(self), "scalars")
 
     def sensitivity(self, t: Fraction) -> float:
-        """S(t), from the variational equation: no error reaches what is not displaced."""
+        """S(t) from the variational equation, for errors of the coordinates `moved`."""
         self.door(self)
         if ("sensitivity", t) not in self.kept:
-            # Those of the first integration: its pieces are there already.
+            # The precision of the first integration, whose pieces are there already, and its
+            # doublings.
             first = self.first_bits()
             proof = Sensitivity([first << doubling for doubling in range(4)])
             self.kept["sensitivity", t] = proof.at(self.growth, t, lambda: self.at_start(t))
-        found: float = self.kept["sensitivity", t]
-        return found
+        bound: float = self.kept["sensitivity", t]
+        return bound
 
     def at_start(self, t: Fraction) -> dict[str, Ball]:
         """The quantities at the start, as the last certified state before t."""
@@ -194,28 +211,30 @@ class ValidatedFlow(Guarded, Truth):
         return replace(self.refiner, first=self.bits(), most=self.most_bits())
 
     def bits(self) -> int:
-        """What `at` begins with: bits for the digits, or what they have needed so far."""
+        """The precision [bit] that `at` begins with: that for the digits, or what they have needed
+        so far.
+        """
         return int(self.kept.get(("bits", self.refiner.digits), self.first_bits()))
 
     def first_bits(self) -> int:
-        """Bits for the digits, and LOSS more."""
+        """The bits of the target radius and LOSS more, rounded up to a multiple of 32."""
         asked = ceil(1 / self.refiner.target()).bit_length() + LOSS
         return asked + -asked % 32
 
     def most_bits(self) -> int:
-        """Where raising them ends."""
+        """The precision [bit] at which raising it ends."""
         return max(MOST_BITS, 2 * self.bits())
 
     def integration(self) -> Integration:
-        """The solution at the current precision."""
+        """The solution at the current precision, kept with the pieces that it has made."""
         if ("integration", ctx.prec) not in self.kept:
             self.kept["integration", ctx.prec] = Integration(self.field, self.first, ctx.prec)
-        found: Integration = self.kept["integration", ctx.prec]
-        return found
+        integration: Integration = self.kept["integration", ctx.prec]
+        return integration
 
     def first(self) -> list[arb]:
-        """The start at the current precision."""
-        return [value() if callable(value) else arb_of(value) for value in self.begin]
+        """Balls of the start at the current precision."""
+        return balls_of(self.begin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Every quantity at t at the current precision; UndecidedError where the motion ends."""
@@ -228,41 +247,53 @@ class ValidatedFlow(Guarded, Truth):
             raise self.ended(t, error) from None
 
     def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
-        """The same end with the last certified state, and whether it is proved to be one of the
-        motion, or more bits may move it.
+        """The same error with the last certified state, and whether more bits may help.
 
-        It is `singular` where the motion from that state is proved to be infinite before t. Where
-        bits were doubled and the end hardly moved, more are not tried; what stops the proof there
-        is then not known.
+        It is `singular`, and final, where the motion from that state is proved to be infinite
+        before t. Where bits were doubled and the end of the integration hardly moved, it is final
+        too: more are not tried, and what stops the proof there is not known.
         """
         flow = self.integration()
         y = flow.reached()
         end = arb_of(flow.end)
         balls = {name: ball_of(value) for name, value in self.reading.values(y).items()}
-        within = self.escape(y)
-        if within is not None and end + within < t:
-            told = (
-                f"the motion is infinite before t = {float((end + within).upper()):.17g} s; it is"
+        infinite_within = self.escape(y)
+        if infinite_within is not None and end + infinite_within < t:
+            latest = float((end + infinite_within).upper())
+            message = (
+                f"the motion is infinite before t = {latest:.17g} s; it is"
                 f" enclosed up to {float(end):.17g} s"
             )
-            return UndecidedError(told, code="singular", final=True, time=error.time, balls=balls)
+            return UndecidedError(
+                message, code="singular", final=True, time=error.time, balls=balls
+            )
         self.ends[flow.bits] = flow.end
-        earlier = [other for bits, other in self.ends.items() if 2 * bits <= flow.bits]
-        stays = bool(earlier) and flow.end <= max(earlier) * (1 + GAIN)
+        ends_at_fewer_bits = [end for bits, end in self.ends.items() if 2 * bits <= flow.bits]
+        is_stuck = bool(ends_at_fewer_bits) and flow.end <= max(ends_at_fewer_bits) * (1 + GAIN)
         return UndecidedError(
-            str(error), code=error.code, final=error.final or stays, time=error.time, balls=balls
+            str(error),
+            code=error.code,
+            final=error.final or is_stuck,
+            time=error.time,
+            balls=balls,
         )
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`: a
-        witness of S, which needs none.
+        """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`.
+
+        Differences of such motions are a witness of S; S itself comes from the variational
+        equation.
         """
+        coordinate = self.moved[axis]
+        before = self.begin[coordinate]
         other = copy(self)
-        other.kept, other.ends, other.begin = {}, {}, list(self.begin)
-        before = self.begin[self.moved[axis]]
-        other.begin[self.moved[axis]] = (
-            (lambda: before() + arb_of(amount)) if callable(before) else before + amount
-        )
+        other.kept = {}
+        other.ends = {}
+        other.begin = list(self.begin)
+        if callable(before):
+            other.begin[coordinate] = lambda: before() + arb_of(amount)
+        else:
+            other.begin[coordinate] = before + amount
         return other
 
     def jacobian(self, t: Fraction) -> arb_mat:
@@ -270,31 +301,32 @@ class ValidatedFlow(Guarded, Truth):
         variational equation.
         """
         flow = self.integration().jacobian(arb_of(t)).table()
-        return self.scaled_slopes(arb_of(t)) * arb_mat(
-            [[row[j] * size for j, size in self.sizes()] for row in flow]
-        )
+        # d y(t)/d start_j, times the scale of start_j.
+        by_scaled_start = arb_mat([[row[j] * scale for j, scale in self.sizes()] for row in flow])
+        return self.scaled_slopes(arb_of(t)) * by_scaled_start
 
     def scaled_slopes(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d y_j(t), with `state` as the first rows."""
         return self.scaled_slopes_at(self.integration().at(t))
 
     def scaled_slopes_at(self, y: Sequence[arb]) -> arb_mat:
-        """The scaled derivatives of the quantities by a state y."""
-        rows = self.reading.slopes(y)
-        order = [*self.state, *(name for name in rows if name not in self.state)]
-        return arb_mat(
-            [[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order]
-        )
+        """d quantity_i/scale_i over d y_j at a state y, with `state` as the first rows."""
+        slopes = self.reading.slopes(y)
+        names = [*self.state, *(name for name in slopes if name not in self.state)]
+        rows = []
+        for name in names:
+            scale = arb_of(self.scale[name])
+            rows.append([entry / scale for entry in slopes[name]])
+        return arb_mat(rows)
 
     @per_precision
     def growth(self) -> Growth:
-        """Piece by piece, by the variational equation."""
-        return Growth(
-            self.stretches(self.integration()), Norm([1] * len(self.moved)), self.readings
-        )
+        """The growth S, piece by piece, by the variational equation."""
+        norm = Norm([1] * len(self.moved))
+        return Growth(self.stretches(self.integration()), norm, self.readings)
 
     def stretches(self, flow: Integration) -> Iterator[Stretch]:
-        """The pieces of an integration, made as they are asked for."""
+        """The pieces of an integration as stretches, made as they are asked for."""
         for number in count():
             while number >= len(flow.pieces):
                 flow.advance()
@@ -303,15 +335,20 @@ class ValidatedFlow(Guarded, Truth):
             yield smooth(arb_of(piece.begin), arb_of(piece.length), moved, joins=True)
 
     def moved_by(self, flow: Integration, piece: Piece, since: arb) -> arb_mat:
-        """The derivative of the state since the begin of a piece, both in scales: no error reaches
-        what is not displaced.
+        """The derivative of the displaced coordinates, `since` [s] after the begin of a piece, by
+        those at its begin, both in scales: no error reaches the other coordinates.
         """
         table = flow.moved_by(piece, since).table()
-        sizes = self.sizes()
-        return arb_mat([[table[i][j] * own / size for j, own in sizes] for i, size in sizes])
+        scales = self.sizes()
+        return arb_mat(
+            [
+                [table[i][j] * scale_of_start / scale for j, scale_of_start in scales]
+                for i, scale in scales
+            ]
+        )
 
     def sizes(self) -> list[tuple[int, arb]]:
-        """The coordinates that are displaced, and their scales."""
+        """The numbers of the coordinates that are displaced, each with its scale."""
         return [
             (j, arb_of(self.scale[name])) for name, j in zip(self.state, self.moved, strict=True)
         ]
@@ -321,11 +358,10 @@ class ValidatedFlow(Guarded, Truth):
         return self.readings_at(self.integration().at(t))
 
     def readings_at(self, y: Sequence[arb]) -> arb_mat:
-        """Scaled readings of the quantities at a given state y."""
-        sizes = self.sizes()
-        return arb_mat(
-            [[row[j] * size for j, size in sizes] for row in self.scaled_slopes_at(y).table()]
-        )
+        """d quantity_i/scale_i over d state_j/scale_j at a state y."""
+        scales = self.sizes()
+        slopes = self.scaled_slopes_at(y).table()
+        return arb_mat([[row[j] * scale for j, scale in scales] for row in slopes])
 
     def forecast(self, t: Fraction, digits: int) -> float:
         """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is
@@ -337,14 +373,15 @@ class ValidatedFlow(Guarded, Truth):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The pieces that are left until the radius at t is what is asked for, in pieces of the
-        course's precision.
+        """The number of pieces that are still to be made until the radius at t is what is asked
+        for, counted in pieces of the course's precision.
         """
         # log2 of a number that may be below all doubles.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
+            """As `climbed` (balls.py) raises them: twofold, or by the bits that are lacking."""
             if lacking is None:
                 more = bits
             else:

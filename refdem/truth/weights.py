@@ -13,28 +13,29 @@ from numpy.typing import NDArray
 from refdem.truth.balls import outward
 
 REACH = 12
-"""Most of |J| at the start times the outer radius: sums whose terms grow as exp of that lose its
-bits.
+"""The most that |J| at the start times the outer radius may be: sums whose terms grow as exp of
+that lose its bits.
 """
 HALVINGS = 32
-"""Of the disc whose Jacobian makes the weights."""
+"""The most halvings of the disc whose Jacobian makes the weights."""
 
 
 def quickest(slopes: Sequence[arb | acb]) -> float:
-    """About the largest |eigenvalue| of a matrix whose rows come one after another, and
-    positive.
+    """The largest |eigenvalue| [1/s], about, of the absolute values of a matrix whose rows come one
+    after another; at least 1e-300, so that it may divide.
     """
-    matrix = np.array([float(outward(entry)) for entry in slopes])
+    matrix = doubles(slopes)
     if not np.isfinite(matrix).all():
         return inf
-    return max(
-        float(np.abs(np.linalg.eigvals(matrix.reshape(isqrt(len(matrix)), -1))).max()), 1e-300
-    )
+    eigenvalues = np.linalg.eigvals(matrix.reshape(isqrt(len(matrix)), -1))
+    return max(float(np.abs(eigenvalues).max()), 1e-300)
 
 
 def typical(jacobian: Callable[[float], list[Any]], radius: float) -> list[Any] | None:
-    """J, a function of the radius, on a disc at most so large on which its motion is no wilder than
-    REACH; None if there is none.
+    """The Jacobian J on a disc of at most this radius, halved until |J| times the radius is below
+    REACH; None if it never is.
+
+    `jacobian(radius)` gives balls of J on the disc, its rows one after another.
     """
     for _ in range(HALVINGS):
         slopes = jacobian(radius)
@@ -45,24 +46,34 @@ def typical(jacobian: Callable[[float], list[Any]], radius: float) -> list[Any] 
 
 
 def weighted(
-    speeds: Sequence[arb], slopes: Sequence[arb | acb], slowest: float, least: Sequence[arb]
+    speeds: Sequence[arb | acb],
+    slopes: Sequence[arb | acb],
+    slowest: float,
+    least: Sequence[arb],
 ) -> list[arb]:
-    """Weights w = (1 - |J|/r)^-1 b, r a little more than the spectral radius of |J|, b = max(|f|,
-    least): |J| w <= r w and |f| <= w.
+    """Weights w = (1 - |J|/r)^-1 b, with b = max(|f|, least): |J| w <= r w and |f| <= w.
 
-    A coordinate whose rate has died out while others go on (a spin that has settled about an axis)
-    would without `least` have a weight so small beside theirs that the remainder of the flow
+    r is 5/4 of the spectral radius of |J|, or of `slowest` [1/s] if that is larger; `speeds` are f,
+    `slopes` J with its rows one after another. All weights are 1 where these are not finite.
+
+    Without `least` a coordinate whose rate has died out while others go on (a spin that has settled
+    about an axis) would have a weight so small beside theirs that the remainder of the flow
     Jacobian, which is in parts of w_i/w_j, swells the set.
     """
-    rates = np.maximum(doubles(speeds), doubles(least))
-    matrix = doubles(slopes).reshape(len(rates), -1)
-    if not (np.isfinite(rates).all() and np.isfinite(matrix).all()):
-        return [arb(1)] * len(rates)
+    b = np.maximum(doubles(speeds), doubles(least))
+    matrix = doubles(slopes).reshape(len(b), -1)
+    if not (np.isfinite(b).all() and np.isfinite(matrix).all()):
+        return [arb(1)] * len(b)
+    if not b.any():
+        # The motion rests at 0: all coordinates count alike.
+        b = b + 1
     r = 1.25 * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
-    found = np.linalg.solve(np.eye(len(rates)) - matrix / r, rates if rates.any() else rates + 1)
-    return [arb(float(weight)) for weight in np.maximum(found, found[found > 0].min() / 1024)]
+    weights = np.linalg.solve(np.eye(len(b)) - matrix / r, b)
+    # Rounding may make a weight that should be tiny 0 or negative.
+    smallest = weights[weights > 0].min() / 1024
+    return [arb(float(weight)) for weight in np.maximum(weights, smallest)]
 
 
 def doubles(values: Sequence[arb | acb]) -> NDArray[np.float64]:
-    """Upper bounds of absolute values, to rounding."""
+    """The upper bounds of absolute values as doubles, rounded to nearest."""
     return np.array([float(outward(value)) for value in values])

@@ -1,4 +1,4 @@
-"""A witness for closed forms: quadratic systems y' = B(y, y) by Taylor series with a proven
+"""A witness for closed forms: quadratic systems y' = B(y, y), solved by Taylor series with a proven
 remainder.
 
 With |B(y, y)| <= a |y|^2 in the maximum norm, the series is dominated by that of Y' = a Y^2: |y_k|
@@ -15,17 +15,19 @@ from flint import arb
 from refdem.truth.balls import arb_of
 
 RATIO = Fraction(1, 4)
-"""r: a quarter gains two bits a term, at a step that is half as long as the quickest."""
+"""The ratio r of a step: a quarter gains two bits a term, at a step that is half as long as the
+quickest.
+"""
 
 
 @dataclass(frozen=True)
 class Quadratic:
-    """y_i' = sum of c y_j y_k over the terms (c, j, k) of component i."""
+    """The system y_i' = sum of c y_j y_k over the terms (c, j, k) of component i."""
 
     terms: Sequence[Sequence[tuple[arb, int, int]]]
 
     def bound(self) -> arb:
-        """a: the largest sum of |c| of a component."""
+        """The bound a of |B(y, y)| <= a |y|^2: the largest sum of |c| of a component."""
         return _largest([sum((abs(c) for c, _, _ in row), arb(0)) for row in self.terms])
 
     def flow(self, start: Sequence[arb], t: Fraction, *, order: int) -> list[arb]:
@@ -33,35 +35,42 @@ class Quadratic:
         remainder.
         """
         y = list(start)
-        left = arb_of(t)
+        remaining = arb_of(t)
         if t < 0:
             sign = -1
         else:
             sign = 1
         while True:
-            speed = self.bound() * _largest([abs(x) for x in y])
-            if speed > 0:
-                step = (arb_of(RATIO) / speed).lower()
+            # h = r/(a Y).
+            rate = self.bound() * _largest([abs(x) for x in y])
+            if rate > 0:
+                step = (arb_of(RATIO) / rate).lower()
             else:
-                step = abs(left) + 1
-            if abs(left) <= step:
-                return self._step(y, left, order)
+                # The state is zero and stays: one step does it.
+                step = abs(remaining) + 1
+            if abs(remaining) <= step:
+                return self._step(y, remaining, order)
             y = self._step(y, sign * step, order)
-            left = left - sign * step
+            remaining = remaining - sign * step
 
     def _step(self, y: Sequence[arb], h: arb, order: int) -> list[arb]:
+        """The solution a step h (of either sign) after y: the sum of its series, and a ball of the
+        remainder.
+
+        `series` has the terms y_n h^n of each component: y_(n+1) = sum of c [y_j y_k]_n/(n + 1).
+        """
         pairs = sorted({(j, k) for row in self.terms for _, j, k in row})
         series = [[x] for x in y]
         for n in range(order):
             products = {(j, k): _convolution(series[j], series[k], n) for j, k in pairs}
-            for row, coefficients in zip(self.terms, series, strict=True):
-                coefficients.append(
-                    h / (n + 1) * sum((c * products[j, k] for c, j, k in row), arb(0))
-                )
-        size = _largest([abs(x) for x in y])
-        ratio = (self.bound() * size * abs(h)).abs_upper()
-        rest = size * ratio ** (order + 1) / (1 - ratio)
-        return [sum(coefficients, arb(0, rest.abs_upper())) for coefficients in series]
+            for row, terms in zip(self.terms, series, strict=True):
+                rate = sum((c * products[j, k] for c, j, k in row), arb(0))
+                terms.append(h / (n + 1) * rate)
+        # The remainder Y r^(N+1)/(1 - r), r = a Y h.
+        largest = _largest([abs(x) for x in y])
+        ratio = (self.bound() * largest * abs(h)).abs_upper()
+        remainder = largest * ratio ** (order + 1) / (1 - ratio)
+        return [sum(terms, arb(0, remainder.abs_upper())) for terms in series]
 
 
 def _convolution(a: Sequence[arb], b: Sequence[arb], n: int) -> arb:
@@ -82,41 +91,51 @@ def body_flow(
     *,
     order: int,
 ) -> tuple[list[arb], list[arb]]:
-    """omega in body axes and the attitude (of either sign) of a free rigid body at t: Euler's
-    equations, q' = q omega/2.
+    """omega in body axes and the attitude (of either sign) of a free rigid body at t [s].
+
+    The system is Euler's equations, J_i omega_i' = (J_j - J_k) omega_j omega_k for cyclic i, j, k,
+    and q' = q omega/2. `inertia` has the principal moments; `attitude` need not have the length 1.
     """
-    j = inertia
     half = arb(1) / 2
-    euler = [
-        [(arb_of((j[(i + 1) % 3] - j[(i + 2) % 3]) / j[i]), (i + 1) % 3, (i + 2) % 3)]
-        for i in range(3)
-    ]
+    # The unknowns are omega (numbers 0, 1, 2) and the quaternion w, x, y, z.
+    euler = []
+    for i in range(3):
+        j = (i + 1) % 3
+        k = (i + 2) % 3
+        coefficient = arb_of((inertia[j] - inertia[k]) / inertia[i])
+        euler.append([(coefficient, j, k)])
     w = 3
     x = 4
     y = 5
     z = 6
-    turning = [
+    attitude_rate = [
         [(-half, x, 0), (-half, y, 1), (-half, z, 2)],
         [(half, w, 0), (half, y, 2), (-half, z, 1)],
         [(half, w, 1), (half, z, 0), (-half, x, 2)],
         [(half, w, 2), (half, x, 1), (-half, y, 0)],
     ]
-    unit = sum((v * v for v in attitude), Fraction(0))
-    start = [arb_of(v) for v in omega] + [arb_of(v) / arb_of(unit).sqrt() for v in attitude]
-    end = Quadratic([*euler, *turning]).flow(start, t, order=order)
+    length_squared = sum((v * v for v in attitude), Fraction(0))
+    unit_attitude = [arb_of(v) / arb_of(length_squared).sqrt() for v in attitude]
+    start = [arb_of(v) for v in omega] + unit_attitude
+    end = Quadratic([*euler, *attitude_rate]).flow(start, t, order=order)
     return end[:3], end[3:]
 
 
 def pendulum_flow(
     theta: arb, thetadot: Fraction, gravity_over_length: Fraction, t: Fraction, *, order: int
 ) -> tuple[arb, arb, arb]:
-    """cos theta, sin theta and thetadot of a pendulum at t: theta'' = -(g/l) sin theta, in units of
-    w0.
+    """cos theta, sin theta and thetadot [1/s] of a pendulum at t [s]: theta'' = -w0^2 sin theta,
+    w0^2 = g/l.
+
+    The unknowns c = cos theta, s = sin theta, r = thetadot/w0 and 1 make it quadratic: c' = -w0 s
+    r, s' = w0 c r, r' = -w0 s 1.
     """
     w0 = arb_of(gravity_over_length).sqrt()
+    c = 0
+    s = 1
+    r = 2
     one = 3
-    field = Quadratic([[(-w0, 1, 2)], [(w0, 0, 2)], [(-w0, 1, one)], []])
-    cosine, sine, rate, _ = field.flow(
-        [theta.cos(), theta.sin(), arb_of(thetadot) / w0, arb(1)], t, order=order
-    )
+    system = Quadratic([[(-w0, s, r)], [(w0, c, r)], [(-w0, s, one)], []])
+    start = [theta.cos(), theta.sin(), arb_of(thetadot) / w0, arb(1)]
+    cosine, sine, rate, _ = system.flow(start, t, order=order)
     return cosine, sine, rate * w0

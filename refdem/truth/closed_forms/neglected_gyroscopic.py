@@ -29,7 +29,7 @@ from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.refiner import Size
 from refdem.truth.rotation import rotated, times, upright
-from refdem.truth.tumbling_contact import Modes, Seen, Slope, dot, lean_rates, rotation
+from refdem.truth.tumbling_contact import BodyState, Modes, Slope, dot, lean_rates, rotation
 
 PLACE = ("x", "y", "z")
 DIGITS = 32
@@ -96,7 +96,7 @@ def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> 
 
 def seen(system: Slope, y: Sequence[Any]) -> dict[str, Any]:
     """The quantities of a state, the attitude of either sign."""
-    found = Seen(system, y)
+    found = BodyState(system, y)
     half = (y[0] * 0 + system.slope) / 2
     c = half.cos()
     s = half.sin()

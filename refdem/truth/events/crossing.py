@@ -17,23 +17,25 @@ from refdem.truth.balls import UndecidedError
 
 Along = Callable[[arb], arb]
 SPLIT = 63
-"""In 128ths: intervals are not split in their middle, where zeros of simple motions lie."""
+"""The place, in 128ths, at which an interval is split: not its middle, where zeros of simple
+motions lie.
+"""
 LEAST = 2.0**-100
-"""Of a window: what is not decided on less is grazing, or a zero at an end that more digits tell
-apart.
+"""The least part of a window that is split: what is not decided on less is grazing, or a zero at an
+end that more digits tell apart.
 """
 
 
 FINAL = ("end", "singular", "time")
-"""Ends that more bits do not move."""
+"""The codes of ends that more bits do not move."""
 
 
 class SwitchError(UndecidedError):
-    """Balls cannot follow a switch; `code` is that of an end (errors.py), `since` about when [s] in
-    the piece.
+    """Balls cannot follow a motion through a switch.
 
-    `state` has balls of the last certified state (its clock last); `final`: more digits would
-    seldom help.
+    `code` is that of an end (errors.py), `since` [s] about when it was in the piece. `state` has
+    balls of the last certified state (its clock last); `final` says that more digits would seldom
+    help.
     """
 
     def __init__(self, code: str, message: str, since: float) -> None:
@@ -42,7 +44,9 @@ class SwitchError(UndecidedError):
         self.state: list[arb] = []
 
     def at(self, state: Sequence[arb], *, thin: bool = False) -> Self:
-        """The same error with the last certified state, and whether the set is thin there."""
+        """The same error with the last certified state; where the set is `thin` there, ends of a
+        boundary are final.
+        """
         self.state = list(state)
         self.final = self.final or (thin and self.code in ("grazing", "corner", "separatrix"))
         return self
@@ -50,10 +54,10 @@ class SwitchError(UndecidedError):
 
 @dataclass(frozen=True)
 class Watched:
-    """One switching function along a piece: balls of it and of its rates for every motion of the
-    set, over any ball of times.
+    """One switching function along a piece, for every motion of the set.
 
-    `touching` is the order of a zero at the begin of the piece, 0 for none.
+    `rates[n]` gives a ball of its n-th derivative in time over a ball of times since the piece's
+    begin. `touching` is the order of a zero at the begin of the piece, 0 for none.
     """
 
     name: str
@@ -62,49 +66,56 @@ class Watched:
 
     @property
     def value(self) -> Along:
+        """The function itself: G of the theorem."""
         return self.rates[0]
 
     @property
     def rate(self) -> Along:
+        """Its first derivative: D of the theorem."""
         return self.rates[1]
 
 
 def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
-    """A ball of the times in (low, high] at which each motion of the set first has a zero.
+    """A ball of the times in (low, high] at which each motion of the set first has a zero; None if
+    it is proved that none has any.
 
-    None if it is proved that none has any.
+    Bisection, in order of time, until the sign of the function or of its rate decides each interval
+    (theorem of the module). SwitchError where an interval stays undecided.
     """
     if not watched.touching and not watched.value(low) > 0:
         raise SwitchError(
             "corner", f"{watched.name} is not proved positive where it begins", float(low)
         )
-    # The order of the derivative that decides until the value has left the zero at the begin.
-    # Whatever is popped, the value is proved positive from `low` to there, but for that zero.
-    fresh = watched.touching
+    # The order of the derivative that decides until the value has left the zero at the begin: if
+    # all below it vanish there and it is positive, the value is positive (Taylor). 0 afterwards.
+    order = watched.touching
+    # Invariant: from `low` to the begin of the interval that is popped next, the value is proved
+    # positive, but for the zero at `low`.
     waiting = [(low, high)]
     least = (high - low) * LEAST
     while waiting:
-        a, b = waiting.pop()
-        interval = a.union(b)
-        if watched.rates[fresh](interval) > 0 and (not fresh or touches(watched, a)):
-            fresh = 0
+        begin, end = waiting.pop()
+        interval = begin.union(end)
+        if watched.rates[order](interval) > 0 and (not order or touches(watched, begin)):
+            order = 0
             continue
-        if not fresh:
+        if not order:
+            # The value is positive at `begin`: it stays so if it rises, or falls to a positive one.
             rate = watched.rate(interval)
-            if rate > 0 or (rate < 0 and watched.value(b) > 0):
+            if rate > 0 or (rate < 0 and watched.value(end) > 0):
                 continue
-            if rate < 0 and watched.value(b) < 0:
-                return only_zero(watched, a, b)
-        middle = (a + (b - a) * SPLIT / 128).mid()
-        if not b - a > least or not a < middle < b:
-            raise undecided(watched, a, b)
+            if rate < 0 and watched.value(end) < 0:
+                return only_zero(watched, begin, end)
+        middle = (begin + (end - begin) * SPLIT / 128).mid()
+        if not end - begin > least or not begin < middle < end:
+            raise undecided(watched, begin, end)
         # The earlier half is popped first.
-        waiting += [(middle, b), (a, middle)]
+        waiting += [(middle, end), (begin, middle)]
     return None
 
 
 def touches(watched: Watched, begin: arb) -> bool:
-    """The derivatives that an entry says vanish may do so: their balls hold 0.
+    """True, after a check that every derivative that an entry says is 0 may be: its ball holds 0.
 
     ValueError if one does not.
     """
@@ -118,20 +129,24 @@ def touches(watched: Watched, begin: arb) -> bool:
 
 
 def only_zero(watched: Watched, low: arb, high: arb) -> arb:
-    """A ball of the zeros in [low, high], where the rate is negative: interval Newton until it
-    shrinks no more.
+    """A ball of the zeros in [low, high], where the rate is negative, by interval Newton.
+
+    I -> (m - G(m)/D(I)) n I with the midpoint m, until it shrinks by less than half.
     """
     interval = low.union(high)
     while True:
         middle = interval.mid()
-        closer = (middle - watched.value(middle) / watched.rate(interval)).intersection(interval)
+        newton = middle - watched.value(middle) / watched.rate(interval)
+        closer = newton.intersection(interval)
         if not closer.rad() < interval.rad() / 2:
             return closer
         interval = closer
 
 
 def undecided(watched: Watched, low: arb, high: arb) -> SwitchError:
-    """Why neither a sign nor a crossing is proved on what is left."""
+    """The reason why neither a sign nor a crossing is proved on the interval that is left: the rate
+    may vanish (grazing), or more digits are needed.
+    """
     middle = float(low.union(high).mid())
     if watched.rate(low.union(high)).contains(0):
         return SwitchError(
@@ -145,42 +160,47 @@ def undecided(watched: Watched, low: arb, high: arb) -> SwitchError:
 
 
 def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | None:
-    """The guard that is first zero in (low, high] and a ball of when.
+    """The name of the guard that is first zero in (low, high] and a ball of when it is.
 
     None if none is. SwitchError where two may come together.
     """
-    found: tuple[str, arb] | None = None
+    first: tuple[str, arb] | None = None
     for watched in guards:
-        if found is None:
+        if first is None:
             crossing = first_crossing(watched, low, high)
         else:
-            crossing = crossing_before(watched, low, found)
+            crossing = crossing_before(watched, low, first)
         if crossing is None:
             continue
-        if found and not crossing < found[1]:
+        if first and not crossing < first[1]:
             raise SwitchError(
-                "corner", f"{found[0]} and {watched.name} may come together", float(crossing.mid())
+                "corner", f"{first[0]} and {watched.name} may come together", float(crossing.mid())
             )
-        found = watched.name, crossing
-    return found
+        first = watched.name, crossing
+    return first
 
 
-def crossing_before(watched: Watched, low: arb, found: tuple[str, arb]) -> arb | None:
-    """The first crossing up to that of another guard; a zero too near that one is a corner."""
+def crossing_before(watched: Watched, low: arb, other: tuple[str, arb]) -> arb | None:
+    """The first crossing up to that of the `other` guard, given by name and time; None if there is
+    none.
+
+    A zero too near that of the other one is a corner.
+    """
+    name, when = other
     try:
-        return first_crossing(watched, low, arb(found[1].upper()))
+        return first_crossing(watched, low, arb(when.upper()))
     except SwitchError as error:
         if error.code != "precision":
             raise
         raise SwitchError(
-            "corner", f"{found[0]} and {watched.name} may come together", error.since
+            "corner", f"{name} and {watched.name} may come together", error.since
         ) from None
 
 
 def sign(value: arb, what: str) -> int:
-    """The sign of a ball: -1, 0 (an exact 0 only) or 1.
+    """The sign of a ball: -1, 0 (an exact 0 only) or 1; `what` it is goes into the message.
 
-    UndecidedError (a corner) where the ball holds zero and more.
+    SwitchError (a corner) where the ball holds zero and more.
     """
     if value > 0 or value < 0 or value == 0:
         return int(bool(value > 0)) - int(bool(value < 0))

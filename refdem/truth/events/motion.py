@@ -19,15 +19,15 @@ from refdem.truth.validated_ivp.integration import GUARD, Steps
 from refdem.truth.validated_ivp.moved import Spread, at_start, identity
 
 THIN = 2.0**-100
-"""A set this thin that cannot be followed is so close to the boundary that more digits would seldom
-help.
+"""The radius of a thin set: where one cannot be followed, it is so close to the boundary that more
+digits would seldom help.
 """
 
 
 @dataclass(frozen=True)
 class Event:
-    """What ended a phase: the guard's name, the mode entered, a ball of the time [s], balls of the
-    state after it (and its reset).
+    """The end of a phase: the guard's name, the mode entered (None: the motion ends), a ball of the
+    time [s], and balls of the state after the event and its reset.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Followed(Guarded):
         bits: int,
         steps: Steps | None,
     ) -> None:
-        """Enters the first mode with the set about `start`."""
+        """Enters the first mode, by `entry`, with the set of all states in the balls `start`."""
         self.modes = modes
         self.bits = bits
         self.steps = steps or Steps()
@@ -58,7 +58,9 @@ class Followed(Guarded):
         self.enter(entry, centre, at_start([value.rad() for value in start]))
 
     def enter(self, entry: Entry, centre: Sequence[arb], spread: Spread) -> None:
-        """Begins the phase of an entry (whose reset is done)."""
+        """Begins the phase of an entry with the set centre + spread, to which its reset has been
+        applied; or ends the motion.
+        """
         if entry.mode is None:
             self.ended = True
         else:
@@ -80,29 +82,40 @@ class Followed(Guarded):
             return at_fixed_time(phase, phase.at(since)) * phase.jacobian(since)
 
     def phase(self, t: arb) -> Phase:
-        """The phase in which all motions of the set are at t; phases up to it are made."""
+        """The phase in which all motions of the set are at the time t [s]; phases up to it are
+        made.
+
+        SwitchError where the motion has ended before t, or t lies within the uncertainty of an
+        event.
+        """
         while self.is_open(t):
             self.follow()
         clocks = [float(phase.entered[-1].mid()) for phase in self.phases]
-        last = bisect_right(clocks, float(t.mid()))
-        for index in range(max(0, last - 2), min(len(self.phases), last + 2)):
-            phase = self.phases[index]
-            if index == 0:
-                begun = t >= phase.entered[-1]
-            else:
-                begun = t > phase.entered[-1]
-            if begun and (phase.ends is None or t < self.left(index)):
-                return phase
+        # The clocks are midpoints of balls: only the phases beside the one they name can hold t.
+        nearest = bisect_right(clocks, float(t.mid()))
+        for index in range(max(0, nearest - 2), min(len(self.phases), nearest + 2)):
+            if self.holds_throughout(index, t):
+                return self.phases[index]
         if self.ended and self.events and t > self.events[-1].time:
-            raise SwitchError(
-                "end", f"the motion ends with {self.events[-1].name}", float(t.mid())
-            ).at(self.events[-1].state)
-        before = [phase.entered for phase in self.phases if phase.entered[-1] < t] or [
-            self.phases[0].entered
-        ]
-        raise SwitchError(
-            "precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid())
-        ).at(before[-1])
+            last = self.events[-1]
+            message = f"the motion ends with {last.name}"
+            raise SwitchError("end", message, float(t.mid())).at(last.state)
+        states_before = [phase.entered for phase in self.phases if phase.entered[-1] < t]
+        if states_before:
+            certified = states_before[-1]
+        else:
+            certified = self.phases[0].entered
+        message = f"t = {t.str(8)} s lies within the uncertainty of an event"
+        raise SwitchError("precision", message, float(t.mid())).at(certified)
+
+    def holds_throughout(self, index: int, t: arb) -> bool:
+        """True if every motion of the set is in the phase of that number at t."""
+        phase = self.phases[index]
+        if index == 0:
+            has_begun = t >= phase.entered[-1]
+        else:
+            has_begun = t > phase.entered[-1]
+        return has_begun and (phase.ends is None or t < self.end_of(index))
 
     def reached(self) -> Fraction:
         """The time [s], about, up to which the motion has been followed."""
@@ -110,21 +123,23 @@ class Followed(Guarded):
         return ball_of(last.entered[-1]).mid + last.searched
 
     def over(self) -> bool:
-        """Nothing is left to be followed."""
+        """True if nothing is left to follow: the motion ended, or its last phase never does."""
         return self.ended or self.phases[-1].never
 
     def is_open(self, t: arb) -> bool:
-        """The last phase has not been followed past t."""
+        """True if the last phase has not been followed past t."""
         phase = self.phases[-1]
         if self.over():
             return False
         if phase.ends is not None:
-            return not t < self.left(len(self.phases) - 1)
+            return not t < self.end_of(len(self.phases) - 1)
         return not arb_of(phase.searched) > t - phase.entered[-1]
 
-    def left(self, index: int) -> arb:
-        """When a phase that ends is left; also one whose event could not be passed, so that what is
-        before it stays certified.
+    def end_of(self, index: int) -> arb:
+        """The time at which the phase of that number ends.
+
+        It is known also where the event could not be passed, so that what is before it stays
+        certified.
         """
         if index < len(self.events):
             return self.events[index].time
@@ -133,8 +148,9 @@ class Followed(Guarded):
         return phase.entered[-1] + phase.ends[1]
 
     def follow(self) -> None:
-        """Follows the last phase by a window, or through the event that ends it; adds the time and
-        the state to what goes wrong.
+        """Follows the last phase by a window, or through the event that ends it.
+
+        SwitchError, with the last certified state, where that is not proved.
         """
         phase = self.phases[-1]
         try:
@@ -143,13 +159,13 @@ class Followed(Guarded):
             if phase.ends is not None:
                 self.pass_event(phase)
         except SwitchError as error:
-            raise self.told(phase, error) from None
+            raise self.with_last_state(phase, error) from None
         except UndecidedError as error:
             ended = SwitchError(error.code, str(error), float(phase.searched))
-            raise self.told(phase, ended) from None
+            raise self.with_last_state(phase, ended) from None
 
     def pass_event(self, phase: Phase) -> None:
-        """Hands the set on to the next mode."""
+        """Hands the set on through the event that ends a phase to the next mode."""
         guard, _, _, states = phase.crossing()
         with precision(self.bits + GUARD):
             entry = guard.then(states)
@@ -160,12 +176,11 @@ class Followed(Guarded):
             state = [value + arb(0, radius) for value, radius in zip(centre, radii, strict=True)]
         self.events.append(Event(guard.name, entry.mode, state[-1], state))
 
-    def told(self, phase: Phase, error: SwitchError) -> SwitchError:
-        """The same error with the time, and the state at the last time that is certified."""
+    def with_last_state(self, phase: Phase, error: SwitchError) -> SwitchError:
+        """The same error with the state at the last time of the phase that is certified."""
         with precision(self.bits + GUARD):
-            since = arb_of(min(phase.searched, phase.pieces[-1].end) if phase.pieces else 0)
             if phase.pieces:
-                state = phase.at(since)
+                state = phase.at(arb_of(min(phase.searched, phase.pieces[-1].end)))
             else:
                 state = phase.entered
         return error.at(state, thin=all(radius < THIN for radius in phase.spread.radii()))
@@ -188,7 +203,9 @@ class HybridMotion(Followed):
 
 
 def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
-    """The entry from a start, which is the last certified state where balls cannot tell it."""
+    """The entry `first(start)`; where balls cannot tell it, the SwitchError has the start as its
+    last certified state.
+    """
     try:
         return first(start)
     except SwitchError as error:
@@ -196,11 +213,15 @@ def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
 
 
 def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
-    """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a
-    given time.
+    """The matrix 1 - f e_clock, which turns changes at a time since each motion's own entry into
+    changes at a given time.
+
+    A motion whose clock is later by c at its entry is at its own time t - c, which changes the
+    state by -c f. `state` has balls of the states, at which the field f is evaluated.
     """
     rates = phase.field.run(state)
     size = phase.mode.size
-    return identity(size) - arb_mat(
-        size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)]
-    )
+    by_clock = arb_mat(size, size)
+    for i, rate in enumerate(rates):
+        by_clock[i, size - 1] = rate
+    return identity(size) - by_clock

@@ -16,23 +16,28 @@ from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of, ball_of, precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest, only_zero
-from refdem.truth.events.system import Entry, Guard, Traced, derivative_rows
+from refdem.truth.events.system import Entry, Guard, Traced, derivative_rows, unchanged
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Chain, Piece, Steps
 from refdem.truth.validated_ivp.moved import Spread, identity, moved
 
 RETRIES = 4
-"""Of a window whose end lies too near a zero: each is a little shorter."""
+"""Tries of a window whose end lies too near a zero: each is a little shorter."""
 SHORTER = Fraction(7, 8)
+"""The factor by which it is shorter."""
 BEYOND = Fraction(1, 64)
-"""Of a piece: a window reaches at least so far, also beyond its end (but not its disc's), where a
-zero may lie exactly.
+"""The least width of a window as a part of its piece. It may reach beyond the piece's end (but not
+its disc's), where a zero may lie exactly.
 """
 
 
 class Phase(Chain):
     """The motions of the set centre + spread from their entries into a mode; times are those since
     each motion's own entry.
+
+    `searched` is the time up to which no guard has a zero, `ends` the guard that ends the phase and
+    a ball of when, once it is found; `never` says that nothing ends it. `entered` has balls of the
+    state at the entry, with the clock last.
     """
 
     def __init__(
@@ -68,50 +73,59 @@ class Phase(Chain):
             ]
 
     def search(self) -> None:
-        """Looks for the event in the next window; sets `ends` or `never`, or moves `searched`
-        on.
+        """Looks for the event in the next window; sets `ends` or `never`, or moves `searched` on.
+
+        SwitchError where neither a zero nor its absence is proved.
         """
         if not self.pieces:
             self.advance()
-            if self.mode.mode.leaves and self.leave():
+            if self.mode.mode.leaves:
+                self.leave()
                 return
         if self.searched >= self.pieces[-1].end:
             self.advance()
         piece = self.pieces[-1]
-        width = min(self.mode.mode.window, max(piece.end - self.searched, piece.length * BEYOND))
+        rest = max(piece.end - self.searched, piece.length * BEYOND)
+        width = min(self.mode.mode.window, rest)
         for attempt in range(RETRIES):
             high = self.searched + width * SHORTER**attempt
             try:
-                found = self.found(piece, self.searched, high)
+                crossing = self.found(piece, self.searched, high)
             except SwitchError as error:
+                # A zero too near the end of this window may lie inside, or after, a shorter one.
                 if error.code != "precision" or attempt == RETRIES - 1:
                     raise
                 continue
-            if found:
-                self.ends = self.mode.guard(found[0]), found[1]
+            if crossing:
+                name, when = crossing
+                self.ends = self.mode.guard(name), when
             else:
                 self.searched = high
             return
 
     def found(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
-        """The first guard to be zero in a window of the last piece, and a ball of when, since the
-        entry.
+        """The name of the guard that is zero first in the window (low, high] of the last piece, and
+        a ball of the time since the entry at which it is; None if none is.
         """
         begin = arb_of(piece.begin)
-        fresh = low == 0
+        # Guards vanish by the entry's own word only where the first window begins.
+        at_entry = low == 0
         with precision(self.bits + GUARD):
             guards = [
-                self.watched(piece, guard.name, self.touching.get(guard.name, 0) * fresh)
+                self.watched(piece, guard.name, self.touching.get(guard.name, 0) * at_entry)
                 for guard in self.mode.mode.guards
             ]
-            found = earliest(guards, arb_of(low) - begin, arb_of(high) - begin)
-            if found:
-                return (found[0], found[1] + begin)
-            return None
+            crossing = earliest(guards, arb_of(low) - begin, arb_of(high) - begin)
+            if crossing is None:
+                return None
+            name, since = crossing
+            return name, since + begin
 
     def watched(self, piece: Piece, name: str, touching: int = 0, *, whole: bool = True) -> Watched:
-        """A guard along a piece, for the whole set or for its exact centre; times are those since
-        the piece's begin.
+        """A guard with its derivatives along a piece, for the `whole` set or for its exact centre;
+        times are those since the piece's begin.
+
+        `touching` is the order of its zero at the begin of the piece.
         """
         if whole:
             state = piece.at
@@ -123,24 +137,26 @@ class Phase(Chain):
 
         return Watched(name, [along(program) for program in self.mode.rates[name]], touching)
 
-    def leave(self) -> bool:
-        """Ends the mode where its closed form says; True unless it has none of use."""
+    def leave(self) -> None:
+        """Sets `ends` or `never` as the closed form of the mode says."""
         leaves = self.mode.mode.leaves
         assert leaves is not None
         with precision(self.bits + GUARD):
-            told = leaves(self.entered)
-        if told is None:
+            end = leaves(self.entered)
+        if end is None:
             self.never = True
-            return True
-        name, since = told
+            return
+        name, since = end
         while self.pieces[-1].end < ball_of(since).mid:
             self.advance()
         self.ends = self.mode.guard(name), since
-        return True
 
     def after(self, then: Entry) -> tuple[list[arb], Spread]:
-        """Exact centre and set after the event that ends this phase; the Jacobian of the whole
-        phase's last step is kept.
+        """The exact centre and the set after the event that ends this phase (theorem on hand-over).
+
+        `then` is the entry into the next mode. The Jacobian R (1 - f grad g/(grad g . f)) V of the
+        last piece and the event is kept in `exit`. SwitchError where the rate of the guard is not
+        proved to be negative.
         """
         guard, piece, since, states = self.crossing()
         size = self.mode.size
@@ -152,19 +168,21 @@ class Phase(Chain):
                     f"{guard.name} does not cross zero at a proved rate",
                     float(since.mid()),
                 )
-            whole = self.section(guard, states, rate) * self.moved_by(piece, since)
-            reset = then.reset or (lambda y: list(y))
-            rows = derivative_rows(reset, size).run(states)
-            jacobian = self.exit = arb_mat(size, size, rows) * whole
-            middle = self.centre_time(piece, guard, since)
-            image = Program(traced(reset, size)[0]).run(piece.centre(middle))
-        return [value.mid() for value in image], moved(
-            piece.spread, jacobian, [value.rad() for value in image]
-        )
+            on_section = self.section(guard, states, rate) * self.moved_by(piece, since)
+            reset = then.reset or unchanged
+            reset_jacobian = arb_mat(size, size, derivative_rows(reset, size).run(states))
+            self.exit = reset_jacobian * on_section
+            # The image of the exact centre, at its own crossing.
+            centre_since = self.centre_time(piece, guard, since)
+            outputs, _ = traced(reset, size)
+            image = Program(outputs).run(piece.centre(centre_since))
+        centre = [value.mid() for value in image]
+        rounding = [value.rad() for value in image]
+        return centre, moved(piece.spread, self.exit, rounding)
 
     def crossing(self) -> tuple[Guard, Piece, arb, list[arb]]:
-        """Guard, piece, times since its begin, and balls of the states, at which the motions of the
-        set leave.
+        """The event that ends the phase: guard, piece, a ball of the times since the piece's begin
+        at which the motions of the set leave, and balls of their states there.
         """
         assert self.ends is not None
         guard, when = self.ends
@@ -174,14 +192,17 @@ class Phase(Chain):
             return guard, piece, since, piece.at(since)
 
     def section(self, guard: Guard, states: Sequence[arb], rate: arb) -> arb_mat:
-        """1 - f grad g / (grad g . f)."""
+        """The projection 1 - f grad g/(grad g . f) of errors along the field f onto the section g =
+        0; `rate` is grad g . f.
+        """
         gradient = self.mode.gradients[guard.name].run(states)
         rates = self.field.run(states)
         size = len(states)
         return identity(size) - arb_mat(size, size, [f * g / rate for f in rates for g in gradient])
 
     def centre_time(self, piece: Piece, guard: Guard, since: arb) -> arb:
-        """When the exact centre of the piece crosses: a ball within that of the set."""
-        return only_zero(
-            self.watched(piece, guard.name, whole=False), arb(since.lower()), arb(since.upper())
-        )
+        """The time at which the exact centre of the piece crosses the guard: a ball within that of
+        the set, `since`.
+        """
+        along_centre = self.watched(piece, guard.name, whole=False)
+        return only_zero(along_centre, arb(since.lower()), arb(since.upper()))

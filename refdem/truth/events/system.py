@@ -1,4 +1,4 @@
-"""What the author of a switching system writes: modes, guards that end them, entries into the next;
+"""A switching system as its author writes it (modes, guards that end them, entries into the next),
 and its traced form.
 
 The state's last coordinate is the clock: its rate is 1 in every mode, and no reset changes it. All
@@ -20,13 +20,13 @@ State = Sequence[arb]
 
 @dataclass(frozen=True)
 class Entry:
-    """Into which mode (None: the motion ends here), with what state, and which of its guards vanish
-    there.
+    """The way into a mode: its name, the state there, and the guards of it that vanish there.
 
-    `reset` gives the new state (by default the old one); what is exactly zero on the section should
-    be an exact 0 in it. `touching` has, for each guard of the new mode that vanishes at the entry,
-    the order of that zero: it and its derivatives below that order are exactly 0 there for every
-    motion, and the derivative of that order is proved > 0 on the first stretch.
+    `mode` is None where the motion ends. `reset` gives the new state from the old one (by default
+    the same); what is exactly zero on the section should be an exact 0 in it. `touching` has, for
+    each guard of the new mode that vanishes at the entry, the order of that zero: the guard and its
+    derivatives below that order are exactly 0 there for every motion, and the derivative of that
+    order is proved > 0 on the first stretch.
     """
 
     mode: str | None
@@ -68,6 +68,10 @@ class Mode:
 class Traced:
     """A mode as programs: the field and its Jacobian; each guard with its derivatives in time, and
     its gradient.
+
+    `size` is the number of coordinates of the state, the clock included; `rates` makes the programs
+    of a guard's derivatives in time (by default `lie_derivatives`). ValueError for a field of
+    another size, or whose last rate is not the clock's 1.
     """
 
     def __init__(self, mode: Mode, size: int, rates: "GuardRates | None" = None) -> None:
@@ -103,14 +107,16 @@ size.
 
 
 def lie_derivatives(guard: Guard, mode: Mode, size: int, highest: int = 4) -> list[Program]:
-    """Programs of the guard's value and its first derivatives in time along the field (Lie
-    derivatives).
+    """Programs of the guard's value g and its derivatives in time up to the order `highest`.
+
+    Along a field f they are the Lie derivatives: g^(0) = g, g^(n+1) = grad g^(n) . f.
     """
     nodes, _ = traced(lambda y: [guard.value(y), *mode.field(y)], size)
-    found = [nodes[0]]
+    value, *rates = nodes
+    derivatives = [value]
     for _ in range(highest):
-        found.append(along(found[-1], nodes[1:]))
-    return [Program([node]) for node in found]
+        derivatives.append(along(derivatives[-1], rates))
+    return [Program([node]) for node in derivatives]
 
 
 class TracedModes(dict[str, Traced]):
@@ -135,7 +141,12 @@ def along(node: Node, rates: Sequence[Node]) -> Node:
     return total
 
 
+def unchanged(y: Sequence[Any]) -> list[Any]:
+    """The reset of an entry without one: the state stays what it is."""
+    return list(y)
+
+
 def derivative_rows(function: Field, size: int) -> Program:
-    """The Jacobian of a reset, rows one after another."""
+    """The Jacobian of a function of `size` numbers, rows one after another."""
     _, rows = traced(function, size)
     return Program([entry for row in rows for entry in row])

@@ -34,17 +34,29 @@ from refdem.truth.closed_form import per_precision
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.motion import Followed, HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
-from refdem.truth.events.system import Entry, Mode, State, Traced, TracedModes, derivative_rows
+from refdem.truth.events.system import (
+    Entry,
+    Mode,
+    State,
+    Traced,
+    TracedModes,
+    derivative_rows,
+    unchanged,
+)
 from refdem.truth.forecast import Course, follow
-from refdem.truth.growth import Grows, Growth, Norm, Retimed, Stretch, smooth
+from refdem.truth.growth import Fundamental, Grows, Growth, Norm, Retimed, Stretch, smooth
 from refdem.truth.refiner import Refiner, Size
-from refdem.truth.validated_flow import Quantities, TracedReading
+from refdem.truth.validated_flow import Quantities, TracedReading, balls_of
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
-"""Bits, one after another until the radius is met; a motion that asks for more is not certified."""
+"""Working precisions [bit], tried one after another until the radius is met; a motion that asks for
+more is not certified.
+"""
 LOSS = 24
-"""Bits below those of the target that no motion is certified with."""
+"""The bits that a motion loses at least: a precision of fewer bits above those of the target is not
+tried.
+"""
 METHOD = (
     "validated integration from event to event: signs by bisection, times by interval Newton,"
     " sets through the jump matrix"
@@ -54,7 +66,7 @@ Motion = TypeVar("Motion", bound=Followed, covariant=True)
 
 
 class Switching(Protocol[Motion]):
-    """What a proof through events has to know of a system that switches."""
+    """A system that switches between modes, as a proof through events needs it."""
 
     @property
     def clock_unit(self) -> Fraction | None:
@@ -67,7 +79,9 @@ class Switching(Protocol[Motion]):
         """The quantities and the time [s] of a state with which a motion ended."""
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """A derivative of the coordinates of a mode, of those that `chart` takes."""
+        """The derivative of the coordinates that `chart` takes, from that of the coordinates of a
+        mode (`inner`).
+        """
 
     def chart(self, motion: Any, phase: Phase, state: Sequence[arb]) -> arb_mat:
         """The derivative of the coordinates in which errors are counted, in scales, by those that
@@ -85,10 +99,10 @@ class Switching(Protocol[Motion]):
 
 
 class EventProof(Guarded, Generic[Motion]):
-    """Proves what is found from the motion of a system, and S(t), from event to event.
+    """The refiner and the sensitivity of a motion through events: it proves values, and S(t).
 
-    This is the refiner and the sensitivity of motions through events: the motion is followed anew
-    at each precision, until the radii that `refiner` asks for are met.
+    The motion of `system` is followed anew at each precision of the ladder, until the radii that
+    `refiner` asks for are met. `label` begins every message.
     """
 
     def __init__(self, system: Switching[Motion], refiner: Refiner, label: str = "") -> None:
@@ -98,7 +112,7 @@ class EventProof(Guarded, Generic[Motion]):
         self.kept: dict[Any, Any] = {}
 
     def to(self, digits: int) -> Self:
-        """The same for other digits; what is followed serves both."""
+        """The same proof for other digits; the motions that were followed serve both."""
         other = copy(self)
         other.refiner = self.refiner.to(digits)
         return other
@@ -107,24 +121,22 @@ class EventProof(Guarded, Generic[Motion]):
         """The motion at a precision, as far as it has been followed."""
         if ("motion", bits) not in self.kept:
             self.kept["motion", bits] = self.system.motion_at(bits)
-        found: Motion = self.kept["motion", bits]
-        return found
+        motion: Motion = self.kept["motion", bits]
+        return motion
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
-        """Balls at the lowest precision at which all radii are small enough.
+        """The balls that `evaluate` gives of the motion, at the lowest precision at which all radii
+        are small enough.
 
-        NotCertifiedError with code, time and last state.
+        NotCertifiedError about `what`, with code, time and last state, where none is.
         """
         target = self.refiner.target()
 
         def within(motion: Any) -> dict[str, Ball]:
             balls = {name: ball_of(value) for name, value in evaluate(motion).items()}
             if any(ball.radius > target for ball in balls.values()):
-                raise SwitchError(
-                    "precision",
-                    f"radius stays at {float(max(b.radius for b in balls.values())):.3g}",
-                    0.0,
-                )
+                largest_radius = float(max(ball.radius for ball in balls.values()))
+                raise SwitchError("precision", f"radius stays at {largest_radius:.3g}", 0.0)
             return balls
 
         return self.followed(within, what, self.needed())
@@ -132,33 +144,34 @@ class EventProof(Guarded, Generic[Motion]):
     def followed(
         self, evaluate: Callable[[Any], Found], what: str, ladder: Sequence[int] = LADDER
     ) -> Found:
-        """What is found from the motion at the lowest precision of the ladder.
+        """What `evaluate` returns for the motion, at the lowest precision of the ladder at which it
+        does not raise.
 
-        NotCertifiedError with code, time and last state.
+        NotCertifiedError about `what`, with code, time and last state, where it always raises.
         """
-        error = SwitchError("precision", "no precision suffices", 0.0)
+        last_error = SwitchError("precision", "no precision suffices", 0.0)
         for bits in ladder:
             with precision(bits):
                 try:
                     return evaluate(self.motion(bits))
-                except SwitchError as one:
-                    error = one
+                except SwitchError as error:
+                    last_error = error
                     if error.final:
                         break
-                except UndecidedError as one:
-                    error = SwitchError("precision", str(one), 0.0)
-        raise self.uncertified(error, what)
+                except UndecidedError as error:
+                    last_error = SwitchError("precision", str(error), 0.0)
+        raise self.uncertified(last_error, what)
 
     def needed(self) -> list[int]:
-        """The bits of the ladder that can meet the digits; NotCertifiedError if none can."""
+        """The precisions of the ladder that can meet the digits; NotCertifiedError if none can."""
         least = ceil(1 / self.refiner.target()).bit_length() + LOSS
-        found = [bits for bits in LADDER if bits >= least]
-        if not found:
+        ladder = [bits for bits in LADDER if bits >= least]
+        if not ladder:
             raise NotCertifiedError(
                 f"{self.refiner.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer",
                 code="precision",
             )
-        return found
+        return ladder
 
     def forecast(self, t: Fraction, digits: int) -> float:
         """CPU seconds that a value at t (in units of the clock) to so many digits is about to cost;
@@ -173,8 +186,8 @@ class EventProof(Guarded, Generic[Motion]):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The windows that are left to be searched until the radius at t is what is asked for, in
-        windows of the course's precision.
+        """The number of windows that are still to be searched until the radius at t is what is
+        asked for, counted in windows of the course's precision.
         """
         # log2 of a number that may be below all doubles.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
@@ -209,20 +222,20 @@ class EventProof(Guarded, Generic[Motion]):
         return work()
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
-        """The honest end, with the last certified state."""
-        told = f"{self.label}{what}: {error.code}: {error}"
+        """The error that ends the proof of `what`, with the last certified state if known."""
+        message = f"{self.label}{what}: {error.code}: {error}"
         if not error.state:
-            return NotCertifiedError(told, code=error.code)
+            return NotCertifiedError(message, code=error.code)
         values, time = self.system.last_state(error.state)
         state = {name: ball_of(value) for name, value in values.items()}
-        told = f"{told}; certified up to t = {time:.17g} s"
-        return NotCertifiedError(told, code=error.code, time=time, state=state)
+        message = f"{message}; certified up to t = {time:.17g} s"
+        return NotCertifiedError(message, code=error.code, time=time, state=state)
 
     @per_precision
     def growth(self) -> Grows:
         """The growth S from event to event, by the variational equation and the jump matrices."""
         motion = self.motion(ctx.prec)
-        found = Growth(
+        growth = Growth(
             self.stretches(motion),
             Norm(self.system.parts()),
             partial(self.system.readings, motion),
@@ -231,8 +244,8 @@ class EventProof(Guarded, Generic[Motion]):
         )
         unit = self.system.clock_unit
         if unit is None:
-            return found
-        return Retimed(found, unit)
+            return growth
+        return Retimed(growth, unit)
 
     def sensitivity(self, t: Fraction) -> float:
         """S(t) [t in s], at the precisions of the motion, whose pieces are there already."""
@@ -241,12 +254,12 @@ class EventProof(Guarded, Generic[Motion]):
             self.kept["sensitivity", t] = self.followed(
                 lambda motion: self.growth().at(t), what, self.needed()
             )
-        found: float = self.kept["sensitivity", t]
-        return found
+        bound: float = self.kept["sensitivity", t]
+        return bound
 
     def stretches(self, motion: Followed) -> Iterator[Stretch]:
-        """The pieces of a motion, made as they are asked for; the last of a phase ends with an
-        event.
+        """The pieces of a motion as stretches, made as they are asked for; the last one of a phase
+        ends with an event.
         """
         for number in count():
             while number >= len(motion.phases):
@@ -256,7 +269,11 @@ class EventProof(Guarded, Generic[Motion]):
             yield from self.pieces_of(motion, number)
 
     def pieces_of(self, motion: Followed, number: int) -> Iterator[Stretch]:
-        """The pieces of a phase, in order of time."""
+        """The pieces of the phase of that number as stretches, in order of time.
+
+        The motion is followed as far as each of them needs: past the piece, or through the event
+        that ends it.
+        """
         phase = motion.phases[number]
         for index in count():
             while index >= len(phase.pieces):
@@ -265,29 +282,36 @@ class EventProof(Guarded, Generic[Motion]):
                 else:
                     motion.follow()
             piece = phase.pieces[index]
+            # Whether an event lies in the piece is known once all of it has been searched.
             while not (phase.never or phase.ends or phase.searched >= piece.end):
                 motion.follow()
             begin = phase.entered[-1] + arb_of(piece.begin)
             errors = partial(self.errors, motion, phase, piece)
             if phase.ends and phase.crossing()[1] is piece:
-                while len(motion.events) <= number:
-                    motion.follow()
-                if number + 1 < len(motion.phases):
-                    after = motion.phases[number + 1]
-                else:
-                    after = None
-                yield Stretch(
-                    begin,
-                    phase.crossing()[2],
-                    errors,
-                    partial(self.handed_on, motion, phase, after),
-                )
+                yield self.last_stretch(motion, number, begin, errors)
                 return
             yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
+    def last_stretch(
+        self, motion: Followed, number: int, begin: arb, errors: Fundamental
+    ) -> Stretch:
+        """The stretch of a phase's last piece, which ends with an event: its handover has the jump
+        matrix.
+        """
+        phase = motion.phases[number]
+        while len(motion.events) <= number:
+            motion.follow()
+        if number + 1 < len(motion.phases):
+            after = motion.phases[number + 1]
+        else:
+            # The motion ends with the event.
+            after = None
+        _, _, length, _ = phase.crossing()
+        return Stretch(begin, length, errors, partial(self.handed_on, motion, phase, after))
+
     def errors(self, motion: Followed, phase: Phase, piece: Piece, since: arb) -> arb_mat:
-        """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in
-        those of `chart`.
+        """M of a piece: the errors in the coordinates of `chart`, `since` [s] after its begin, by
+        those in the coordinates of its mode at its begin.
 
         Errors leave the clock alone, whose rate no state changes.
         """
@@ -296,35 +320,41 @@ class EventProof(Guarded, Generic[Motion]):
             return self.system.chart(motion, phase, piece.at(since)) * self.system.beside(inner)
 
     def handed_on(self, motion: Followed, phase: Phase, after: Phase | None) -> arb_mat:
-        """What errors at the begin of a phase's last piece are after the event that ends it, at one
-        time for all motions of the set.
+        """The errors after the event that ends a phase, at one time for all motions of the set, by
+        those at the begin of the phase's last piece.
+
+        chart beside((1 - f e_clock) R (1 - f grad g/(grad g . f)) V): V moves the error to the
+        section of the guard g, R is the Jacobian of the reset, and the first factor (of the mode
+        after it) turns changes at each motion's own event into changes at one time. `after` is the
+        phase that follows, None where the motion ends.
         """
         guard, piece, since, states = phase.crossing()
         size = phase.mode.size
         with precision(motion.bits + GUARD):
-            rate = phase.mode.rates[guard.name][1].run(states)[0]
-            section = phase.section(guard, states, rate) * phase.moved_by(piece, since)
+            guard_rate = phase.mode.rates[guard.name][1].run(states)[0]
+            on_section = phase.section(guard, states, guard_rate) * phase.moved_by(piece, since)
             if after is None:
-                return self.system.chart(motion, phase, states) * self.system.beside(section)
-            reset = guard.then(states).reset or (lambda y: list(y))
-            jump = arb_mat(size, size, derivative_rows(reset, size).run(states)) * section
-            return self.system.chart(motion, after, after.entered) * self.system.beside(
-                at_fixed_time(after, after.entered) * jump
-            )
+                return self.system.chart(motion, phase, states) * self.system.beside(on_section)
+            reset = guard.then(states).reset or unchanged
+            reset_jacobian = arb_mat(size, size, derivative_rows(reset, size).run(states))
+            jump = reset_jacobian * on_section
+            inner = at_fixed_time(after, after.entered) * jump
+            chart = self.system.chart(motion, after, after.entered)
+            return chart * self.system.beside(inner)
 
 
 class HybridFlow(Guarded, Truth):
     """The motion of a system that switches, for t >= 0.
 
     `start` has, for each coordinate, an exact number or a function that gives its ball; the last is
-    the clock. `first(y)` gives the entry into the first mode from balls of the start, whose reset
-    must be None. `quantities(y)` has quantities by name, those of
-    `state` among them; `moved` has the coordinates of the start that S displaces, each in the scale
+    the clock. `first(y)` gives the entry into the first mode from balls of the start; its reset
+    must be None. `quantities(y)` has quantities by name, those of `state` among them, and `scale`
+    the size of each; `moved` has the coordinates of the start that S displaces, each in the scale
     of its quantity of `state`.
 
-    What a family adds is handed in: `finished` gives the quantities as they are told from those of
-    `quantities` (as they are by default); `still` names quantities that are exactly 0 unless the
-    motion names them; `extremes` gives the scalars.
+    A family hands in what it adds: `finished` turns the values of `quantities` into those that `at`
+    returns (by default it changes nothing); `still` names quantities that are exactly 0 unless the
+    motion has them; `extremes` gives the scalars.
     """
 
     clock_unit = None
@@ -375,10 +405,11 @@ class HybridFlow(Guarded, Truth):
         """
         if t < 0:
             raise NotCertifiedError(f"t = {float(t):.17g} s is before the start")
-        found = self.proof.climbed(
+        values = self.proof.climbed(
             lambda motion: self.named(motion.at(arb_of(t))), f"at t = {float(t):.17g} s"
         )
-        return {name: Ball(Fraction(0), Fraction(0)) for name in self.still} | found
+        zeros = {name: Ball(Fraction(0), Fraction(0)) for name in self.still}
+        return zeros | values
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""
@@ -399,8 +430,8 @@ class HybridFlow(Guarded, Truth):
     def motion_at(self, bits: int) -> HybridMotion:
         """The motion, to be followed at a precision."""
         with precision(bits):
-            balls = [value() if callable(value) else arb_of(value) for value in self.begin]
-            return HybridMotion(self.modes, balls, first_entry(self.first, balls), bits)
+            start = balls_of(self.begin)
+            return HybridMotion(self.modes, start, first_entry(self.first, start), bits)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,
@@ -412,7 +443,7 @@ class HybridFlow(Guarded, Truth):
         )
 
     def named(self, y: Sequence[arb]) -> dict[str, arb]:
-        """The quantities of a state."""
+        """The quantities of a state, by name."""
         return self.finished(self.reading.values(y))
 
     def last_state(self, state: Sequence[arb]) -> tuple[dict[str, arb], float]:
@@ -420,40 +451,42 @@ class HybridFlow(Guarded, Truth):
         return self.named(state), float(state[-1].mid())
 
     def events_until(self, t: Fraction) -> list[tuple[str, str | None, Ball]]:
-        """Names, modes entered and times [s] of the events before t."""
+        """The name, the mode entered and the time [s] of each event before t."""
 
         events: list[tuple[str, str | None]] = []
 
-        def found(motion: HybridMotion) -> dict[str, arb]:
+        def times_of_events(motion: HybridMotion) -> dict[str, arb]:
+            # `at` follows the motion past t.
             motion.at(arb_of(t))
             before = [event for event in motion.events if event.time < arb_of(t)]
             events[:] = [(event.name, event.mode) for event in before]
             return {str(number): event.time for number, event in enumerate(before)}
 
-        balls = self.proof.climbed(found, f"events until {float(t):.17g} s")
+        balls = self.proof.climbed(times_of_events, f"events until {float(t):.17g} s")
         return [
             (name, mode, ball) for (name, mode), ball in zip(events, balls.values(), strict=True)
         ]
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """A derivative of the coordinates of a mode, of those that `chart` takes: here of those
-        that S displaces.
+        """The rows and columns of a mode's derivative for the coordinates that S displaces, which
+        `chart` takes.
         """
         table = inner.table()
         return arb_mat([[table[i][j] for j in self.moved] for i in self.moved])
 
     def chart(self, motion: HybridMotion, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """The derivative of the coordinates in which errors are counted, in scales, by those that
-        `beside` leaves, in a state.
+        """The diagonal matrix of 1/scale: errors of the displaced coordinates are counted in
+        scales.
         """
-        sizes = self.own_scales()
-        count = len(sizes)
-        return arb_mat(
-            [[1 / sizes[i] if i == j else arb(0) for j in range(count)] for i in range(count)]
-        )
+        scales = self.displaced_scales()
+        count = len(scales)
+        matrix = arb_mat(count, count)
+        for i, scale in enumerate(scales):
+            matrix[i, i] = 1 / scale
+        return matrix
 
-    def own_scales(self) -> list[arb]:
-        """Scales of the coordinates that S displaces."""
+    def displaced_scales(self) -> list[arb]:
+        """The scales of the coordinates that S displaces."""
         return [arb_of(self.scale[name]) for name in self.state]
 
     def parts(self) -> list[int]:
@@ -466,11 +499,11 @@ class HybridFlow(Guarded, Truth):
     def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
         slopes = self.reading.slopes(motion.at(t))
-        moved = list(zip(self.moved, self.own_scales(), strict=True))
+        moved = list(zip(self.moved, self.displaced_scales(), strict=True))
         rows = []
         for name, row in slopes.items():
-            size = arb_of(self.scale[name])
-            rows.append([row[j] * own / size for j, own in moved])
+            scale = arb_of(self.scale[name])
+            rows.append([row[j] * scale_of_state / scale for j, scale_of_state in moved])
         return arb_mat(rows)
 
 

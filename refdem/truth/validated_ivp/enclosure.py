@@ -18,30 +18,35 @@ from refdem.truth.traced_field import Program
 from refdem.truth.weights import REACH, quickest, typical, weighted
 
 BITS = 64
+"""The working precision of boxes, which bound and need not be sharp."""
 JACOBIAN_BITS = 40
-"""Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own
-share in the error.
-"""
+"""The bits to which the flow Jacobian of a step is known: its share in the error is far below."""
 FACTORS = 2.0, 1 / 2, 1.25, 1 / 1.25, 1.08, 1 / 1.08
-"""By which the outer radius is changed as long as that lengthens the step."""
+"""The factors by which the outer radius is changed as long as that lengthens the step."""
 RINGS = 8
-"""Between the step and nearly the outer radius, on each of which |J| is bounded."""
+"""The number of rings between the step and nearly the outer radius, on each of which |J| is
+bounded.
+"""
 ROOM = arb(2) ** -20
-"""About the polynomial, in parts of its motion: more than thin sets need."""
+"""The least margin about the polynomial, as a part of its motion: more than thin sets need."""
 
 
 def geometric(ratio: arb, order: int) -> arb:
-    """sum over n >= order of ratio^n, for 0 <= ratio < 1."""
+    """The tail ratio^order/(1 - ratio) of the geometric series: the sum of ratio^n over n >= order,
+    for 0 <= ratio < 1.
+    """
     return ratio**order / (1 - ratio)
 
 
 @dataclass(frozen=True)
 class Disc:
-    """|f(T(z))| <= speed for |z| <= outer, T of degree `order`; the solutions from all starts are
-    analytic for |z| <= radius.
+    """A complex disc |z| <= radius of times on which the solutions from all starts are proved to
+    exist and to be analytic.
 
-    `rings` has radii and, for each, a bound L of |J| on the solutions from the radius before it;
-    `step` is what the order allows.
+    T is the Taylor polynomial, of degree `order`, of one of them. |f(T(z))| <= `speed` for |z| <=
+    `outer`, in the norm of `weights`. `rings` has radii in rising order and, for each, a bound L of
+    |J| on the solutions between the radius before it and itself. `step` is the length [s] of the
+    piece that the order allows.
     """
 
     order: int
@@ -57,14 +62,17 @@ class Disc:
         return self.rings[-1][0]
 
     def sides(self, size: arb) -> list[arb]:
-        """Bounds of every coordinate of what has at most that norm."""
+        """A bound of each coordinate of a vector whose norm is at most `size`."""
         return [outward(weight * size) for weight in self.weights]
 
     def gronwall(self, since: arb) -> arb:
-        """Bound of |V(z)|, V the flow Jacobian, and of the growth of a distance, for |z| = since:
-        exp(integral of L); nan beyond R.
+        """Bound exp(integral of L from 0 to s) of |V(z)|, V the flow Jacobian, and of the growth of
+        a distance, for |z| = s (`since`); nan beyond the radius.
         """
-        exponent = arb(0 if since <= self.radius else "nan")
+        if since <= self.radius:
+            exponent = arb(0)
+        else:
+            exponent = arb("nan")
         inner = arb(0)
         for radius, stiffness in self.rings:
             if inner < since:
@@ -76,10 +84,11 @@ class Disc:
         """Bound of |y(z) - T(z)|, |z| = since <= R, for every solution with |y(0) - T(0)| <= start.
 
         Theorem (defect): T' and f(T) have the same coefficients below N, T' has no others, and
-        those of f(T) are at most M S^-n where
-        |f(T)| <= M on |z| <= S (Cauchy). So |T' - f(T)| <= M q^N/(1 - q), q = |z|/S, whose integral
-        from 0 to |z| = s is at most s M q^N/((1 - q)(N + 1)). Theorem (Gronwall): e = y - T has
-        |e|' <= L |e| + |T' - f(T)| along a ray.
+        those of f(T) are at most M S^-n where |f(T)| <= M on |z| <= S (Cauchy). So |T' - f(T)| <= M
+        q^N/(1 - q), q = |z|/S, whose integral from 0 to |z| = s is at most s M q^N/((1 - q)(N +
+        1)). Theorem (Gronwall): e = y - T has |e|' <= L |e| + |T' - f(T)| along a ray.
+
+        Here N is `order`, S `outer`, M `speed`, s `since`.
         """
         defect = since * self.speed * geometric(since / self.outer, self.order) / (self.order + 1)
         return outward(self.gronwall(since) * (start + defect))
@@ -91,24 +100,32 @@ class Disc:
         return outward(self.gronwall(self.radius) * geometric(since / self.radius, order + 1))
 
     def jacobian_order(self, bits: int) -> int:
-        """The order at which that remainder over the step is at most about 2^-bits."""
-        halvings = (self.gronwall(self.radius).log() / arb(2).log() + bits) / (
-            self.radius / arb_of(self.step)
-        ).log()
-        return int(float(halvings * arb(2).log())) + 1
+        """The order n at which that remainder over the step h is at most about 2^-bits:
+        exp(integral of L) (h/R)^n <= 2^-bits.
+        """
+        needed_bits = self.gronwall(self.radius).log() / arb(2).log() + bits
+        # ln(R/h) is gained with each order.
+        order = needed_bits / (self.radius / arb_of(self.step)).log()
+        return int(float(order * arb(2).log())) + 1
 
 
 class Tube:
-    """Boxes about a polynomial on discs about 0."""
+    """Boxes about a polynomial T on discs about 0, one number of T for each coordinate.
+
+    |T_i(z) - T_i(0)| <= sum over n >= 1 of |c_n| |z|^n: `sizes` has that polynomial of |z|.
+    """
 
     def __init__(self, polynomials: Sequence[arb_poly]) -> None:
         self.centre = [acb(one[0]) for one in polynomials]
         self.sizes = [arb_poly([0, *(outward(c) for c in one.coeffs()[1:])]) for one in polynomials]
 
-    def box(self, radius: arb, room: Sequence[arb] = ()) -> list[acb]:
-        """All within `room` of T(z), |z| <= radius: squares in the complex plane."""
+    def box(self, radius: arb, margin: Sequence[arb] = ()) -> list[acb]:
+        """A box of squares in the complex plane that holds all points within `margin` (one number a
+        coordinate; none: 0) of T(z) for some |z| <= radius.
+        """
         halves = [
-            outward(size(radius) + (room[i] if room else 0)) for i, size in enumerate(self.sizes)
+            outward(size(radius) + (margin[i] if margin else 0))
+            for i, size in enumerate(self.sizes)
         ]
         return [
             value + acb(arb(0, half), arb(0, half))
@@ -122,9 +139,7 @@ def norm(values: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
 
 
 def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
-    """Bound of |J| for a matrix whose rows come one after another: the norm of the bounds of
-    |J| w.
-    """
+    """Bound of |J| for a matrix whose rows come one after another: max_i (sum_j |J_ij| w_j)/w_i."""
     count = len(weights)
     sizes = [outward(entry) for entry in entries]
     return norm(
@@ -144,37 +159,38 @@ def disc(
     ratio: float,
     first: float,
 ) -> Disc | None:
-    """The disc for the longest step at this order, searched from an outer radius `first` [s] on;
-    None if none is proved.
+    """The disc for the longest step at this order; None if none is proved.
 
-    `radii` bound the set of starts, and weights are at least `least`. The step is `ratio` of the
-    outer radius, and shorter by what the speed there would cost in bits.
+    It is searched from an outer radius `first` [s] on. `polynomials` are the Taylor polynomials T
+    of one solution, `radii` bound the set of starts about it, and weights are at least `least`. The
+    step is `ratio` of the outer radius, and shorter by what the speed there would cost in bits.
+    Only `grown` proves anything: all that is chosen here makes steps long.
     """
     with precision(BITS):
         tube = Tube(polynomials)
         here = tube.box(arb(0))
         rates = field.run(here)
         start = jacobian.run(here)
-        nearby = typical(
-            lambda radius: jacobian.run(tube.box(arb(radius))),
-            min(first, REACH / quickest(start)) / 3,
-        )
-        weights = weighted(rates, nearby or start, 1 / first, least)
-        slow = norm(rates, weights)
+        weights = chosen_weights(jacobian, tube, rates, start, first=first, least=least)
+        speed_here = norm(rates, weights)
         stiff = matrix_norm(start, weights)
-        slowest = (stiff + 1 / arb(first)) / 2**40
+        # Keeps the ratio of speeds from 0/0 where the motion rests.
+        least_speed = (stiff + 1 / arb(first)) / 2**40
 
         def speed(radius: float) -> arb:
             return norm(field.run(tube.box(arb(radius))), weights)
 
         def step(radius: float) -> float:
-            quick = speed(radius)
-            reaches = quick.is_finite() and stiff * radius < REACH
-            if not reaches:
+            """The h at which the bound M (h/S)^N of the remainder is what `ratio` asks for with
+            the speed at 0 in place of M; 0 where no disc can be proved.
+            """
+            speed_there = speed(radius)
+            is_usable = speed_there.is_finite() and stiff * radius < REACH
+            if not is_usable:
                 return 0.0
-            part = float((slow + slowest) / (quick + slowest))
-            found: float = ratio * radius * part ** (1.0 / order)
-            return found
+            speed_ratio = float((speed_here + least_speed) / (speed_there + least_speed))
+            length: float = ratio * radius * speed_ratio ** (1.0 / order)
+            return length
 
         outer = highest(step, first)
         mantissa, exponent = frexp(step(outer))
@@ -185,8 +201,31 @@ def disc(
         return None
 
 
+def chosen_weights(
+    jacobian: Program,
+    tube: Tube,
+    rates: Sequence[acb],
+    start: Sequence[acb],
+    *,
+    first: float,
+    least: Sequence[arb],
+) -> list[arb]:
+    """The weights of the norm in which a disc is proved, from f (`rates`) and J (`start`) at T(0).
+
+    |J| may vanish there by chance: it is taken on a disc on which the motion is typical, if there
+    is one. Other arguments are those of `disc`.
+    """
+    radius = min(first, REACH / quickest(start)) / 3
+    nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), radius)
+    return weighted(rates, nearby or start, 1 / first, least)
+
+
 def highest(value: Callable[[float], float], first: float) -> float:
-    """About where a function that rises and then falls has its maximum."""
+    """The argument, about, at which a function that rises and then falls has its maximum.
+
+    `first` is halved until the function is not 0 there, and then changed by FACTORS as long as the
+    function grows.
+    """
     best = first
     reached = value(first)
     while reached == 0.0 and best > first / 2**100:
@@ -202,27 +241,33 @@ def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) ->
     """The disc with the rings that make the series of the flow Jacobian shortest; None if the step
     is not inside any that is proved.
 
+    `found` is the disc without rings, `start` the norm of the set about T(0), `stiff` a guess of
+    |J|.
+
     Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <=
     margin. Then the solutions from all starts exist and stay there for |z| <= s: along a ray none
     can be the first to leave.
     """
     best = None
     step = float(found.step)
-    wide = float(found.outer) * 0.95
-    for k in range(-1, RINGS + 1):
-        radius = arb(step / 2 if k < 0 else step * (wide / step) ** (k / RINGS))
+    widest = float(found.outer) * 0.95
+    # Rings at half the step and at the step, then in equal ratios up to nearly the outer radius.
+    radii = [step / 2] + [step * (widest / step) ** (k / RINGS) for k in range(RINGS + 1)]
+    for number, ring in enumerate(radii):
+        radius = arb(ring)
+        # The margin is guessed with the |J| of the ring before, and tried: 4 times what it says.
         guess = replace(found, rings=[*found.rings, (radius, stiff)])
-        margin = 4 * guess.apart(radius, start) + ROOM * norm(
-            [size(radius) for size in tube.sizes], found.weights
-        )
+        motion = norm([size(radius) for size in tube.sizes], found.weights)
+        margin = 4 * guess.apart(radius, start) + ROOM * motion
         stiff = matrix_norm(jacobian.run(tube.box(radius, found.sides(margin))), found.weights)
         found = replace(found, rings=[*found.rings, (radius, stiff)])
         if not found.apart(radius, start) <= margin:
             break
-        if k > 0:
-            if best is not None and found.jacobian_order(JACOBIAN_BITS) > best.jacobian_order(
-                JACOBIAN_BITS
-            ):
-                break
+        if number > 1:
+            # The step lies inside. A wider disc is taken while it makes the series shorter.
+            if best is not None:
+                order = found.jacobian_order(JACOBIAN_BITS)
+                if order > best.jacobian_order(JACOBIAN_BITS):
+                    break
             best = found
     return best

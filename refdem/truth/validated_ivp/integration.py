@@ -22,28 +22,31 @@ from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, fl
 from refdem.truth.validated_ivp.recurrences import taylor
 
 UNEQUAL = 80
-"""Most bits that the flow Jacobian is given for weights that are unlike: its remainder is larger by
+"""The most bits that the flow Jacobian is given for unequal weights: its remainder is larger by
 their ratio in some entries.
 """
 GUARD = 24
-"""Bits by which coefficients are sharper than the bits asked for, for the rounding of their sums.
+"""The bits by which coefficients are sharper than the bits asked for, for the rounding of their
+sums.
 """
 HALVINGS = 24
-"""A disc 2^-24 as wide as the widest so far is the last: the set, or the motion, is near a
+"""A disc 2^-24 as wide as the widest so far is refused: the set, or the motion, is near a
 singularity.
 """
 SMALL = arb(2) ** -20
-"""Part of a coordinate below which its weight does not fall, and of a weight above which the set's
-radius should not rise.
+"""The part of a coordinate below which its weight does not fall, and of a weight above which the
+set's radius should not rise.
 """
 MOST_PIECES = 2**17
-"""Of one integration: what asks for more ends as `time`, with all that came before certified."""
+"""The most pieces of one integration: one that asks for more ends with the code `time`, with all
+that came before certified.
+"""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """How steps are made: part of the outer radius, orders of solution and Jacobian (None: those
-    that the bits ask for).
+    """The choice of steps: `ratio` of step and outer radius, orders of the Taylor polynomial and of
+    the flow Jacobian (None: those that the bits ask for), and the bits of the Jacobian.
     """
 
     ratio: Fraction = Fraction(1, 4)
@@ -52,16 +55,22 @@ class Steps:
     jacobian_bits: int = JACOBIAN_BITS
 
     def orders(self, bits: int) -> tuple[int, int | None]:
-        """Orders of the solution and of its Jacobian (None: as its remainder on each disc asks
+        """The orders of the solution and of its Jacobian (None: as its remainder on each disc asks
         for).
+
+        ratio^order <= 2^-bits.
         """
-        return self.order or ceil(bits / -log2(self.ratio)), self.jacobian_order
+        order = self.order or ceil(bits / -log2(self.ratio))
+        return order, self.jacobian_order
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The solution on [begin, begin + length]: T from the exact centre, the set about it (of norm
-    `start`), the series of V.
+    """The solutions on [begin, begin + length] [s].
+
+    `polynomials` are the Taylor polynomials T of the solution from the exact centre, `disc` the
+    disc on which it is proved. `spread` is the set about the centre, `start` its norm. `flow` has
+    the coefficients of the flow Jacobian V.
     """
 
     begin: Fraction
@@ -74,19 +83,25 @@ class Piece:
 
     @property
     def end(self) -> Fraction:
+        """The time [s] at which the piece ends."""
         return self.begin + self.length
 
     def centre(self, since: arb) -> list[arb]:
-        """The solution from the exact centre, at (every point of the ball of) a time since the
-        begin.
+        """Balls of the solution from the exact centre, at every time since the begin in the ball
+        `since` [s].
         """
         return self._from(since, arb(0))
 
     def at(self, since: arb) -> list[arb]:
-        """The solutions from the whole set."""
+        """Balls of the solutions from the whole set, at every time since the begin in the ball
+        `since` [s].
+        """
         return self._from(since, self.start)
 
     def _from(self, since: arb, start: arb) -> list[arb]:
+        """Balls of the solutions from all points within the norm `start` of the centre: T and the
+        bound of what they are apart from it.
+        """
         radii = self.disc.sides(self.disc.apart(outward(since), start))
         return [
             one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)
@@ -94,7 +109,11 @@ class Piece:
 
 
 class Chain(Guarded):
-    """Pieces of a solution one after another, each made when it is asked for."""
+    """Pieces of a solution one after another, each made when it is asked for.
+
+    `field` and `slopes` are the programs of f and of its Jacobian; the set at the end of the last
+    piece is `centre` + `spread`.
+    """
 
     bits: int
     steps: Steps
@@ -104,10 +123,13 @@ class Chain(Guarded):
     spread: Spread
 
     def begin(self) -> None:
-        """Sets what is known before the first piece; the fields above are set."""
+        """Sets what is known before the first piece; bits, steps, field, slopes, centre and spread
+        must be set.
+        """
         self.order, self.jacobian_order = self.steps.orders(self.bits)
         self.pieces: list[Piece] = []
         self.begins: list[Fraction] = []
+        # The largest |y_i| so far, the outer radius to begin a search with, the widest disc so far.
         self.largest: list[arb] = []
         self.first = arb(1)
         self.widest = arb(0)
@@ -152,10 +174,10 @@ class Chain(Guarded):
             raise ValueError(f"t = {t}; an integration runs forward from 0")
         while not self.pieces or self.end < middle:
             self.advance()
-        found = self.pieces[bisect_right(self.begins, middle) - 1]
-        if not abs(t - arb_of(found.begin)) < found.disc.radius:
+        piece = self.pieces[bisect_right(self.begins, middle) - 1]
+        if not abs(t - arb_of(piece.begin)) < piece.disc.radius:
             raise UndecidedError(f"t = {t} is not in one piece", code="precision")
-        return found
+        return piece
 
     def advance(self) -> None:
         """Makes the next piece and moves the set to its end.
@@ -164,21 +186,22 @@ class Chain(Guarded):
         """
         begin = self.end
         if len(self.pieces) >= MOST_PIECES:
-            told = (
+            message = (
                 f"{MOST_PIECES} pieces are used up at t = {float(begin):.17g} s; ask for an earlier"
                 " time"
             )
-            raise UndecidedError(told, code="time", final=True, time=float(begin))
+            raise UndecidedError(message, code="time", final=True, time=float(begin))
         with precision(self.bits + GUARD):
             polynomials = taylor(self.field, self.centre, self.order)
-        found = self.proved_disc(polynomials, begin)
-        start = norm(self.spread.radii(), found.weights)
+        proved = self.proved_disc(polynomials, begin)
+        start = norm(self.spread.radii(), proved.weights)
         with precision(self.steps.jacobian_bits + GUARD):
-            order = self.jacobian_order or found.jacobian_order(
-                self.steps.jacobian_bits + unequal(found.weights)
-            )
-            flow = flow_series(self.slopes, polynomials, found, start, order)
-        piece = Piece(begin, found.step, polynomials, found, self.spread, start, flow)
+            jacobian_bits = self.steps.jacobian_bits + unequal(proved.weights)
+            order = self.jacobian_order or proved.jacobian_order(jacobian_bits)
+            flow = flow_series(self.slopes, polynomials, proved, start, order)
+        piece = Piece(begin, proved.step, polynomials, proved, self.spread, start, flow)
+        # The exact centre of the next piece is the midpoint of this one's end; the set is moved by
+        # the flow Jacobian, and takes in the radius of that end.
         with precision(self.bits + GUARD):
             length = arb_of(piece.length)
             end = piece.centre(length)
@@ -190,35 +213,36 @@ class Chain(Guarded):
         self.begins.append(begin)
 
     def least_weights(self, radii: Sequence[arb]) -> list[arb]:
-        """The least weight of each coordinate: a small part of it, much more than the set (but no
-        more than it), and 2^-2bits of the largest it was.
+        """The least weight of each coordinate y_i, whose error is at most `radii[i]`.
+
+        The largest of three: SMALL |y_i|; radius/SMALL, but at most |y_i|, so that the set is small
+        beside its weight; and 2^-2bits of the largest |y_i| so far, for one that passes zero.
         """
         sizes = [outward(value) for value in self.centre]
-        seen = self.largest or sizes
-        self.largest = [max(before, now) for before, now in zip(seen, sizes, strict=True)]
-        nothing = arb(2) ** (-2 * self.bits)
-        parts = zip(sizes, radii, self.largest, strict=True)
-        return [
-            max(size * SMALL, min(radius / SMALL, size), most * nothing)
-            for size, radius, most in parts
-        ]
+        largest_before = self.largest or sizes
+        self.largest = [max(before, now) for before, now in zip(largest_before, sizes, strict=True)]
+        negligible = arb(2) ** (-2 * self.bits)
+        least = []
+        for size, radius, largest_size in zip(sizes, radii, self.largest, strict=True):
+            least.append(max(size * SMALL, min(radius / SMALL, size), largest_size * negligible))
+        return least
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
-        """The flow Jacobian from the begin of a piece."""
+        """The flow Jacobian V from the begin of a piece to `since` [s] after it."""
         with precision(self.steps.jacobian_bits + GUARD):
             return flow_jacobian(piece.flow, piece.disc, since)
 
     def proved_disc(self, polynomials: Sequence[arb_poly], begin: Fraction) -> Disc:
         """The disc for the longest step that is found, or for a shorter one.
 
-        Where none is, nothing says that the motion is singular: the set may have swollen. More bits
-        make it smaller.
+        UndecidedError where none is. That does not say that the motion is singular: the set may
+        have swollen, and more bits make it smaller.
         """
         radii = self.spread.radii()
         least = self.least_weights(radii)
         ratio = float(self.steps.ratio)
         for halving in range(HALVINGS):
-            found = disc(
+            proved = disc(
                 self.field,
                 self.slopes,
                 polynomials,
@@ -228,24 +252,26 @@ class Chain(Guarded):
                 ratio=ratio / 2**halving,
                 first=float(self.first),
             )
-            if found is not None and found.radius > self.widest / 2**HALVINGS:
-                self.first, self.widest = found.outer, max(self.widest, found.radius)
-                return found
+            if proved is not None and proved.radius > self.widest / 2**HALVINGS:
+                self.first = proved.outer
+                self.widest = max(self.widest, proved.radius)
+                return proved
         if largest(radii) > arb(2) ** (-HALVINGS):
-            told = (
+            message = (
                 f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s"
             )
-            raise UndecidedError(told, code="precision", time=float(begin))
-        told = (
-            f"the motion is enclosed up to t = {float(begin):.17g} s; at {self.bits} bits no disc"
-            " beyond is proved"
-        )
-        raise UndecidedError(told, code="precision", time=float(begin))
+        else:
+            message = (
+                f"the motion is enclosed up to t = {float(begin):.17g} s; at {self.bits} bits no"
+                " disc beyond is proved"
+            )
+        raise UndecidedError(message, code="precision", time=float(begin))
 
 
 class Integration(Chain):
-    """The solution from `start` (called at the working precision) to about `bits` bits, before
-    errors grow.
+    """The solution of y' = field(y), known to about `bits` bits before errors grow.
+
+    `start()` gives balls of the state at time 0, at the working precision.
     """
 
     def __init__(
@@ -258,17 +284,19 @@ class Integration(Chain):
         self.bits = bits
         self.steps = steps or Steps()
         with precision(bits + GUARD):
-            whole = list(start())
-        outputs, slopes = traced(field, len(whole))
+            balls = list(start())
+        outputs, slopes = traced(field, len(balls))
         self.field = Program(outputs)
         self.slopes = Program([entry for row in slopes for entry in row])
-        self.centre = [value.mid() for value in whole]
-        self.spread = at_start([value.rad() for value in whole])
+        self.centre = [value.mid() for value in balls]
+        self.spread = at_start([value.rad() for value in balls])
         self.begin()
 
 
 def unequal(weights: Sequence[arb]) -> int:
     """The number of bits, at most UNEQUAL, by which the largest weight is above the smallest."""
     sizes = [float(weight) for weight in weights]
+    # Kept within the doubles: a weight may be below all of them.
     ratio = max(sizes) / max(min(sizes), 1e-300)
-    return min(UNEQUAL, int(log2(max(1.0, min(ratio, 1e300)))))
+    bits = int(log2(max(1.0, min(ratio, 1e300))))
+    return min(UNEQUAL, bits)

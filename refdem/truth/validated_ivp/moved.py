@@ -19,13 +19,15 @@ from refdem.truth.traced_field import Program
 from refdem.truth.validated_ivp.enclosure import Disc
 
 BITS = 128
-"""Of the lengths of the set and of its frame."""
+"""The working precision of the lengths of the set and of its frame."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Errors {A r: |r_j| <= lengths_j}, and the flow Jacobian since the start, which lies in
-    `growth` + A `slack`.
+    """The set of errors {A r: |r_j| <= lengths_j}, and the flow Jacobian since the start.
+
+    `frame` is A, whose columns are the axes of the set. The Jacobian lies in `growth` + A `slack`,
+    `growth` being exact: so its uncertainty is kept in the frame too.
     """
 
     frame: arb_mat
@@ -34,7 +36,7 @@ class Spread:
     slack: arb_mat
 
     def radii(self) -> list[arb]:
-        """Bound of each coordinate of an error."""
+        """A bound of each coordinate of an error."""
         with precision(BITS):
             return products(self.frame, self.lengths)
 
@@ -49,7 +51,7 @@ def identity(size: int) -> arb_mat:
 
 
 def at_start(radii: Sequence[arb]) -> Spread:
-    """The box of those radii before anything moved."""
+    """The box of those radii at the start, in the unit frame."""
     size = len(radii)
     return Spread(
         identity(size), [outward(radius) for radius in radii], identity(size), arb_mat(size, size)
@@ -57,7 +59,7 @@ def at_start(radii: Sequence[arb]) -> Spread:
 
 
 def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
-    """Bounds of |M r| for |r_j| <= lengths_j."""
+    """A bound of each |(M r)_i| for |r_j| <= lengths_j: the sum over j of |M_ij| lengths_j."""
     return [
         outward(sum((abs(x) * length for x, length in zip(row, lengths, strict=True)), arb(0)))
         for row in matrix.table()
@@ -67,8 +69,11 @@ def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
 def flow_series(
     jacobian: Program, polynomials: Sequence[arb_poly], found: Disc, start: arb, order: int
 ) -> list[arb_mat]:
-    """V_0 .. V_order for every start of norm `start` from T(0): (n+1) V_(n+1) = sum J_i V_(n-i),
-    J_i the coefficients of J(y(t)).
+    """The Taylor coefficients V_0 .. V_order of the flow Jacobian, for every start within the norm
+    `start` of T(0).
+
+    V' = J(y(t)) V: (n+1) V_(n+1) = sum over i <= n of J_i V_(n-i), J_i being the coefficients of
+    J(y(t)).
 
     Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and
     each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
@@ -78,19 +83,30 @@ def flow_series(
     radius = found.radius
     near = found.gronwall(radius) * start
     far = found.apart(radius, start)
-    rooms = [found.sides((near if n <= found.order else far) / radius**n) for n in range(order)]
+    # Bounds of what the n-th coefficients of solutions are apart from those of T.
+    margins = []
+    for n in range(order):
+        if n <= found.order:
+            difference = near
+        else:
+            difference = far
+        margins.append(found.sides(difference / radius**n))
     solution = [
-        [one[n] + arb(0, rooms[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
+        [one[n] + arb(0, margins[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
     ]
     slopes = jacobian_series(jacobian, solution)
     terms = [identity(size)]
     for n in range(order):
-        terms.append(sum(map(mul, slopes[: n + 1], terms[::-1]), arb_mat(size, size)) / (n + 1))
+        products_of_order_n = map(mul, slopes[: n + 1], terms[::-1])
+        terms.append(sum(products_of_order_n, arb_mat(size, size)) / (n + 1))
     return terms
 
 
 def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> list[arb_mat]:
-    """J_0, J_1, ...: as many as there are coefficients of each y_i."""
+    """The coefficients J_0, J_1, ... of the Jacobian J(y(t)), as many as there are of each y_i.
+
+    `solution` has the coefficients of y_0, y_1, ...
+    """
     size = len(solution)
     order = len(solution[0])
     with series_length(order):
@@ -103,41 +119,59 @@ def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> lis
 
 
 def flow_jacobian(terms: Sequence[arb_mat], found: Disc, since: arb) -> arb_mat:
-    """Enclosure of the derivative of y(since) by y(0): the series and its remainder."""
+    """Enclosure of the derivative of y(since) by y(0): the series and its remainder.
+
+    A matrix of norm r in the weighted norm has entries |V_ij| <= r w_i/w_j.
+    """
+    # Horner's rule.
     total = terms[-1]
     for term in terms[-2::-1]:
         total = total * since + term
     rest = found.jacobian_remainder(outward(since), len(terms) - 1)
-    return total + arb_mat(
-        [[arb(0, outward(rest * a / b)) for b in found.weights] for a in found.weights]
-    )
+    weights = found.weights
+    remainder = [[arb(0, outward(rest * a / b)) for b in weights] for a in weights]
+    return total + arb_mat(remainder)
 
 
 def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
-    """The set after a step with that flow Jacobian and those bounds of |u|."""
+    """The set after a step with that flow Jacobian V, where `local` bounds |u|, the new errors of
+    the coordinates (theorem of the module).
+
+    e' = Q (Q^-1 V A r + Q^-1 u), and likewise V (growth + A slack) = growth' + Q slack' with the
+    midpoint growth' of V growth.
+    """
     with precision(BITS):
         edges = jacobian * spread.frame
         frame = orthogonal(edges, spread.lengths)
         back = frame.inv()
         turned = back * edges
-        lengths = [
-            outward(a + b)
-            for a, b in zip(products(turned, spread.lengths), products(back, local), strict=True)
-        ]
+        moved_lengths = products(turned, spread.lengths)
+        local_lengths = products(back, local)
+        lengths = [outward(a + b) for a, b in zip(moved_lengths, local_lengths, strict=True)]
         whole = jacobian * spread.growth
         growth = whole.mid()
         return Spread(frame, lengths, growth, turned * spread.slack + back * (whole - growth))
 
 
 def orthogonal(edges: arb_mat, lengths: Sequence[arb]) -> arb_mat:
-    """An exact matrix, orthogonal to rounding, whose first axes are along the longest edges."""
+    """An exact matrix, orthogonal to rounding, whose first axes are along the longest edges: the Q
+    of a QR decomposition, with the columns in order of their lengths.
+
+    Column j of `edges` times lengths[j] is an edge of the set. Any regular matrix would do.
+    """
     longest = largest(lengths)
-    share = np.array([float(length / longest) if longest > 0 else 1.0 for length in lengths])
+    if longest > 0:
+        shares = np.array([float(length / longest) for length in lengths])
+    else:
+        shares = np.ones(len(lengths))
+    # An unstable motion's edges may be larger than any double.
     widest = largest([x for row in edges.table() for x in row])
-    scale = (
-        1 / widest if widest > 0 else arb(1)
-    )  # an unstable motion's edges may be larger than any double
+    if widest > 0:
+        scale = 1 / widest
+    else:
+        scale = arb(1)
     columns = np.array([[float((x * scale).mid()) for x in row] for row in edges.table()])
-    order = np.argsort(-np.linalg.norm(columns, axis=0) * share, kind="stable")
+    edge_lengths = np.linalg.norm(columns, axis=0) * shares
+    order = np.argsort(-edge_lengths, kind="stable")
     axes, _ = np.linalg.qr(columns[:, order])
     return arb_mat(len(lengths), len(lengths), [float(x) for x in axes.flatten()])

@@ -16,16 +16,19 @@ from refdem.truth.traced_field import Program
 
 Series = list[arb]
 BLOCK = 16
-"""Coefficients that are multiplied one by one; Arb multiplies whole blocks of them."""
+"""The number of coefficients that are multiplied one by one; Arb multiplies whole blocks of so
+many.
+"""
 
 
 class Product:
-    """[x y]_0, [x y]_1, ... one after another, of two series that grow meanwhile: [x y]_k needs x_0
-    .. x_k and y_0 .. y_k.
+    """The coefficients [x y]_0, [x y]_1, ... of the product of two series, one after another, while
+    the series grow: [x y]_k needs x_0 .. x_k and y_0 .. y_k.
 
     Relaxed multiplication (van der Hoeven 2002, section 4): with m the largest power of two in k,
-    [k-m, k) x [0, 2m) and its mirror image are added to `known` when k is reached; what is left of
-    [x y]_k are the pairs with one index in the block of k.
+    the pairs of indices [k-m, k) x [0, 2m) and their mirror image are added to `known` when k, a
+    multiple of BLOCK, is reached; what is left of [x y]_k are the pairs with one index in the block
+    of k. `k` is the next coefficient.
     """
 
     def __init__(self, x: Series, y: Series) -> None:
@@ -35,42 +38,77 @@ class Product:
         self.known: Series = []
 
     def next(self) -> arb:
-        """The next Taylor coefficient of the product."""
+        """The next coefficient [x y]_k = sum over i of x_i y_(k-i)."""
         x = self.x
         y = self.y
         k = self.k
         begin = k - k % BLOCK
         if begin == 0:
-            found = sum(map(mul, x[: k + 1], y[k::-1]), arb(0))
+            coefficient = sum(map(mul, x[: k + 1], y[k::-1]), arb(0))
         else:
             if begin == k:
+                # k & -k is the largest power of two in k.
                 self.add_blocks(k, k & -k)
+            # Pairs with x's index in the block of k, and those with y's.
             half = sum(map(mul, x[begin : k + 1], y[k - begin :: -1]), arb(0))
-            found = self.known[k] + (
-                2 * half if x is y else sum(map(mul, y[begin : k + 1], x[k - begin :: -1]), half)
-            )
+            if x is y:
+                newest = 2 * half
+            else:
+                newest = sum(map(mul, y[begin : k + 1], x[k - begin :: -1]), half)
+            coefficient = self.known[k] + newest
         self.k += 1
-        return found
+        return coefficient
 
     def add_blocks(self, k: int, m: int) -> None:
-        """What the newest m coefficients make of the first ones, to [k, k + m)."""
+        """Adds the products of the newest m coefficients [k - m, k) with the first ones to the
+        coefficients [k, k + m) of the product.
+
+        The first block has no mirror image: both factors are in it.
+        """
         x = self.x
         y = self.y
         low = k - m
-        whole = arb_poly(x[low:k]) * arb_poly(y[: 2 * m if low else m])
         if low:
-            whole += whole if x is y else arb_poly(y[low:k]) * arb_poly(x[: 2 * m])
+            whole = arb_poly(x[low:k]) * arb_poly(y[: 2 * m])
+            if x is y:
+                whole += whole
+            else:
+                whole += arb_poly(y[low:k]) * arb_poly(x[: 2 * m])
+        else:
+            whole = arb_poly(x[low:k]) * arb_poly(y[:m])
         self.known += [arb(0)] * (k + m - len(self.known))
         for i in range(k, k + m):
             self.known[i] += whole[i - low]
 
 
 def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]:
-    """Polynomials of degree `order`: the Taylor coefficients of the solutions of y' = program(y)
-    from `start`.
+    """The Taylor polynomials of degree `order` of the solution of y' = program(y) from `start`, one
+    for each coordinate.
+
+    Every operation of the program gets a series. Coefficient n of all of them, in the order of the
+    operations, gives [f(y)]_n, and that gives y_(n+1) (theorem of the module).
     """
     solution = [[value] for value in start]
-    table: list[Series] = [solution[o[1]] if o[0] == "in" else [] for o in program.operations]
+    table: list[Series] = []
+    for kind, *parts in program.operations:
+        if kind == "in":
+            table.append(solution[parts[0]])
+        else:
+            table.append([])
+    rules = rules_of(program, table)
+    for n in range(order):
+        for series, rule in rules:
+            series.append(next(rule))
+        for series, output in zip(solution, program.outputs, strict=True):
+            series.append(table[output][n] / (n + 1))
+    return [arb_poly(series) for series in solution]
+
+
+def rules_of(program: Program, table: list[Series]) -> list[tuple[Series, "Rule"]]:
+    """The series of each operation that is no input, with the rule that makes its coefficients.
+
+    `table` has the series of all operations of the program.
+    """
     waves = {
         operation: series
         for operation, series in zip(program.operations, table, strict=True)
@@ -80,30 +118,30 @@ def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]
     for (kind, *parts), ball, series in zip(
         program.operations, program.constants(), table, strict=True
     ):
+        if kind == "in":
+            continue
         if kind in PARTNERS:
-            rules.append(
-                (series, RULES[kind](waves[PARTNERS[kind], parts[0]], ball, table[parts[0]]))
-            )
-        elif kind != "in":
-            if kind == "constant":
-                earlier = []
-            elif kind == "scale":
-                earlier = parts[-1:]
-            else:
-                earlier = parts
-            rules.append((series, RULES[kind](series, ball, *(table[i] for i in earlier))))
-    for n in range(order):
-        for series, rule in rules:
-            series.append(next(rule))
-        for series, output in zip(solution, program.outputs, strict=True):
-            series.append(table[output][n] / (n + 1))
-    return [arb_poly(series) for series in solution]
+            # sin and cos of one argument: each needs the series of the other.
+            argument = parts[0]
+            partner = waves[PARTNERS[kind], argument]
+            rules.append((series, RULES[kind](partner, ball, table[argument])))
+            continue
+        if kind == "constant":
+            arguments = []
+        elif kind == "scale":
+            # ("scale", c, a): the constant is in `ball`.
+            arguments = parts[-1:]
+        else:
+            arguments = parts
+        rules.append((series, RULES[kind](series, ball, *(table[i] for i in arguments))))
+    return rules
 
 
 PARTNERS = {"sin": "cos", "cos": "sin"}
 Rule = Iterator[arb]
 """The coefficients of an operation, each asked for when it is the next one of its series and its
-arguments have theirs.
+arguments have theirs. A rule's arguments are a series, the ball of a constant, and the series of
+the operands.
 """
 
 
@@ -121,7 +159,7 @@ def product(_: Series, __: arb, a: Series, b: Series) -> Rule:
 
 
 def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
-    """The coefficients of a quotient, by q b_0 = a - q (b - b_0)."""
+    """The Taylor coefficients q_n of a quotient a/b: q b_0 = a - q (b - b_0)."""
     later: Series = []
     whole = Product(q, later)
     yield a[0] / b[0]
@@ -131,7 +169,7 @@ def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
 
 
 def root(s: Series, _: arb, a: Series) -> Rule:
-    """2 s_0 (s - s_0) = a - a_0 - (s - s_0)^2."""
+    """The Taylor coefficients s_n of a square root: 2 s_0 (s - s_0) = a - a_0 - (s - s_0)^2."""
     later: Series = []
     whole = Product(later, later)
     yield a[0].sqrt()
@@ -142,7 +180,10 @@ def root(s: Series, _: arb, a: Series) -> Rule:
 
 
 def driven(partner: Series, first: Callable[[arb], arb], sign: int, a: Series) -> Rule:
-    """w' = sign a' partner from w_0 = first(a_0)."""
+    """The Taylor coefficients of a w with w' = sign a' partner, from w_0 = first(a_0).
+
+    n w_n = sign [a' partner]_(n-1): sin and cos are each other's partner, exp is its own.
+    """
     slopes: Series = []
     whole = Product(slopes, partner)
     yield first(a[0])

@@ -12,7 +12,7 @@ from refdem.truth import rotation
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms.neglected_gyroscopic import slope
 from refdem.truth.traced_field import Program, traced
-from refdem.truth.tumbling_contact import SIGNS, Seen
+from refdem.truth.tumbling_contact import SIGNS, BodyState
 from refdem.truth.witnesses.tumbling import PRESSES, Box, moving
 
 CASE = discovery.case("neglected-gyroscopic")
@@ -86,11 +86,11 @@ def test_force_and_torque_at_a_corner_are_those_of_the_witness(given):
         ("pressure", lambda self, corner: -self.system.stiffness * self.gap(corner)),
         ("gap", lambda self, corner: self.y[9]),
         ("velocity", lambda self, corner: list(self.y[10:13])),
-        ("push", lambda self, corner: [0, 0, self.pressure(corner)]),
+        ("force_on", lambda self, corner: [0, 0, self.pressure(corner)]),
     ],
 )
 def test_a_planted_error_is_seen(monkeypatch, name, wrong):
-    monkeypatch.setattr(Seen, name, wrong)
+    monkeypatch.setattr(BodyState, name, wrong)
     assert apart(CASE.at(**GIVEN)) > 1e-6
 
 
