@@ -78,9 +78,9 @@ def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Cl
     """
     names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
     m, radius, k, g, mu, speed = (arb_of(p[name]) for name in names)
-    inertia = m * radius * radius * 2 / 5
 
     def rates(coefficient: arb, t: Any, s: Sequence[Any]) -> list[Any]:
+        inertia = m * radius * radius * 2 / 5
         normal = k * (radius - s[1])
         friction = -coefficient * normal
         return [s[2], s[3], friction / m, normal / m - g, friction * radius / inertia]
