@@ -146,7 +146,7 @@ class Box:
     def event(
         self, phase: Solution, modes: list[int], begin: float, last: float
     ) -> tuple[arb, int, int] | None:
-        """The time, the corner and its next mode of the first event; None if none is before `last`."""
+        """The first event as its time, corner and next mode; None if none is before `last`."""
         t = begin
         while t <= last:
             t += SCAN
