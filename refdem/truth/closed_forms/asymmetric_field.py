@@ -1,9 +1,13 @@
 """A particle in a force that rises from x1 to 0 and falls to x2 (1.139): phases in closed form,
 which one follows by exact energies.
 
-Rising flank: x - x1 = xi, xi'' = (k1/m) xi. Falling flank: x - x2 = eta, eta'' = -|k2|/m eta.
-Outside free flight. Speeds squared at x1, 0 and x2 are rational, so that whether it turns, and on
-which flank, is decided exactly.
+x1 < 0 < x2. Rising flank, x1 < x < 0: with xi = x - x1, xi'' = l^2 xi and l^2 = k1/m (`steep`).
+Falling flank, 0 < x < x2: with eta = x - x2, eta'' = -w^2 eta and w^2 = |k2|/m (`fall`), |k2| = k1
+|x1|/x2. Outside free flight.
+
+The energies v^2 - l^2 xi^2 and v^2 + w^2 eta^2 are constant on a flank, and rational: so whether it
+turns, and on which flank, is decided exactly. A phase begins at a rational place with a rational
+square of the velocity (`Start`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -29,7 +33,7 @@ from refdem.truth.smooth_flow import SmoothFlow
 
 @dataclass(frozen=True)
 class Start:
-    """Where a phase begins: a rational place, the square of the velocity and its sign."""
+    """The begin of a phase: a rational place, the square of the velocity and its sign (`sense`)."""
 
     x: Fraction
     square: Fraction
@@ -38,7 +42,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Phase:
-    """A phase with its region (left, rising, falling, right), its begin [s], and its end (None:
+    """The motion in a region (left, rising, falling, right), from its begin [s] to its end (None:
     never).
     """
 
@@ -76,19 +80,22 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         x = self.exact["x0"]
         v = self.exact["v0"]
         start = Start(x, v * v, (v > 0) - (v < 0))
-        found = []
+        phases = []
         begin = arb(0)
         region = self.region(x, start.sense)
         while True:
-            told = self.end(region, start)
-            found.append(Phase(region, start, begin, None if told is None else begin + told[0]))
-            if told is None:
-                return found
-            begin = begin + told[0]
-            (_, region, start) = told
+            following = self.end(region, start)
+            if following is None:
+                phases.append(Phase(region, start, begin, None))
+                return phases
+            duration, next_region, next_start = following
+            phases.append(Phase(region, start, begin, begin + duration))
+            begin = begin + duration
+            region = next_region
+            start = next_start
 
     def region(self, x: Fraction, sense: int) -> str:
-        """Where a start lies; at an edge, where it goes."""
+        """The region in which a start lies; at an edge, the one into which it moves."""
         x1 = self.exact["x1"]
         x2 = self.exact["x2"]
         if x < x1 or (x == x1 and sense <= 0):
@@ -100,7 +107,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         return "right"
 
     def end(self, region: str, start: Start) -> tuple[arb, str, Start] | None:
-        """How long a phase lasts, and what follows; None if it never ends."""
+        """The duration [s] of a phase and the region and start of the next; None if it lasts."""
         x1 = self.exact["x1"]
         x2 = self.exact["x2"]
         speed = arb_of(start.square).sqrt()
@@ -117,53 +124,60 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         return self.descended(start)
 
     def climbed(self, start: Start) -> tuple[arb, str, Start] | None:
-        """The end on the rising flank, xi = A exp(l t) + B exp(-l t)."""
+        """The end of a phase on the rising flank, xi = A exp(l t) + B exp(-l t).
+
+        A, B = (xi0 +- v0/l)/2, and 4 A B = xi0^2 - v0^2/l^2. It leaves to the left at xi = 0, if
+        v^2 = v0^2 - l^2 xi0^2 > 0 there; at v = 0 it would take for ever. Else it comes to the top
+        xi = h = |x1|, at exp(l t) = (h + sqrt(h^2 - 4 A B))/(2 A).
+        """
         xi = start.x - self.exact["x1"]
-        high = -self.exact["x1"]
-        rate = arb_of(self.steep).sqrt()
-        swing = start.sense * arb_of(start.square).sqrt() / rate
-        a = (arb_of(xi) + swing) / 2
-        b = (arb_of(xi) - swing) / 2
-        back = start.square - self.steep * xi * xi
-        if start.sense < 0 and back == 0:
+        height = -self.exact["x1"]
+        l_rate = arb_of(self.steep).sqrt()
+        v_over_l = start.sense * arb_of(start.square).sqrt() / l_rate
+        a = (arb_of(xi) + v_over_l) / 2
+        b = (arb_of(xi) - v_over_l) / 2
+        square_at_x1 = start.square - self.steep * xi * xi
+        if start.sense < 0 and square_at_x1 == 0:
             return None
-        if start.sense < 0 and back > 0:
-            return (-b / a).log() / (2 * rate), "left", Start(self.exact["x1"], back, -1)
-        top = arb_of(high)
-        end = start.square + self.steep * (high * high - xi * xi)
-        apart = arb_of(end / self.steep).sqrt()  # sqrt(high^2 - 4 A B), and 4 A B = xi^2 - v^2/l^2
-        return ((top + apart) / (2 * a)).log() / rate, "falling", Start(Fraction(0), end, 1)
+        if start.sense < 0 and square_at_x1 > 0:
+            next_start = Start(self.exact["x1"], square_at_x1, -1)
+            return (-b / a).log() / (2 * l_rate), "left", next_start
+        square_at_top = start.square + self.steep * (height * height - xi * xi)
+        # sqrt(h^2 - 4 A B) is the velocity at the top over l.
+        root = arb_of(square_at_top / self.steep).sqrt()
+        duration = ((arb_of(height) + root) / (2 * a)).log() / l_rate
+        return duration, "falling", Start(Fraction(0), square_at_top, 1)
 
     def descended(self, start: Start) -> tuple[arb, str, Start] | None:
-        """The end on the falling flank, eta = R cos(w t + delta), pi/2 <= delta <= 3 pi/2."""
+        """The end of a phase on the falling flank, eta = R cos(w t + delta), pi/2 <= delta <= 3
+        pi/2.
+
+        R^2 = eta0^2 + v0^2/w^2. Moving to the left it comes back over the top, eta = -x2, if R >
+        x2; else it leaves to the right at eta = 0, the phase being 3 pi/2. At rest at x2 it stays.
+        """
         eta = start.x - self.exact["x2"]
-        wide = self.exact["x2"]
-        rate = arb_of(self.fall).sqrt()
-        size = eta * eta + start.square / self.fall
-        if size == 0:
+        width = self.exact["x2"]
+        w = arb_of(self.fall).sqrt()
+        radius_square = eta * eta + start.square / self.fall
+        if radius_square == 0:
             return None
-        lag = self.lag(eta, start)
-        if start.sense < 0 and size > wide * wide:
-            until = (arb_of(-wide) / arb_of(size).sqrt()).acos()
-            return (
-                (until - lag) / rate,
-                "rising",
-                Start(Fraction(0), self.fall * (size - wide * wide), -1),
-            )
-        if start.sense < 0 and size == wide * wide:
+        delta = self.lag(eta, start)
+        if start.sense < 0 and radius_square > width * width:
+            phase_at_top = (arb_of(-width) / arb_of(radius_square).sqrt()).acos()
+            next_start = Start(Fraction(0), self.fall * (radius_square - width * width), -1)
+            return (phase_at_top - delta) / w, "rising", next_start
+        if start.sense < 0 and radius_square == width * width:
             raise UndecidedError("it turns exactly where the flanks meet")
-        return (
-            (3 * arb.pi() / 2 - lag) / rate,
-            "right",
-            Start(self.exact["x2"], self.fall * size, 1),
-        )
+        next_start = Start(self.exact["x2"], self.fall * radius_square, 1)
+        return (3 * arb.pi() / 2 - delta) / w, "right", next_start
 
     def lag(self, eta: Fraction, start: Start) -> arb:
-        """The phase delta by which the motion lags, for a given eta."""
-        swing = start.sense * arb_of(start.square / self.fall).sqrt()
-        return arb.pi() + arb.atan2(swing, arb_of(-eta))
+        """The phase delta at the start: eta = R cos(delta), v = -R w sin(delta)."""
+        v_over_w = start.sense * arb_of(start.square / self.fall).sqrt()
+        return arb.pi() + arb.atan2(v_over_w, arb_of(-eta))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """x and v at time t; UndecidedError where balls do not tell in which phase it lies."""
         if t < 0:
             raise NotCertifiedError("asymmetric-field: t < 0 is before the start")
         for phase in self.phases():
@@ -174,42 +188,47 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         raise AssertionError("the last phase has no end")
 
     def moved(self, phase: Phase, t: arb) -> dict[str, arb]:
-        """The state so long after the begin of a phase."""
+        """The state at the time t [s] after the begin of a phase.
+
+        x = z + (x0 - z) c + (v0/r) s about the zero z of the flank's line, with c, s = cosh, sinh
+        of r t on the rising flank (r = l) and cos, sin on the falling one (r = w).
+        """
         start = phase.start
         x = arb_of(start.x)
         v = start.sense * arb_of(start.square).sqrt()
         if phase.region in ("left", "right"):
             return {"x": x + v * t, "v": v}
         if phase.region == "rising":
-            flank = self.steep
-        else:
-            flank = self.fall
-        centre = arb_of(self.exact["x1" if phase.region == "rising" else "x2"])
-        rate = arb_of(flank).sqrt()
-        c, s = (
-            ((rate * t).cosh(), (rate * t).sinh())
-            if phase.region == "rising"
-            else ((rate * t).cos(), (rate * t).sin())
-        )
-        if phase.region == "rising":
+            zero = arb_of(self.exact["x1"])
+            rate = arb_of(self.steep).sqrt()
+            c = (rate * t).cosh()
+            s = (rate * t).sinh()
             side = 1
         else:
+            zero = arb_of(self.exact["x2"])
+            rate = arb_of(self.fall).sqrt()
+            c = (rate * t).cos()
+            s = (rate * t).sin()
             side = -1
         return {
-            "x": centre + (x - centre) * c + v / rate * s,
-            "v": side * (x - centre) * rate * s + v * c,
+            "x": zero + (x - zero) * c + v / rate * s,
+            "v": side * (x - zero) * rate * s + v * c,
         }
 
     @per_precision
     def growth(self) -> Grows:
-        return Growth(
-            self.stretches(), Norm([1, 1]), step=narrow(arb_of(max(self.steep, self.fall)).sqrt())
-        )
+        """How errors grow, phase by phase."""
+        fastest = arb_of(max(self.steep, self.fall)).sqrt()
+        return Growth(self.stretches(), Norm([1, 1]), step=narrow(fastest))
 
     def stretches(self) -> Iterator[Stretch]:
-        """Phase by phase; the force has no jump, and so errors have none."""
+        """The stretches of time along which errors grow by a linear law: one a phase.
+
+        The force has no jump at an edge, and so errors have none.
+        """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
-        kinds = {
+        # Slope of the force per mass and its sign, see line_growth.linear.
+        laws = {
             "left": (arb(0), 0),
             "rising": (arb_of(self.steep), 1),
             "falling": (arb_of(self.fall), -1),
@@ -220,9 +239,10 @@ class AsymmetricField(ClosedForm, SmoothFlow):
                 length = None
             else:
                 length = phase.end - phase.begin
-            yield smooth(phase.begin, length, partial(linear, *kinds[phase.region], ratio))
+            yield smooth(phase.begin, length, partial(linear, *laws[phase.region], ratio))
 
     def constants(self) -> dict[str, arb]:
+        """The work -k1 x1 (x2 - x1)/2 [J] of the force from x1 to x2: the area of a triangle."""
         x1 = self.exact["x1"]
         x2 = self.exact["x2"]
         return {"work": arb_of(self.exact["k1"] * -x1 * (x2 - x1) / 2)}

@@ -45,7 +45,8 @@ class Slide(ClosedForm):
         self.gravity = gravity
         self.slope = slope
         self.angle = angle
-        self.s0, self.v0 = Fraction(0), Fraction(0)
+        self.s0 = Fraction(0)
+        self.v0 = Fraction(0)
 
     def displaced(self, axis: int, amount: Fraction) -> "Slide":
         """The motion from a neighbouring start; friction still points uphill."""
@@ -62,29 +63,32 @@ class Slide(ClosedForm):
         return SteadyGrowth(partial(linear, arb(0), 0, ratio), Norm([1, 1]), narrow(1 / ratio))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Position and velocity of the block along the slope at time t."""
+        """s = s0 + v0 t + a t^2/2 and v = v0 + a t with a = g (sin - mu cos) of the angle."""
         if self.angle is not None:
             sine, cosine = arb_of(self.angle).sin_cos()
         else:
             cosine = 1 / arb_of(1 + self.slope**2).sqrt()
             sine = arb_of(self.slope) * cosine
-        rise = arb_of(self.gravity) * (sine - arb_of(self.friction) * cosine)
+        a = arb_of(self.gravity) * (sine - arb_of(self.friction) * cosine)
         v0 = arb_of(self.v0)
-        return {"s": arb_of(self.s0) + v0 * t + rise * t * t / 2, "v": v0 + rise * t}
+        return {"s": arb_of(self.s0) + v0 * t + a * t * t / 2, "v": v0 + a * t}
 
 
 def slides(friction: Fraction, slope: Fraction, angle: Fraction | None) -> bool:
-    """Whether friction < tan(angle): by fractions, or by balls, which decide since no rational but
-    0 has a rational tangent.
+    """True if friction < tan(angle), where the tangent is `slope` or the angle [rad] is given.
+
+    By fractions; of an angle by balls, which decide since no rational but 0 has a rational tangent.
     """
-    if angle is None or angle == 0:
-        return friction < (slope if angle is None else 0)
+    if angle is None:
+        return friction < slope
+    if angle == 0:
+        return friction < 0
     bits = 64
     while bits <= MOST_BITS:
         with precision(bits):
-            lead = arb_of(angle).tan() - arb_of(friction)
-            if lead > 0 or lead < 0:
-                return bool(lead > 0)
+            difference = arb_of(angle).tan() - arb_of(friction)
+            if difference > 0 or difference < 0:
+                return bool(difference > 0)
         bits *= 2
     raise UndecidedError("friction and the tangent of the angle agree to thousands of digits")
 

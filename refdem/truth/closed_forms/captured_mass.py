@@ -1,8 +1,8 @@
 """Certified capture: r = r0 + v0 t up to closest approach at t_c = -r0.v0/v0^2, then a circle with
 omega = (r0 x v0)/d^2.
 
-d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c, d^2 and the direction of r(t_c) are
-rational.
+d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c (`caught`), d^2 and r(t_c) (`place`)
+are rational. `spin` is r0 x v0, `speed2` v0^2.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,6 +19,7 @@ from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smo
 from refdem.truth.refiner import Refiner, Size
 
 RUN_UP = 2
+"""The start is this many radii before closest approach."""
 Start = tuple[Fraction, Fraction, Fraction, Fraction]
 
 
@@ -52,13 +53,18 @@ class CapturedMass(ClosedForm):
         return arb_of(self.speed2 / self.spin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """The state at time t; where a ball of times holds the capture, both motions together.
+
+        The state is continuous there: position and velocity are the same in both.
+        """
         since = t - arb_of(self.caught)
         if since <= 0:
             return self.flight(t)
         if since > 0:
             return self.circle(since)
-        both = self.flight(t), self.circle(since)
-        return {name: value.union(both[1][name]) for name, value in both[0].items()}
+        flight = self.flight(t)
+        circle = self.circle(since)
+        return {name: value.union(circle[name]) for name, value in flight.items()}
 
     def flight(self, t: arb) -> dict[str, arb]:
         """The state on the straight line at t, before the catch."""
@@ -66,17 +72,17 @@ class CapturedMass(ClosedForm):
         return dict(zip(self.state, (x + vx * t, y + vy * t, vx, vy), strict=True))
 
     def circle(self, since: arb) -> dict[str, arb]:
-        """The circle, so long after closest approach."""
+        """The state on the circle, `since` [s] after closest approach: r(t_c) and v0, turned."""
         sine, cosine = (self.omega() * since).sin_cos()
-        pairs = (self.place, self.start[2:])
-        turned = [
-            (arb_of(a) * cosine - arb_of(b) * sine, arb_of(a) * sine + arb_of(b) * cosine)
-            for a, b in pairs
-        ]
-        return dict(zip(self.state, (*turned[0], *turned[1]), strict=True))
+        turned = []
+        for a, b in (self.place, self.start[2:]):
+            turned.append(arb_of(a) * cosine - arb_of(b) * sine)
+            turned.append(arb_of(a) * sine + arb_of(b) * cosine)
+        return dict(zip(self.state, turned, strict=True))
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors grow: along the stretches, in the norm of vectors of two components."""
         vectors = Norm((2, 2), (1, 1, 1, 1))
         # Errors of both components by their scale are a vector that is longer than either.
         return Times(
@@ -85,66 +91,72 @@ class CapturedMass(ClosedForm):
         )
 
     def stretches(self) -> Iterator[Stretch]:
-        """The straight line, and the circle, whose frame turns; errors in scales, of place and
-        velocity, outward and along the motion.
+        """The stretches along which errors grow smoothly: the straight line, and the circle.
 
-        On the circle an error rho outwards stays, sigma along it has the rate of u - omega rho, u
-        being that of the speed; the velocity outwards that goes with them is -omega sigma, and what
-        is left of it the hook takes at once.
+        Errors are in scales, (position outward, along the motion; velocity outward, along it), in
+        the frame of the capture and then in one that turns with the mass. On the circle an error
+        rho outward is constant; sigma along it has the rate u - omega rho, u being the error of the
+        speed; the velocity outward that belongs to them is -omega sigma, and any other one the hook
+        takes at once (`held`).
         """
         ratio = arb_of(self.scale["x"] / self.scale["vx"])
-        turn = abs(self.omega()) * ratio
+        scaled_omega = abs(self.omega()) * ratio
         one = arb(1)
-        none = arb(0)
+        zero = arb(0)
 
         def straight(t: arb) -> arb_mat:
-            moved = t / ratio
+            """Errors of velocity become errors of position."""
+            scaled_t = t / ratio
             return arb_mat(
                 [
-                    [one, none, moved, none],
-                    [none, one, none, moved],
-                    [none, none, one, none],
-                    [none, none, none, one],
+                    [one, zero, scaled_t, zero],
+                    [zero, one, zero, scaled_t],
+                    [zero, zero, one, zero],
+                    [zero, zero, zero, one],
                 ]
             )
 
         def circle(t: arb) -> arb_mat:
-            moved = t / ratio
-            along = [-turn * moved, one, none, moved]
-            outwards = [-turn * value for value in along]
-            outwards[2] += 1
-            return arb_mat([[one, none, none, none], along, outwards, [none, none, none, one]])
+            """sigma = sigma0 + (u - omega rho) t, and -omega sigma for the velocity outward."""
+            scaled_t = t / ratio
+            row_sigma = [-scaled_omega * scaled_t, one, zero, scaled_t]
+            row_outward = [-scaled_omega * value for value in row_sigma]
+            row_outward[2] += 1
+            return arb_mat(
+                [[one, zero, zero, zero], row_sigma, row_outward, [zero, zero, zero, one]]
+            )
 
         held = arb_mat(
             [
-                [one, none, none, none],
-                [none, one, none, none],
-                [none, -turn, none, none],
-                [none, none, none, one],
+                [one, zero, zero, zero],
+                [zero, one, zero, zero],
+                [zero, -scaled_omega, zero, zero],
+                [zero, zero, zero, one],
             ]
         )
         yield smooth(arb(0), arb_of(self.caught), straight, jump=held)
         yield smooth(arb_of(self.caught), None, circle, felt=held)
 
     def readings(self, t: arb) -> arb_mat:
-        """Errors along the axes of space by those outwards and along the motion."""
+        """The matrix from errors outward and along the motion to those along the axes of space."""
         since = t - arb_of(self.caught)
         if since > 0:
             angle = self.omega() * since
         else:
             angle = arb(0)
         x, y = (arb_of(value) for value in self.place)
-        size = (x * x + y * y).sqrt()
+        distance = (x * x + y * y).sqrt()
         if self.spin > 0:
             side = 1
         else:
             side = -1
         sine, cosine = angle.sin_cos()
-        outward = [(x * cosine - y * sine) / size, (x * sine + y * cosine) / size]
+        outward = [(x * cosine - y * sine) / distance, (x * sine + y * cosine) / distance]
         along = [-side * outward[1], side * outward[0]]
-        none = arb(0)
-        places = [[a, b, none, none] for a, b in zip(outward, along, strict=True)]
-        return arb_mat(places + [[none, none, *row[:2]] for row in places])
+        zero = arb(0)
+        positions = [[a, b, zero, zero] for a, b in zip(outward, along, strict=True)]
+        velocities = [[zero, zero, *row[:2]] for row in positions]
+        return arb_mat(positions + velocities)
 
     def displaced(self, axis: int, amount: Fraction) -> "CapturedMass":
         x, y, vx, vy = (value + (amount if i == axis else 0) for i, value in enumerate(self.start))

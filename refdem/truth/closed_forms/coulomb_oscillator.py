@@ -1,8 +1,9 @@
 """The mass on a spring that rubs on its ground: m x'' + f Sgn(x') + k x = 0.
 
-While it slides, x(t) = c + A cos(...) about c = -+f/k; a turning point X maps to 2c - X, half a
-period pi/w later; it stops for ever at the first turning point with k|X| <= f (closed: Sgn(0) =
-[-1, 1]). Started at rest, all turning points are rational.
+While it slides, x(t) = c + (X - c) cos(w (t - T)) from the turning point X at T, about c = -f/k
+where v > 0 and f/k where v < 0; X maps to 2c - X, half a period pi/w later. It stops for ever at
+the first turning point with k|X| <= f (closed: Sgn(0) = [-1, 1]). Started at rest, all turning
+points are rational. In the code `shift` is f/k and `heading` the sign of v.
 
 S(t) needs no differences. For two motions, d/dt (k dx^2 + m dv^2)/2 = -dv (f Sgn(v1) - f Sgn(v2))
 <= 0, since Sgn is monotone: the flow never stretches in the energy norm, through turning points and
@@ -65,6 +66,7 @@ class CoulombOscillator(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors grow: the constant bound of `grown`."""
         return Told(self.grown)
 
     def grown(self, t: arb) -> arb:
@@ -83,23 +85,20 @@ class CoulombOscillator(ClosedForm):
             )
         if self.shift and t >= self.turning_time(self.halves()):
             return {"x": _ball(self.turning_point(self.halves())), "v": arb(0)}
-        opening = bool(t < self.turning_time(0))
-        if opening:
+        # Before the first turning point it moves as it started, after each one away from it.
+        if t < self.turning_time(0):
             number = 0
-        else:
-            number = self._halves_until(t)
-        if opening:
             heading = _sign(self.v0)
         else:
+            number = self._halves_until(t)
             heading = -_sign(self.turning_point(number))
-        rate = self.rate()
+        w = self.rate()
         turning_point = _ball(self.turning_point(number))
         centre = -heading * arb_of(self.shift)
-        sine, cosine = (rate * (t - self.turning_time(number))).sin_cos()
-        return {
-            "x": centre + (turning_point - centre) * cosine,
-            "v": -(turning_point - centre) * rate * sine,
-        }
+        sine, cosine = (w * (t - self.turning_time(number))).sin_cos()
+        x = centre + (turning_point - centre) * cosine
+        v = -(turning_point - centre) * w * sine
+        return {"x": x, "v": v}
 
     def constants(self) -> dict[str, arb]:
         """When and where it stops, and after how many half cycles; nothing without friction."""
@@ -118,8 +117,10 @@ class CoulombOscillator(ClosedForm):
 
     @per_precision
     def opening(self) -> tuple[arb, Fraction | arb]:
-        """Time and place of the first turning point, which is the start itself if it starts at
-        rest.
+        """The time [s] and the place [m] of the first turning point: the start, if at rest there.
+
+        About c = -heading f/k the motion has the amplitude sqrt(a^2 + (v0/w)^2), a = x0 - c, and
+        turns after the phase atan2(|v0|/w, heading a).
         """
         if self.v0 == 0:
             return arb(0), self.x0
@@ -127,18 +128,19 @@ class CoulombOscillator(ClosedForm):
             heading = 1
         else:
             heading = -1
-        away = arb_of(self.x0 + heading * self.shift)
-        swing = arb_of(self.v0) / self.rate()
-        turning_point = heading * ((away * away + swing * swing).sqrt() - arb_of(self.shift))
-        return arb.atan2(abs(swing), heading * away) / self.rate(), turning_point
+        a = arb_of(self.x0 + heading * self.shift)
+        v_over_w = arb_of(self.v0) / self.rate()
+        amplitude = (a * a + v_over_w * v_over_w).sqrt()
+        turning_point = heading * (amplitude - arb_of(self.shift))
+        return arb.atan2(abs(v_over_w), heading * a) / self.rate(), turning_point
 
     def turning_time(self, number: int) -> arb:
-        """When it turns for the (number + 1)-th time [s]."""
+        """The time [s] of turning point `number`, counted from 0."""
         first: arb = self.opening()[0]
         return first + number * arb.pi() / self.rate()
 
     def turning_point(self, number: int) -> Fraction | arb:
-        """Where it turns after so many half cycles more [m]: exact from rest."""
+        """Turning point `number` n [m], from 0 on: (-1)^n (X0 - 2 n f/k sgn X0)."""
         first: Fraction | arb = self.opening()[1]
         if number:
             loss = 2 * number * self.shift * _sign(first)
@@ -154,8 +156,9 @@ class CoulombOscillator(ClosedForm):
 
     @per_precision
     def halves(self) -> int:
-        """How many half cycles follow the first turning point: least n >= 0 with |X0| - 2 n f/k <=
-        f/k.
+        """The number of half cycles after the first turning point X0, until it stops.
+
+        The least n >= 0 with |X0| - 2 n f/k <= f/k.
         """
         first: Fraction | arb = self.opening()[1]
         if isinstance(first, Fraction):
@@ -166,6 +169,7 @@ class CoulombOscillator(ClosedForm):
         return max(0, int(least))
 
     def _halves_until(self, t: arb) -> int:
+        """The number of half cycles that are over at t; UndecidedError if balls do not tell."""
         number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
         if number is None:
             raise UndecidedError("which half cycle it is in")
@@ -173,12 +177,14 @@ class CoulombOscillator(ClosedForm):
 
 
 def _ball(value: Fraction | arb) -> arb:
+    """A ball of a number that may be one already."""
     if isinstance(value, arb):
         return value
     return arb_of(value)
 
 
 def _sign(value: Fraction | arb) -> int:
+    """-1, 0 or 1; UndecidedError where a ball holds both signs."""
     if not (value > 0 or value < 0 or value == 0):
         raise UndecidedError("on which side it turns")
     if value > 0:

@@ -25,58 +25,68 @@ def rank(rows: Sequence[Sequence[Fraction]]) -> int:
 
 
 def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int:
-    """Coordinates less the rank of the derivatives of half the squared lengths."""
-    size = len(points[0])
+    """Degrees of freedom to first order: coordinates less the rank of the rods' constraints.
+
+    The constraint of a rod is the derivative of |r_a - r_b|^2/2 by all coordinates: r_a - r_b in
+    the columns of point a, its opposite in those of point b.
+    """
+    dimension = len(points[0])
     count = len(points)
     rows = []
     for a, b in rods:
-        along = [x - y for x, y in zip(points[a], points[b], strict=True)]
-        row = [[Fraction(0)] * size for _ in range(count)]
-        row[a] = along
-        row[b] = [-x for x in along]
-        rows.append([x for part in row for x in part])
-    return size * count - rank(rows)
+        difference = [x - y for x, y in zip(points[a], points[b], strict=True)]
+        row = [Fraction(0)] * (dimension * count)
+        row[dimension * a : dimension * (a + 1)] = difference
+        row[dimension * b : dimension * (b + 1)] = [-x for x in difference]
+        rows.append(row)
+    return dimension * count - rank(rows)
 
 
 def finite(points: Sequence[Point]) -> int:
-    """Dimension of the orbit under translations and turns: those that move nothing turn about all
-    points at once.
+    """Degrees of freedom of the points as a rigid body: translations, and turns that move a point.
+
+    A turn about an axis that all points lie on moves none, so that the number of turns depends on
+    the dimension of space and on that which the points span.
     """
-    size = len(points[0])
-    spread = rank([[x - y for x, y in zip(point, points[0], strict=True)] for point in points])
+    dimension = len(points[0])
+    span = rank([[x - y for x, y in zip(point, points[0], strict=True)] for point in points])
     turns = {(2, 0): 0, (2, 1): 1, (2, 2): 1, (3, 0): 0, (3, 1): 2, (3, 2): 3, (3, 3): 3}
-    return size + turns[size, spread]
+    return dimension + turns[dimension, span]
+
+
+def with_all_rods(points: Sequence[Point]) -> int:
+    """Degrees of freedom to first order with a rod between every two points."""
+    return first_order(points, list(combinations(range(len(points)), 2)))
 
 
 def counts(p: Parameters) -> dict[str, int]:
-    """Every row of the case as an integer, by name."""
+    """Every row of the case as an integer, by name.
+
+    Rows `2d-n` and `3d-n` are complete graphs of n points; in degenerate places the first-order
+    count is larger than that of the rigid body.
+    """
     numbers = vector(p, "points")
     space = [numbers[3 * i : 3 * i + 3] for i in range(5)]
-    every = {size: [point[:size] for point in space] for size in (2, 3)}
-
-    def whole(points: Sequence[Point]) -> int:
-        return first_order(points, list(combinations(range(len(points)), 2)))
-
-    found = {f"{size}d-{n}": whole(every[size][:n]) for size in (2, 3) for n in range(1, 6)}
-    found |= {"rods-6-on-4-in-2d": whole(every[2][:4]), "rods-10-on-5-in-3d": whole(every[3])}
-    found["rod-twice"] = first_order(space[:2], [(0, 1), (1, 0)])
-    flat = [(*point[:2], Fraction(0)) for point in space]
-    lines = {
-        size: [
-            [factor * x for x in every[size][1]]
-            for factor in (Fraction(0), Fraction(1), Fraction(5, 2))
-        ]
-        for size in (2, 3)
-    }
+    plane = [point[:2] for point in space]
+    rows = {}
+    for n in range(1, 6):
+        rows[f"2d-{n}"] = with_all_rods(plane[:n])
+        rows[f"3d-{n}"] = with_all_rods(space[:n])
+    rows["rods-6-on-4-in-2d"] = with_all_rods(plane[:4])
+    rows["rods-10-on-5-in-3d"] = with_all_rods(space)
+    rows["rod-twice"] = first_order(space[:2], [(0, 1), (1, 0)])
+    coplanar = [(*point[:2], Fraction(0)) for point in space]
+    factors = (Fraction(0), Fraction(1), Fraction(5, 2))
     degenerate: dict[str, Sequence[Point]] = {
-        "coplanar-4": flat[:4],
-        "coplanar-5": flat,
-        "collinear-3": lines[3],
-        "2d-collinear-3": lines[2],
+        "coplanar-4": coplanar[:4],
+        "coplanar-5": coplanar,
+        "collinear-3": [[factor * x for x in space[1]] for factor in factors],
+        "2d-collinear-3": [[factor * x for x in plane[1]] for factor in factors],
     }
     for name, points in degenerate.items():
-        found |= {f"{name}-first-order": whole(points), f"{name}-rigid": finite(points)}
-    return found
+        rows[f"{name}-first-order"] = with_all_rods(points)
+        rows[f"{name}-rigid"] = finite(points)
+    return rows
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

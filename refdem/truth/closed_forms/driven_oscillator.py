@@ -1,11 +1,15 @@
 """m x'' + 2 m delta x' + k x = m g + m f0 cos(w t): damped in any of three ways, driven or not,
 from any start.
 
-About c = m g/k: X = X0 (C + delta S) + V0 S, V = V0 (C - delta S) - w0^2 X0 S with, D^2 = |w0^2 -
-delta^2|, C = exp(-delta t) cos D t, S = exp(-delta t) (sin D t)/D below critical damping,
-exp(-delta t) and exp(-delta t) t at it, cosh and sinh above. A drive adds its steady motion Re(A
-exp(i w t)), A = f0/(w0^2 - w^2 + 2 i delta w) (1.104), and takes its start from X0, V0; without
-damping at w = w0 it adds f0 t sin(w0 t)/(2 w0) instead.
+Free motion, X = x - c about the equilibrium c = m g/k, with w0^2 = k/m and D^2 = |w0^2 - delta^2|:
+
+    X = X0 (C + delta S) + V0 S,    V = V0 (C - delta S) - w0^2 X0 S,
+    C = exp(-delta t) cos D t,  S = exp(-delta t) (sin D t)/D     below critical damping,
+    C = exp(-delta t),  S = exp(-delta t) t                       at it,
+
+and cosh, sinh above it. A drive adds its steady motion Re(A exp(i w t)), A = f0/(w0^2 - w^2 + 2 i
+delta w) (1.104), whose start is taken from X0, V0; without damping at w = w0 it adds f0 t sin(w0
+t)/(2 w0) instead.
 """
 
 from collections.abc import Mapping
@@ -34,22 +38,18 @@ class DrivenOscillator(ClosedForm, SmoothFlow):
 
     def __init__(self, p: Parameters, scale: Mapping[str, float], *, is_driven: bool) -> None:
         self.refiner = Refiner.of(scale)
-        values = numbers(
-            p,
-            "mass",
-            "stiffness",
-            "gravity",
-            "x0",
-            "v0",
-            "delta",
-            *(("f0", "drive") if is_driven else ()),
-        )
+        names = ["mass", "stiffness", "gravity", "x0", "v0", "delta"]
+        if is_driven:
+            names += ["f0", "drive"]
+        values = numbers(p, *names)
+        # w0^2, and the equilibrium c.
         self.square = values["stiffness"] / values["mass"]
         self.delta = values["delta"]
         self.centre = values["gravity"] / self.square
         self.x0 = values["x0"]
         self.v0 = values["v0"]
-        self.f0, self.drive = values.get("f0", Fraction(0)), values.get("drive", Fraction(0))
+        self.f0 = values.get("f0", Fraction(0))
+        self.drive = values.get("drive", Fraction(0))
         self.is_driven = is_driven
 
     @property
@@ -71,25 +71,31 @@ class DrivenOscillator(ClosedForm, SmoothFlow):
         return other
 
     def free(self, x0: arb, v0: arb, t: arb) -> tuple[arb, arb]:
-        """X and V at t of the free motion about the equilibrium."""
+        """X and V at time t of the free motion about the equilibrium from X0, V0."""
         delta = arb_of(self.delta)
-        fade = (-arb_of(self.delta) * t).exp()
-        width = arb_of(abs(self.gap)).sqrt()
+        decay = (-arb_of(self.delta) * t).exp()
+        d = arb_of(abs(self.gap)).sqrt()
         if self.gap > 0:
-            c = (width * t).cos()
-            s = (width * t).sin() / width
+            c = (d * t).cos()
+            s = (d * t).sin() / d
         elif self.gap < 0:
-            c = (width * t).cosh()
-            s = (width * t).sinh() / width
+            c = (d * t).cosh()
+            s = (d * t).sinh() / d
         else:
             c = arb(1)
             s = t
-        c = fade * c
-        s = fade * s
-        return x0 * (c + delta * s) + v0 * s, v0 * (c - delta * s) - arb_of(self.square) * x0 * s
+        c = decay * c
+        s = decay * s
+        x = x0 * (c + delta * s) + v0 * s
+        v = v0 * (c - delta * s) - arb_of(self.square) * x0 * s
+        return x, v
 
     def steady(self, t: arb) -> tuple[arb, arb]:
-        """x and v of the steady motion; at undamped resonance of the growing one from rest."""
+        """x and v at t of the steady motion; at undamped resonance of the growing one from rest.
+
+        With a = w0^2 - w^2 and b = 2 delta w, Re(f0 exp(i w t)/(a + i b)) = f0 (a cos w t + b sin w
+        t)/(a^2 + b^2).
+        """
         f0 = arb_of(self.f0)
         w = arb_of(self.drive)
         sine, cosine = (w * t).sin_cos()
@@ -97,60 +103,57 @@ class DrivenOscillator(ClosedForm, SmoothFlow):
             return arb(0), arb(0)
         if self.resounds:
             return f0 * t * sine / (2 * w), f0 * (sine + w * t * cosine) / (2 * w)
-        away = arb_of(self.square - self.drive**2)
-        drag = arb_of(2 * self.delta * self.drive)
-        size = away * away + drag * drag
-        return (
-            f0 * (away * cosine + drag * sine) / size,
-            f0 * w * (drag * cosine - away * sine) / size,
-        )
+        a = arb_of(self.square - self.drive**2)
+        b = arb_of(2 * self.delta * self.drive)
+        norm_square = a * a + b * b
+        x = f0 * (a * cosine + b * sine) / norm_square
+        v = f0 * w * (b * cosine - a * sine) / norm_square
+        return x, v
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        centre, (x_first, v_first), (x_steady, v_steady) = (
-            arb_of(self.centre),
-            self.steady(arb(0)),
-            self.steady(t),
-        )
+        """x = c + X + steady motion; X starts with what the steady motion leaves of x0 and v0."""
+        centre = arb_of(self.centre)
+        x_first, v_first = self.steady(arb(0))
+        x_steady, v_steady = self.steady(t)
         x, v = self.free(arb_of(self.x0) - centre - x_first, arb_of(self.v0) - v_first, t)
         return {"x": centre + x + x_steady, "v": v + v_steady}
 
     @per_precision
     def growth(self) -> Grows:
-        """The motion is linear: an error grows as the free motion does, whenever it is made; in a
-        whole period it does not grow.
+        """How errors grow: the motion is linear, so that an error moves as the free motion does,
+        whenever it is made; in a whole period it does not grow.
         """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
         if self.delta**2 >= 4 * self.square:
-            # Over-damped, with the rates s1 < s2 = delta -+ kappa: of x there is left, for x at the
-            # start, (s2 exp(-s1 t) - s1 exp(-s2 t))/(s2 - s1) <= 1, for v at most 1/(s2 - s1); of v
-            # at most s1 s2/(s2 - s1) for x, and 1 for v.
-            apart = 2 * arb_of(-self.gap).sqrt()
-            by_other = ((1 / (apart * ratio)).max(arb_of(self.square) * ratio / apart)).upper()
-            return Told(lambda _: 1 + by_other)
+            # Over-damped, with the rates s1 < s2 = delta -+ kappa. At all times
+            #   |dx/dx0| = (s2 exp(-s1 t) - s1 exp(-s2 t))/(s2 - s1) <= 1,  |dx/dv0| <= 1/(s2 - s1),
+            #   |dv/dx0| <= s1 s2/(s2 - s1) with s1 s2 = w0^2,              |dv/dv0| <= 1.
+            rate_gap = 2 * arb_of(-self.gap).sqrt()
+            x_by_v = 1 / (rate_gap * ratio)
+            v_by_x = arb_of(self.square) * ratio / rate_gap
+            off_diagonal = x_by_v.max(v_by_x).upper()
+            return Told(lambda _: 1 + off_diagonal)
         one = arb(1)
-        none = arb(0)
+        zero = arb(0)
 
         def propagator(elapsed: arb) -> arb_mat:
-            (by_x, rate_by_x), (by_v, rate_by_v) = (
-                self.free(one, none, elapsed),
-                self.free(none, one, elapsed),
-            )
-            return arb_mat([[by_x, by_v / ratio], [rate_by_x * ratio, rate_by_v]])
+            """The matrix that maps errors of (x, v) in scales to those after a time [s]."""
+            x_by_x, v_by_x = self.free(one, zero, elapsed)
+            x_by_v, v_by_v = self.free(zero, one, elapsed)
+            return arb_mat([[x_by_x, x_by_v / ratio], [v_by_x * ratio, v_by_v]])
 
         if self.gap > 0:
             period = 2 * arb.pi() / arb_of(self.gap).sqrt()
         else:
             period = None
-        return SteadyGrowth(
-            propagator,
-            Norm([1, 1]),
-            narrow(arb_of(self.square).sqrt() + arb_of(self.delta)),
-            period,
-        )
+        fastest = arb_of(self.square).sqrt() + arb_of(self.delta)
+        return SteadyGrowth(propagator, Norm([1, 1]), narrow(fastest), period)
 
     def constants(self) -> dict[str, arb]:
-        """The period of the free oscillation, if it oscillates; driven, the amplitude |A| (1.105)
-        of the steady motion, if there is one.
+        """The period 2 pi/D of the free oscillation, if it oscillates.
+
+        Of a driven one the amplitude |A| = |f0|/sqrt((w0^2 - w^2)^2 + (2 delta w)^2) (1.105) of the
+        steady motion, if there is one.
         """
         if not self.is_driven:
             if self.gap > 0:
@@ -158,9 +161,9 @@ class DrivenOscillator(ClosedForm, SmoothFlow):
             return {}
         if self.resounds:
             return {}
-        away = self.square - self.drive**2
-        drag = 2 * self.delta * self.drive
-        return {"steady_amplitude": arb_of(abs(self.f0)) / arb_of(away**2 + drag**2).sqrt()}
+        a = self.square - self.drive**2
+        b = 2 * self.delta * self.drive
+        return {"steady_amplitude": arb_of(abs(self.f0)) / arb_of(a**2 + b**2).sqrt()}
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

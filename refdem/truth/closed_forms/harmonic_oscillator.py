@@ -48,7 +48,7 @@ class HarmonicOscillator(ClosedForm, SmoothFlow):
         self.v0 = v0
 
     def displaced(self, axis: int, amount: Fraction) -> "HarmonicOscillator":
-        """The motion from a neighbouring start."""
+        """The motion whose x0 (axis 0) or v0 (axis 1) is larger by `amount`."""
         other = copy(self)
         other.kept = {}
         other.x0 = self.x0 + amount * (axis == 0)
@@ -56,27 +56,29 @@ class HarmonicOscillator(ClosedForm, SmoothFlow):
         return other
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Position and velocity at t."""
-        rate = arb_of(self.stiffness / self.mass).sqrt()
+        """x = c + a cos w t + (v0/w) sin w t and v = v0 cos w t - a w sin w t, with a = x0 - c."""
+        w = arb_of(self.stiffness / self.mass).sqrt()
         centre = self.mass * self.gravity / self.stiffness
-        away = arb_of(self.x0 - centre)
+        a = arb_of(self.x0 - centre)
         v0 = arb_of(self.v0)
-        sine, cosine = (rate * t).sin_cos()
-        return {
-            "x": arb_of(centre) + away * cosine + v0 / rate * sine,
-            "v": v0 * cosine - away * rate * sine,
-        }
+        sine, cosine = (w * t).sin_cos()
+        x = arb_of(centre) + a * cosine + v0 / w * sine
+        v = v0 * cosine - a * w * sine
+        return {"x": x, "v": v}
 
     @per_precision
     def growth(self) -> Grows:
-        rate = arb_of(self.stiffness / self.mass).sqrt()
+        """How errors grow: the flow is linear, so that the time elapsed alone counts."""
+        w = arb_of(self.stiffness / self.mass).sqrt()
 
         def propagator(elapsed: arb) -> arb_mat:
-            sine, cosine = (rate * elapsed).sin_cos()
-            ratio = rate * arb_of(self.scale["x"] / self.scale["v"])
-            return arb_mat([[cosine, sine / ratio], [-ratio * sine, cosine]])
+            """The matrix that maps errors of (x, v) in scales to those after a time [s]."""
+            sine, cosine = (w * elapsed).sin_cos()
+            # w in units of V/X, the ratio of the scales.
+            scaled_w = w * arb_of(self.scale["x"] / self.scale["v"])
+            return arb_mat([[cosine, sine / scaled_w], [-scaled_w * sine, cosine]])
 
-        return SteadyGrowth(propagator, Norm([1, 1]), narrow(rate), self.constants()["period"])
+        return SteadyGrowth(propagator, Norm([1, 1]), narrow(w), self.constants()["period"])
 
     def constants(self) -> dict[str, arb]:
         """The scalar constants of the motion: the period [s]."""

@@ -39,7 +39,10 @@ class HertzSpheres(ClosedForm, SmoothFlow):
         self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction
     ) -> None:
         self.refiner = Refiner.of(scale)
-        self.mass, self.stiffness, self.begin = mass, stiffness, (Fraction(0), speed)
+        self.mass = mass
+        self.stiffness = stiffness
+        # Overlap and its rate at t = 0.
+        self.begin = (Fraction(0), speed)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
@@ -49,29 +52,29 @@ class HertzSpheres(ClosedForm, SmoothFlow):
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
-        """The contact, and when it begins."""
+        """The contact, and the time [s] at which it begins."""
         return touching(self.mass, self.stiffness, HERTZ, *self.begin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """Overlap and rate at t: free, in contact, and free at the speed of touch."""
         if t < 0:
             raise NotCertifiedError("hertz-spheres: t < 0 is before the start")
         contact, touch = self.contact()
-        since = t - touch
-        if since < 0:
-            return {
-                "overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t,
-                "v": arb_of(self.begin[1]),
-            }
-        after = since - 2 * contact.half
-        if after >= 0:
-            return {"overlap": -contact.speed * after, "v": -contact.speed}
-        overlap, rate = contact.state(since)
+        since_touch = t - touch
+        if since_touch < 0:
+            rate = arb_of(self.begin[1])
+            return {"overlap": arb_of(self.begin[0]) + rate * t, "v": rate}
+        since_end = since_touch - 2 * contact.half
+        if since_end >= 0:
+            return {"overlap": -contact.speed * since_end, "v": -contact.speed}
+        overlap, rate = contact.state(since_touch)
         return {"overlap": overlap, "v": rate}
 
     @per_precision
     def growth(self) -> Grows:
-        """The growth S by scaling: contacts of other speeds are the same ones in other units; the
-        force is steepest where it is deepest.
+        """How errors grow: contacts of other speeds are the same one in other units.
+
+        The force is steepest at the largest overlap, |f'| <= (3/2)(k/m) sqrt(d_m).
         """
         contact, touch = self.contact()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])
@@ -80,23 +83,25 @@ class HertzSpheres(ClosedForm, SmoothFlow):
         quick = steepness(stiffness * arb_of(HERTZ) * contact.depth.sqrt(), ratio)
 
         def errors(t: arb) -> arb_mat:
+            """Two independent errors of (overlap, v), as columns in scales (line_growth.py)."""
             state = self.evaluate(t)
             overlap = state["overlap"]
             rate = state["v"]
             if overlap > 0:
-                push = -stiffness * overlap * overlap.sqrt()
+                acceleration = -stiffness * overlap * overlap.sqrt()
             else:
-                push = arb(0)
-            return homogeneous(overlap, rate, push, t - touch, power, ratio)
+                acceleration = arb(0)
+            return homogeneous(overlap, rate, acceleration, t - touch, power, ratio)
 
         whole = smooth(arb(0), None, errors, quickness=lambda t: quick)
         return Growth([whole], Norm([1, 1]), step=narrow(arb(quick)))
 
     def constants(self) -> dict[str, arb]:
+        """duration [s], max_overlap d_m [m] and max_force k d_m^(3/2) [N]."""
         contact, _ = self.contact()
-        deepest = contact.depth
-        force = arb_of(self.stiffness) * deepest * deepest.sqrt()
-        return {"duration": 2 * contact.half, "max_overlap": deepest, "max_force": force}
+        max_overlap = contact.depth
+        force = arb_of(self.stiffness) * max_overlap * max_overlap.sqrt()
+        return {"duration": 2 * contact.half, "max_overlap": max_overlap, "max_force": force}
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

@@ -1,8 +1,9 @@
 """Mass properties of solids by integrals done by hand (Table 1.1, (1.14), (1.28), (1.30), (1.31)):
 exact rationals, times pi if round.
 
-A solid is its volume (the area of a plate), the mean of r over it, and the mean of (r - centre)(r -
-centre)^T.
+A solid is its volume V (the area of a plate, the mass of point masses), its centre c, the mean of r
+over it, and its second moments M, the mean of (r - c)(r - c)^T. The inertia tensor about c, over
+the mass, is trace(M) 1 - M.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,8 +26,10 @@ Matrix = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class Means:
-    """`volume` counts in units of pi if `is_round`; the tensor is about `about`, the centre if
-    there is none.
+    """The volume, centre and second moments of a solid.
+
+    `volume` counts in units of pi if `is_round`; the tensor is told about the point `about`, or
+    about the centre if that is None.
     """
 
     volume: Fraction
@@ -36,11 +39,19 @@ class Means:
     about: Vector | None = None
 
     def tensor(self) -> Matrix:
-        """Inertia over mass: trace(M) 1 - M, with M the second moments there."""
+        """The inertia tensor over the mass: trace(M) 1 - M, with M + a a^T about a point at -a
+        from the centre (parallel axes).
+        """
         arm = [c - p for c, p in zip(self.centre, self.about or self.centre, strict=True)]
         moments = [[self.second[i][j] + arm[i] * arm[j] for j in range(3)] for i in range(3)]
         trace = sum((moments[i][i] for i in range(3)), F(0))
-        return matrix(lambda i, j: (trace if i == j else 0) - moments[i][j])
+
+        def entry(i: int, j: int) -> Fraction:
+            if i == j:
+                return trace - moments[i][j]
+            return -moments[i][j]
+
+        return matrix(entry)
 
 
 def matrix(entry: Callable[[int, int], Fraction]) -> Matrix:
@@ -63,41 +74,49 @@ def diagonal(
 
 
 def cuboid(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """Sides a, b, c about the origin: the mean of x^2 is a^2/12."""
+    """A cuboid of sides a, b, c about the origin: the mean of x^2 is a^2/12."""
     return Means(a * b * c, (F(0),) * 3, diagonal(a * a / 12, b * b / 12, c * c / 12))
 
 
 def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
-    """The solid without its copy scaled by `factor` about the centre, in x and y alone if `across`:
-    volumes and moments subtract (1.31).
+    """The solid without its copy scaled by `factor` about the centre, in x and y alone if `across`.
+
+    Volumes and integrals subtract (1.31): with the copy's part of the volume, p, and of the mean of
+    x_i^2, s_i, the mean over what is left is M_ii (1 - p s_i)/(1 - p).
     """
     if across:
         part = factor**2
+        scale = (factor**2, factor**2, F(1))
     else:
         part = factor**3
-    scale = (factor**2, factor**2, F(1) if across else factor**2)
-    left = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
-    return Means(whole.volume * (1 - part), whole.centre, diagonal(*left), whole.is_round)
+        scale = (factor**2, factor**2, factor**2)
+    second = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
+    return Means(whole.volume * (1 - part), whole.centre, diagonal(*second), whole.is_round)
 
 
 def plate_triangle(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """Corners 0, (b, 0), (a, c): with p, q two corners from the third, the second moments are (2 p
-    p + 2 q q - p q - q p)/36.
+    """A triangular plate with the corners 0, (b, 0) and (a, c).
+
+    With p, q two corners from the third, the second moments about its centre are (2 p p^T + 2 q q^T
+    - p q^T - q p^T)/36.
     """
     p = (b, F(0), F(0))
     q = (a, c, F(0))
 
     def moment(i: int, j: int) -> Fraction:
-        own = 2 * p[i] * p[j] + 2 * q[i] * q[j]
+        squares = 2 * p[i] * p[j] + 2 * q[i] * q[j]
         mixed = p[i] * q[j] + q[i] * p[j]
-        return (own - mixed) / 36
+        return (squares - mixed) / 36
 
     centre = ((a + b) / 3, c / 3, F(0))
     return Means(b * c / 2, centre, matrix(moment))
 
 
 def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """A cuboid [0, a] [0, b] [0, c] without the quarter x > a/2, y > b/2."""
+    """The angle: a cuboid [0, a] [0, b] [0, c] without the quarter x > a/2, y > b/2.
+
+    Three quarters of its volume, with the means over three equal blocks a/2 by b/2.
+    """
     volume = a * b * c * 3 / 4
     centre = (a * 5 / 12, b * 5 / 12, c / 2)
     second = diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36)
@@ -105,7 +124,7 @@ def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 
 def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """Half-axes a, b, height c, about the origin."""
+    """An elliptical cylinder with half-axes a, b and height c, about the origin."""
     return Means(a * b * c, (F(0),) * 3, diagonal(a * a / 4, b * b / 4, c * c / 12), True)
 
 
@@ -154,12 +173,14 @@ SOLIDS: dict[str, Callable[[Fraction, Fraction, Fraction, Fraction], Means]] = {
 
 
 def _flat(second: Matrix) -> Matrix:
+    """The second moments of the plate that a solid with these moments leaves in z = 0."""
     return diagonal(second[0][0], second[1][1], xy=second[0][1])
 
 
 def points(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """1, 2, 3 and 4 kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c), as sums over pairs: (1/M^2) sum
-    m_i m_j (r_i - r_j)(r_i - r_j)^T.
+    """Point masses of 1, 2, 3 and 4 kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c); `volume` is 10 kg.
+
+    Second moments as sums over pairs: (1/M^2) sum m_i m_j (r_i - r_j)(r_i - r_j)^T.
     """
     masses = [F(1), F(2), F(3), F(4)]
     places = [
@@ -178,65 +199,72 @@ def points(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 
 def turned(means: Means, q: tuple[Fraction, ...]) -> Means:
-    """The solid after the turn q r q*/|q|^2, as columns of the turned axes; rational for every
-    rational q.
+    """The solid after the turn R r = q r q*/|q|^2: centre R c, second moments R M R^T.
+
+    R is rational for every rational q. Its column k is the turned unit vector e_k; with q = (w, v)
+
+        R e = (2 (v . e) v + (w^2 - |v|^2) e + 2 w v x e)/|q|^2,    w^2 - |v|^2 = 2 w^2 - |q|^2.
     """
     w = q[0]
     v = q[1:]
-    size = w * w + sum(x * x for x in v)
+    norm_square = w * w + sum(x * x for x in v)
     columns = []
     for k in range(3):
         e = [F(int(i == k)) for i in range(3)]
-        along = v[k]
         cross = [
             v[(i + 1) % 3] * e[(i + 2) % 3] - v[(i + 2) % 3] * e[(i + 1) % 3] for i in range(3)
         ]
-        columns.append(
-            [
-                (2 * along * v[i] + (2 * w * w - size) * e[i] + 2 * w * cross[i]) / size
-                for i in range(3)
-            ]
-        )
-    own = means.second
-    pairs = [(k, m) for k in range(3) for m in range(3)]
-    second = matrix(
-        lambda i, j: sum((columns[k][i] * own[k][m] * columns[m][j] for k, m in pairs), F(0))
-    )
-    centre = tuple(sum((columns[k][i] * means.centre[k] for k in range(3)), F(0)) for i in range(3))
-    return Means(means.volume, (centre[0], centre[1], centre[2]), second, means.is_round)
+        column = []
+        for i in range(3):
+            numerator = 2 * v[k] * v[i] + (2 * w * w - norm_square) * e[i] + 2 * w * cross[i]
+            column.append(numerator / norm_square)
+        columns.append(column)
+
+    def entry(i: int, j: int) -> Fraction:
+        total = F(0)
+        for k in range(3):
+            for m in range(3):
+                total += columns[k][i] * means.second[k][m] * columns[m][j]
+        return total
+
+    centre = [sum((columns[k][i] * means.centre[k] for k in range(3)), F(0)) for i in range(3)]
+    return Means(means.volume, (centre[0], centre[1], centre[2]), matrix(entry), means.is_round)
 
 
 def every(p: Parameters) -> dict[str, Means]:
     """The solids at these parameters; the tetrahedron also turned by `attitude`."""
     sizes = numbers(p, "a", "b", "c", "hollow")
-    found = {name: solid(*sizes.values()) for name, solid in SOLIDS.items()}
-    return found | {"turned-tetrahedron": turned(found["tetrahedron"], vector(p, "attitude"))}
+    solids = {name: solid(*sizes.values()) for name, solid in SOLIDS.items()}
+    return solids | {"turned-tetrahedron": turned(solids["tetrahedron"], vector(p, "attitude"))}
 
 
 def values(p: Parameters) -> dict[str, arb]:
     """Mass [kg], centre of mass [m] and inertia tensor [kg m^2] of every solid."""
-    found: dict[str, arb] = {}
+    quantities: dict[str, arb] = {}
     for name, means in every(p).items():
+        # The volume of the point masses is their mass.
         if name == "points":
             density = F(1)
         else:
             density = numbers(p, "density")["density"]
-        mass = arb_of(density * means.volume) * (arb.pi() if means.is_round else 1)
+        mass = arb_of(density * means.volume)
+        if means.is_round:
+            mass = mass * arb.pi()
+        quantities[f"{name}.mass"] = mass
+        for axis, x in zip("xyz", means.centre, strict=True):
+            quantities[f"{name}.centre.{axis}"] = arb_of(x)
         tensor = means.tensor()
-        found[f"{name}.mass"] = mass
-        found |= {f"{name}.centre.{x}": arb_of(means.centre["xyz".index(x)]) for x in "xyz"}
-        found |= {
-            f"{name}.inertia.{i}{j}": mass * arb_of(tensor["xyz".index(i)]["xyz".index(j)])
-            for i, j in PAIRS
-        }
-    return found
+        for i, j in PAIRS:
+            entry = tensor["xyz".index(i)]["xyz".index(j)]
+            quantities[f"{name}.inertia.{i}{j}"] = mass * arb_of(entry)
+    return quantities
 
 
 PAIRS = tuple((pair[0], pair[1]) for pair in ("xx", "yy", "zz", "xy", "xz", "yz"))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters a, b, c, density, hollow, attitude."""
+    """The truth at parameters a, b, c [m], density [kg/m^3], hollow (a part), attitude."""
     return Timeless(
         scale,
         lambda: values(p),

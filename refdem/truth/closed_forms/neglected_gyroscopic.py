@@ -52,7 +52,7 @@ class Flight(Guarded, Truth):
         return self.body.at(t) | places
 
     def drift(self, t: Fraction) -> float:
-        """S of the place: it and the velocity are displaced by L and by |v|."""
+        """S of the position: an error of L in it, and one of |v| in the velocity, after t [s]."""
         return 1.0 + float(t) * sum(abs(float(v)) for v in self.velocity) / self.length
 
     def sensitivity(self, t: Fraction) -> float:
@@ -72,14 +72,15 @@ WITNESS = (
 
 
 def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> HybridFlow:
-    """The quantities of the case on the slope.
+    """The truth of the box on the slope, from the coordinates of its start in the slope's axes.
 
-    S displaces attitude, spin, place and velocity, each component by its scale.
+    S displaces attitude, angular momentum, position and velocity, each component by its scale:
+    those of the angular momentum and the velocity are J_max and L times that of omega.
     """
     sizes = dict(scale)
-    rate = Fraction(sizes["omega.x"])
+    omega_size = Fraction(sizes["omega.x"])
     length = Fraction(sizes["x"])
-    sizes |= {"spin": max(system.inertia) * rate, "speed": length * rate}
+    sizes |= {"spin": max(system.inertia) * omega_size, "speed": length * omega_size}
     return HybridFlow(
         TracedModes(Modes(system), len(start), lean_rates),
         start,
@@ -95,18 +96,25 @@ def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> 
 
 
 def seen(system: Slope, y: Sequence[Any]) -> dict[str, Any]:
-    """The quantities of a state, the attitude of either sign."""
-    found = BodyState(system, y)
-    half = (y[0] * 0 + system.slope) / 2
-    c = half.cos()
-    s = half.sin()
-    w, x, v, z = y[:4]
+    """The quantities of a state in axes of space, the attitude of either sign.
+
+    The state y is in axes of the slope (tumbling_contact.py): attitude (0 to 3), angular momentum
+    (4 to 6), position (7 to 9), velocity. These are turned by the slope's angle about y.
+    """
+    in_slope = BodyState(system, y)
+    # By operations of a traced field: a constant is made from 0 times a coordinate.
+    zero = y[0] * 0
+    half_angle = (zero + system.slope) / 2
+    c = half_angle.cos()
+    s = half_angle.sin()
+    q_w, q_x, q_y, q_z = y[:4]
     # The quaternion of the slope, (c, 0, s, 0), times that of the body.
-    attitude = [c * w - s * v, c * x + s * z, c * v + s * w, c * z - s * x]
-    rows = rotation(attitude)
-    tilt = rotation([c, y[0] * 0, s, y[0] * 0])
-    omega, place = ([dot(row, vector) for row in tilt] for vector in (found.omega, y[7:10]))
-    values = [*found.omega_body, *omega, *attitude, *(x for row in rows for x in row), *place]
+    attitude = [c * q_w - s * q_y, c * q_x + s * q_z, c * q_y + s * q_w, c * q_z - s * q_x]
+    matrix = [entry for row in rotation(attitude) for entry in row]
+    slope_rows = rotation([c, y[0] * 0, s, y[0] * 0])
+    omega = [dot(row, in_slope.omega) for row in slope_rows]
+    position = [dot(row, y[7:10]) for row in slope_rows]
+    values = [*in_slope.omega_body, *omega, *attitude, *matrix, *position]
     return dict(zip((*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX, *PLACE), values, strict=True))
 
 
@@ -117,21 +125,17 @@ def with_upright_attitude(values: dict[str, arb]) -> dict[str, arb]:
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at the parameters of case neglected-gyroscopic."""
+    """The truth at the parameters of case neglected-gyroscopic, of its member free or slope."""
     inertia, omega, attitude = exact_columns(p)
     velocity = vector(p, "velocity")
     if p["member"] == "free":
-        return Flight(
-            FreeRigidBody(
-                inertia, omega, attitude, {k: v for k, v in scale.items() if k not in PLACE}
-            ),
-            velocity,
-            scale["x"],
-        )
+        body_scale = {name: size for name, size in scale.items() if name not in PLACE}
+        body = FreeRigidBody(inertia, omega, attitude, body_scale)
+        return Flight(body, velocity, scale["x"])
     system = slope(p)
-    spin = [j * w for j, w in zip(inertia, omega, strict=True)]
+    angular_momentum = [j * w for j, w in zip(inertia, omega, strict=True)]
     place = (Fraction(0), Fraction(0), number(p, "height"))
-    start = Start(system.slope, attitude, spin, place, velocity)
+    start = Start(system.slope, attitude, angular_momentum, place, velocity)
     return tumbling(system, start.coordinates(), scale)
 
 
@@ -146,7 +150,7 @@ def slope(p: Parameters) -> Slope:
 
 @dataclass(frozen=True)
 class Start:
-    """The start in space, exact: spin in body axes, the rest in space."""
+    """The exact start: `spin`, the angular momentum, in body axes, the rest in axes of space."""
 
     slope: Fraction
     attitude: Sequence[Fraction]
@@ -155,16 +159,21 @@ class Start:
     velocity: Sequence[Fraction]
 
     def coordinates(self) -> list[Any]:
-        """The state in the axes of the slope, number by number."""
+        """The 13 numbers of the state in the axes of the slope, each a function that returns a
+        ball, and the clock.
+        """
         return [*(partial(self.coordinate, i) for i in range(13)), Fraction(0)]
 
     def coordinate(self, number: int) -> arb:
-        """One of them at the current precision."""
-        half = arb_of(self.slope) / 2
-        back = [half.cos(), arb(0), -half.sin(), arb(0)]
-        size = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
-        q = times(back, [arb_of(x) / size for x in self.attitude])
-        spin, place, velocity = (
-            [arb_of(x) for x in given] for given in (self.spin, self.place, self.velocity)
-        )
-        return [*q, *rotated(q, spin), *rotated(back, place), *rotated(back, velocity)][number]
+        """Number `number` of the state at the current precision.
+
+        Into axes of the slope everything is turned back by its angle about y.
+        """
+        half_angle = arb_of(self.slope) / 2
+        back = [half_angle.cos(), arb(0), -half_angle.sin(), arb(0)]
+        length = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
+        attitude = times(back, [arb_of(x) / length for x in self.attitude])
+        spin = rotated(attitude, [arb_of(x) for x in self.spin])
+        place = rotated(back, [arb_of(x) for x in self.place])
+        velocity = rotated(back, [arb_of(x) for x in self.velocity])
+        return [*attitude, *spin, *place, *velocity][number]

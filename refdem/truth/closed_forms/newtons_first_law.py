@@ -59,7 +59,7 @@ class Uniform(ClosedForm):
         self.attitude = [Fraction(x) for x in attitude]
 
     def displaced(self, axis: int, amount: Fraction) -> "Uniform":
-        """The motion from a neighbouring start."""
+        """The motion whose start is larger by `amount` in coordinate `axis` of `state`."""
         other = copy(self)
         other.kept = {}
         other.start = [x + amount * (i == axis) for i, x in enumerate(self.start)]
@@ -68,54 +68,58 @@ class Uniform(ClosedForm):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Every quantity of the uniform motion at time t."""
         start = [arb_of(x) for x in self.start]
-        now = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)] + start[3:]
-        return dict(zip((*self.state, *ATTITUDE), now + self._turned(t), strict=True))
+        position = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)]
+        velocity_and_omega = start[3:]
+        values = position + velocity_and_omega + self._turned(t)
+        return dict(zip((*self.state, *ATTITUDE), values, strict=True))
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors grow: the formula of `grown`."""
         return Told(self.grown)
 
     def grown(self, t: arb) -> arb:
-        """Growth by the time elapsed, which the earliest error has most of.
+        """The growth S of an error after the time t: the earliest error has grown most.
 
-        A place moves by t times the error of the velocity. An attitude stays off by its own error
-        and changes by that of omega: with the unit vector n of omega, |dq/d omega_j|^2 = (t/2)^2
-        n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2), the sine at its largest.
+        A position moves by t times the error of the velocity. An attitude stays off by its own
+        error and changes by that of omega: with the unit vector n of omega, |dq/d omega_j|^2 =
+        (t/2)^2 n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2). The sine is bounded by 1, and
+        sin(|omega| t/2)/|omega| by t/2.
         """
         drifts = [
             t * arb_of(self.scale[v] / self.scale[x])
             for x, v in zip(POSITION, VELOCITY, strict=True)
         ]
-        squared = sum((x * x for x in self.start[6:]), Fraction(0))
+        omega = self.start[6:]
+        omega_square = sum((x * x for x in omega), Fraction(0))
         across = t / 2
-        if squared:
-            rate = arb_of(squared).sqrt()
-            across = across.min(1 / rate)
-        turned = arb(0)
-        for part, name in zip(self.start[6:], SPIN, strict=True):
-            if squared:
-                share = part * part / squared
+        if omega_square:
+            across = across.min(1 / arb_of(omega_square).sqrt())
+        attitude_change = arb(0)
+        for component, name in zip(omega, SPIN, strict=True):
+            # n_j^2
+            if omega_square:
+                share = component * component / omega_square
             else:
                 share = Fraction(0)
-            moved = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
-            turned += moved * arb_of(self.scale[name])
-        largest = max(
-            (turned / arb_of(self.scale[name]) for name in ATTITUDE),
-            key=lambda size: float(size.upper()),
-        )
-        return 1 + max([*drifts, largest], key=lambda size: float(size.upper()))
+            change = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
+            attitude_change += change * arb_of(self.scale[name])
+        turns = [attitude_change / arb_of(self.scale[name]) for name in ATTITUDE]
+        largest_turn = max(turns, key=lambda size: float(size.upper()))
+        return 1 + max([*drifts, largest_turn], key=lambda size: float(size.upper()))
 
     def _turned(self, t: arb) -> list[arb]:
-        squared = sum(x * x for x in self.start[6:])
-        rate = arb_of(squared).sqrt() / 2
-        if squared:
-            along = (rate * t).sin() / (2 * rate)
+        """The attitude q(t) = (cos(|omega| t/2), sin(|omega| t/2) omega/|omega|) q0."""
+        omega_square = sum(x * x for x in self.start[6:])
+        half_rate = arb_of(omega_square).sqrt() / 2
+        if omega_square:
+            sine_over_omega = (half_rate * t).sin() / (2 * half_rate)
         else:
-            along = t / 2
-        # (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) times the attitude at the start.
-        w = (rate * t).cos()
-        x, y, z = (arb_of(component) * along for component in self.start[6:])
-        a, b, c, d = (arb_of(part) for part in self.attitude)
+            sine_over_omega = t / 2
+        w = (half_rate * t).cos()
+        x, y, z = (arb_of(component) * sine_over_omega for component in self.start[6:])
+        # Hamilton's product with q0 = (a, b, c, d).
+        a, b, c, d = (arb_of(component) for component in self.attitude)
         turned_w = w * a - x * b - y * c - z * d
         turned_x = w * b + x * a + y * d - z * c
         turned_y = w * c + y * a + z * b - x * d

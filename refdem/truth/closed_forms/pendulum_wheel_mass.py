@@ -1,8 +1,12 @@
 """Certified pendulum, wheel and mass: validated integration of r, theta, r', theta'.
 
-From Lagrange's equations with A = M + m + J/R^2 and u = r' - R theta': A u' = m r theta'^2 - M g +
-m g cos theta and d/dt (m r^2 theta' - A R u) = M g R - m g (R cos theta + r sin theta), solved for
-r'' and theta''.
+From Lagrange's equations with A = M + m + J/R^2 and u = r' - R theta':
+
+    A u' = m r theta'^2 - M g + m g cos theta,
+    d/dt (m r^2 theta' - A R u) = M g R - m g (R cos theta + r sin theta).
+
+The first into the second gives r theta'' = R theta'^2 - 2 r' theta' - g sin theta, and r'' = u' + R
+theta''.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,24 +29,29 @@ WITNESS = (
 
 
 def field(p: Mapping[str, Fraction]) -> Field:
-    """The rates of the four numbers."""
+    """The rates of (r, theta, r', theta'), by the equations above."""
     m = p["mass"]
     counter = p["counter_mass"]
     radius = p["wheel_radius"]
     g = p["gravity"]
-    whole = m + counter + (p["wheel_inertia"] / radius**2 if radius else 0)
+    # A; a wheel of no radius has no inertia.
+    string_mass = m + counter
+    if radius:
+        string_mass += p["wheel_inertia"] / radius**2
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
-        r, theta, rdot, rate = y
-        string = (r * rate * rate * m + theta.cos() * (m * g) - counter * g) / whole
-        turning = (rate * rate * radius - rdot * rate * 2 - theta.sin() * g) / r
-        return rdot, rate, string + turning * radius, turning
+        r, theta, rdot, thetadot = y
+        u_rate = (r * thetadot * thetadot * m + theta.cos() * (m * g) - counter * g) / string_mass
+        angular = (thetadot * thetadot * radius - rdot * thetadot * 2 - theta.sin() * g) / r
+        return rdot, thetadot, u_rate + angular * radius, angular
 
     return rates
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at these parameters."""
+    """The truth at parameters mass, counter_mass [kg], wheel_radius [m], wheel_inertia [kg m^2],
+    gravity [m/s^2] and the start r0, theta0, rdot0, thetadot0.
+    """
     exact = numbers(
         p,
         "mass",

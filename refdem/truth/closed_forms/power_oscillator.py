@@ -1,9 +1,14 @@
 """m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverse, as balls.
 
-With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2): y^p + w^2 = 1. In units of A/u the
-time from the centre is q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p), that from the turning point s(w) =
-(2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2) (DLMF 8.17.7), and a quarter of the period B(1/p, 1/2)/p.
-Inverses: since q' >= 1 and s' >= 2/p, what a trial value misses bounds its distance.
+With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2), energy says y^p + w^2 = 1. In units
+of A/u (DLMF 8.17.7) the time
+
+    from the centre is           q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p),
+    from the turning point is    s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2),
+
+and a quarter of the period is B(1/p, 1/2)/p. Each series serves where its argument is at most about
+1/2. They are inverted with a proof: since q' >= 1 and s' >= 2/p, a trial value is no farther from
+the root than its residual over that bound (mean value theorem).
 """
 
 from collections.abc import Callable, Mapping
@@ -48,6 +53,7 @@ class PowerOscillator(FromRest, ClosedForm):
         return arb_of(self.exponent + 1)
 
     def acceleration(self, x: arb) -> arb:
+        """-(k/m) |x|^n sgn x, also for a ball that holds 0."""
         size = arb_of(self.ratio) * magnitude(x, arb_of(self.exponent))
         if x > 0:
             return -size
@@ -56,12 +62,14 @@ class PowerOscillator(FromRest, ClosedForm):
         return size.union(-size)
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
+        """d(x, v)(t)/d v(0), as of any start from rest."""
         return self.rates_of_the_motion(t)
 
     def rate(self) -> arb:
-        """The rate u/A [1/s] of the motion."""
-        reach = arb_of(abs(self.amplitude))
-        return (2 * arb_of(self.ratio) / self.p).sqrt() * reach ** ((arb_of(self.exponent) - 1) / 2)
+        """The rate u/A = sqrt(2 k/(m p)) A^((n - 1)/2) [1/s] of the motion."""
+        amplitude = arb_of(abs(self.amplitude))
+        factor = (2 * arb_of(self.ratio) / self.p).sqrt()
+        return factor * amplitude ** ((arb_of(self.exponent) - 1) / 2)
 
     @per_precision
     def quarter(self) -> arb:
@@ -79,47 +87,62 @@ class PowerOscillator(FromRest, ClosedForm):
         return 2 / self.p * w * (w * w).hypgeom_2f1(arb(0.5), 1 - 1 / self.p, arb(1.5))
 
     def place(self, s: arb) -> tuple[arb, arb]:
-        """y and w at the time s [A/u] from the turning point y = 1, |s| at most a quarter of the
-        period.
+        """y and w at the time s [A/u] from the turning point y = 1, for |s| up to a quarter period.
+
+        Near the turning point w is the inverse of s(w), s' = (2/p)(1 - w^2)^(1/p - 1), and y = (1 -
+        w^2)^(1/p); near the centre y is that of q(y), q' = (1 - |y|^p)^(-1/2), and w = +-sqrt(1 -
+        |y|^p).
         """
-        late = self.quarter() - abs(s)
-        if late.mid() > self.middle().mid():
-            w = inverse(
-                self.from_turning,
-                s,
-                2 / self.p,
-                lambda w: 2 / self.p * (1 - w * w) ** (1 / self.p - 1),
-            )
+        until_centre = self.quarter() - abs(s)
+        if until_centre.mid() > self.middle().mid():
+
+            def turning_slope(w: arb) -> arb:
+                return 2 / self.p * (1 - w * w) ** (1 / self.p - 1)
+
+            w = inverse(self.from_turning, s, 2 / self.p, turning_slope)
             return (1 - w * w) ** (1 / self.p), w
-        y = inverse(self.from_centre, late, arb(1), lambda y: (1 - magnitude(y, self.p)).rsqrt())
-        size = (1 - magnitude(y, self.p)).sqrt()
-        return y, size if s > 0 else -size
+
+        def centre_slope(y: arb) -> arb:
+            return (1 - magnitude(y, self.p)).rsqrt()
+
+        y = inverse(self.from_centre, until_centre, arb(1), centre_slope)
+        w = (1 - magnitude(y, self.p)).sqrt()
+        if s > 0:
+            return y, w
+        return y, -w
 
     @per_precision
     def middle(self) -> arb:
-        """q where y^p = w^2 = 1/2: either series serves there."""
+        """The time q at y^p = w^2 = 1/2, where either series serves."""
         return self.from_centre((arb(0.5) ** (1 / self.p)).mid())
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """x = A y and v = -u w, with the sign of A changed after every half period."""
         phase = self.rate() * t
-        half = 2 * self.quarter()
-        turns = nearest_integer(phase / half)
-        y, w = self.place(phase - half * turns)
-        reach = arb_of(self.amplitude) * (-1 if turns % 2 else 1)
-        return {"x": reach * y, "v": -reach * self.rate() * w}
+        half_period = 2 * self.quarter()
+        half_turns = nearest_integer(phase / half_period)
+        y, w = self.place(phase - half_period * half_turns)
+        if half_turns % 2:
+            sign = -1
+        else:
+            sign = 1
+        amplitude = arb_of(self.amplitude) * sign
+        return {"x": amplitude * y, "v": -amplitude * self.rate() * w}
 
     @per_precision
     def growth(self) -> Grows:
-        """The growth S by scaling: motions of other amplitudes are the same ones in other units;
-        the force is steepest at the turning point.
+        """How errors grow: motions of other amplitudes are the same one in other units.
+
+        The force is steepest at the turning point, |f'| <= (k/m) n A^(n - 1).
         """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
         power = arb_of(Fraction(2) / (self.exponent + 1))
-        reach = arb_of(abs(self.amplitude))
-        steepest = arb_of(self.ratio * self.exponent) * reach ** (arb_of(self.exponent) - 1)
+        amplitude = arb_of(abs(self.amplitude))
+        steepest = arb_of(self.ratio * self.exponent) * amplitude ** (arb_of(self.exponent) - 1)
         quick = steepness(steepest, ratio)
 
         def errors(t: arb) -> arb_mat:
+            """Two independent errors of (x, v), as columns in scales (line_growth.py)."""
             state = self.evaluate(t)
             x = state["x"]
             v = state["v"]
@@ -148,20 +171,22 @@ def magnitude(x: arb, power: arb) -> arb:
 def inverse(
     function: Callable[[arb], arb], value: arb, least: arb, slope: Callable[[arb], arb]
 ) -> arb:
-    """The argument at which a function with slope >= `least` has that value: a trial, and what it
-    misses over `least`.
+    """A ball of the argument at which a function with slope >= `least` has a value.
+
+    Newton's method in floating point comes close, which proves nothing; by the mean value theorem
+    the root is no farther away than the residual over `least`.
     """
     if abs(value.mid()) > 0.25:
-        subject = arb(float(value.mid())) / 2
+        argument = arb(float(value.mid())) / 2
     else:
-        subject = arb(value.mid())
+        argument = arb(value.mid())
     for _ in range(8 + ctx.prec.bit_length()):
-        step = ((function(subject) - value) / slope(subject)).mid()
-        subject = (subject - step).mid()
+        step = ((function(argument) - value) / slope(argument)).mid()
+        argument = (argument - step).mid()
         if abs(step) < arb(2) ** (-ctx.prec // 2):
             break
-    missed = (function(subject) - value) / least
-    return subject + arb(0, missed.abs_upper())
+    distance = (function(argument) - value) / least
+    return argument + arb(0, distance.abs_upper())
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

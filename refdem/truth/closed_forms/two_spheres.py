@@ -87,21 +87,23 @@ class TwoSpheres(Collision):
         return self.contact_extremes(motion)
 
     def units(self) -> list[Fraction]:
-        """The units of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
-        turns = [self.phases.speed / radius for radius in self.spheres.radii]
-        return [self.phases.length] * 2 + [self.phases.speed] * 2 + turns
+        """The units of x, y, vx, vy and of both spins [m, m/s, 1/s]."""
+        spin_units = [self.phases.speed / radius for radius in self.spheres.radii]
+        return [self.phases.length] * 2 + [self.phases.speed] * 2 + spin_units
 
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
         """The 18 quantities from x, y, vx, vy of body 1 against body 2, and the spins about z."""
-        x, y, vx, vy, *turning = relative
-        nothing = arb(0)
+        x, y, vx, vy, *spins_z = relative
+        zero = arb(0)
         values: list[arb] = []
-        for body in (0, 1):
-            share = arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass)
-            place = [share * x, share * y, nothing]
-            velocity = [share * vx, share * vy, nothing]
-            spin = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
-            values += [*place, *velocity, *spin, turning[body]]
+        # The centre of mass rests: r1 = (m2/M) r, r2 = -(m1/M) r.
+        for body, sign in ((0, 1), (1, -1)):
+            share = arb_of(sign * self.spheres.masses[1 - body] / self.spheres.total_mass)
+            position = [share * x, share * y, zero]
+            velocity = [share * vx, share * vy, zero]
+            # Torques are along z: the other components of the spins stay.
+            spin_xy = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
+            values += [*position, *velocity, *spin_xy, spins_z[body]]
         return dict(zip(NAMES, values, strict=True))
 
     def drifting(self) -> Sequence[int]:

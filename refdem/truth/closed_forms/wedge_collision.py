@@ -38,7 +38,9 @@ class WedgeCollision(ClosedForm, SmoothFlow):
 
     def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
         self.refiner = Refiner.of(scale)
-        self.exact, self.begin = dict(exact), (Fraction(0), exact["closing_speed"])
+        self.exact = dict(exact)
+        # Overlap and its rate at t = 0.
+        self.begin = (Fraction(0), self.exact["closing_speed"])
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
@@ -48,7 +50,7 @@ class WedgeCollision(ClosedForm, SmoothFlow):
 
     @per_precision
     def approach(self) -> tuple[PowerContact, arb]:
-        """The way in, and when it begins."""
+        """The contact on the way in, d'' = -(k2/m) d^2, and the time [s] at which it begins."""
         return touching(self.exact["mass"], self.exact["k2"], Fraction(2), *self.begin)
 
     @per_precision
@@ -57,32 +59,31 @@ class WedgeCollision(ClosedForm, SmoothFlow):
         return arb_of(self.exact["k1"] / self.exact["mass"]).sqrt()
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """Overlap and rate at t: free, in, out as d_m cos(w t) from the turn on, and free."""
         if t < 0:
             raise NotCertifiedError("wedge-collision: t < 0 is before the start")
         contact, touch = self.approach()
-        since = t - touch
-        rate = self.rate()
-        if since < 0:
-            return {
-                "overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t,
-                "v": arb_of(self.begin[1]),
-            }
-        turned = since - contact.half
-        if turned < 0:
-            overlap, speed = contact.state(since)
+        since_touch = t - touch
+        w = self.rate()
+        if since_touch < 0:
+            rate = arb_of(self.begin[1])
+            return {"overlap": arb_of(self.begin[0]) + rate * t, "v": rate}
+        since_turn = since_touch - contact.half
+        if since_turn < 0:
+            overlap, speed = contact.state(since_touch)
             return {"overlap": overlap, "v": speed}
-        after = turned - arb.pi() / (2 * rate)
-        if after >= 0:
-            return {"overlap": -contact.depth * rate * after, "v": -contact.depth * rate}
-        if not (turned >= 0 and after < 0):
+        since_end = since_turn - arb.pi() / (2 * w)
+        if since_end >= 0:
+            return {"overlap": -contact.depth * w * since_end, "v": -contact.depth * w}
+        if not (since_turn >= 0 and since_end < 0):
             raise UndecidedError(f"whether it has turned, or parted, at {t}")
-        return {
-            "overlap": contact.depth * (rate * turned).cos(),
-            "v": -contact.depth * rate * (rate * turned).sin(),
-        }
+        overlap = contact.depth * (w * since_turn).cos()
+        rate = -contact.depth * w * (w * since_turn).sin()
+        return {"overlap": overlap, "v": rate}
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors grow, along the stretches."""
         return Growth(self.stretches(), Norm([1, 1]), step=narrow(self.rate()))
 
     def stretches(self) -> Iterator[Stretch]:
@@ -91,33 +92,36 @@ class WedgeCollision(ClosedForm, SmoothFlow):
         At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v,
         which shifts the time of the turn, is multiplied by their ratio, one of the place stays.
         """
-        (contact, touch), rate = self.approach(), self.rate()
+        contact, touch = self.approach()
+        w = self.rate()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])
         power = arb_of(Fraction(2, 3))
         stiffness = arb_of(self.exact["k2"] / self.exact["mass"])
         quick = steepness(2 * stiffness * contact.depth, ratio)
 
         def inward(t: arb) -> arb_mat:
+            """Two independent errors of (overlap, v), as columns in scales (line_growth.py)."""
             since = t - touch
-            overlap, speed = (
-                contact.state(since)
-                if since > 0 or since == 0
-                else (contact.speed * since, contact.speed)
-            )
-            if since > 0:
-                push = -stiffness * overlap * overlap
+            if since > 0 or since == 0:
+                overlap, speed = contact.state(since)
             else:
-                push = arb(0)
-            return homogeneous(overlap, speed, push, since, power, ratio)
+                overlap = contact.speed * since
+                speed = contact.speed
+            if since > 0:
+                acceleration = -stiffness * overlap * overlap
+            else:
+                acceleration = arb(0)
+            return homogeneous(overlap, speed, acceleration, since, power, ratio)
 
-        turned = touch + contact.half
-        parted = arb.pi() / (2 * rate)
-        jump = arb_mat([[arb(1), arb(0)], [arb(0), rate * rate / (stiffness * contact.depth)]])
-        yield smooth(arb(0), turned, inward, jump=jump, quickness=lambda t: quick)
-        yield smooth(turned, parted, partial(linear, rate * rate, -1, ratio))
-        yield smooth(turned + parted, None, partial(linear, rate * rate, 0, ratio))
+        turn_time = touch + contact.half
+        way_out = arb.pi() / (2 * w)
+        jump = arb_mat([[arb(1), arb(0)], [arb(0), w * w / (stiffness * contact.depth)]])
+        yield smooth(arb(0), turn_time, inward, jump=jump, quickness=lambda t: quick)
+        yield smooth(turn_time, way_out, partial(linear, w * w, -1, ratio))
+        yield smooth(turn_time + way_out, None, partial(linear, w * w, 0, ratio))
 
     def constants(self) -> dict[str, arb]:
+        """energy_change k1 d_m^2/2 - m v^2/2 [J], max_overlap d_m [m] and duration [s]."""
         contact, _ = self.approach()
         before = arb_of(self.exact["mass"] * self.exact["closing_speed"] ** 2 / 2)
         after = arb_of(self.exact["k1"] / 2) * contact.depth * contact.depth

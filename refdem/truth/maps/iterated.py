@@ -2,8 +2,11 @@
 the products of the map's slopes.
 
 Theorem: a step that is evaluated in balls contains the images of all points of the ball before it,
-if every branch is decided for the whole ball. So orbits need no device but precision: a chaotic map
-loses a few bits a step, and they are put in at the start.
+if every branch is decided for the whole ball (`BoundaryError` where it is not). So orbits need no
+device but precision: a chaotic map loses a few bits a step, and they are put in at the start.
+
+S(n) is the largest norm of d x_n/d x_m over m <= n, a product of slopes of steps; it is computed in
+doubles, with a bound of all that is lost by that (`Stepped._grow`).
 """
 
 from abc import ABC, abstractmethod
@@ -23,11 +26,11 @@ from refdem.truth.growth import BOUNDLESS, ROUNDING, Array, Norm, bounded, doubl
 from refdem.truth.refiner import Size
 
 MOST_BITS = 2**13
-"""Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost
-grows as the square.
+"""The highest working precision: enough for some 2500 bounces or 8000 doublings, a hundred times as
+far as doubles can be judged; the cost grows as the square.
 """
 MOST_STEPS = 2**14
-"""Of an orbit that does not lose bits: the same limit, in time instead of digits."""
+"""The most steps of an orbit that does not lose bits: the same limit, in time."""
 SHARP = -200
 """A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no
 lack of precision.
@@ -35,13 +38,14 @@ lack of precision.
 
 
 UNSURE = 1e-12
-"""Part of the slopes of a step that may be unknown before its S is found at more bits."""
+"""The largest relative error of the slopes of a step in doubles; else more bits are tried."""
 
 
 class BoundaryError(UndecidedError):
-    """A branch that cannot be decided.
+    """Raised where balls cannot choose a branch: `gap` is the ball whose sign is not known.
 
-    `code` says what is hit, `gap` is the ball whose sign is not known.
+    `code` says what is hit ("corner", "tangent"), if the ball is so small that it is a hit;
+    otherwise the code is "precision".
     """
 
     def __init__(self, code: str, gap: arb) -> None:
@@ -50,9 +54,9 @@ class BoundaryError(UndecidedError):
 
 
 class Iterated(Guarded, Truth):
-    """Iterates n = 0, 1, ... of a map.
+    """The truth of the iterates n = 0, 1, ... of a map, `at(n)` to within 10^-digits of each scale.
 
-    `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives.
+    A state is whatever `step` takes and returns; `word` is what an iterate is called in messages.
     """
 
     word: str
@@ -105,7 +109,7 @@ class Iterated(Guarded, Truth):
         return balls
 
     def lost(self, n: int) -> NotCertifiedError:
-        """Why iterate n is not certified, and the last one that is."""
+        """The error that says why iterate n is not certified, and which is the last that is."""
         code = "precision"
         last = 0
         with precision(MOST_BITS):
@@ -114,10 +118,11 @@ class Iterated(Guarded, Truth):
             except BoundaryError as error:
                 code = error.code
             orbit = self.kept.setdefault(MOST_BITS, {0: self.first()})
-            while last + 1 in orbit and all(
-                value.rad() < arb(10) ** -self.digits
-                for value in self.values(orbit[last + 1]).values()
-            ):
+            target = arb(10) ** -self.digits
+            while last + 1 in orbit:
+                values = self.values(orbit[last + 1])
+                if not all(value.rad() < target for value in values.values()):
+                    break
                 last += 1
             if code == "precision":
                 limit = f"{MOST_BITS} bits are used up"
@@ -126,15 +131,13 @@ class Iterated(Guarded, Truth):
             return ended(code, self.word, last, self.values(orbit[last]), limit)
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of iterate t by the start at the current precision, each number in its
-        scale.
-        """
+        """The derivative of iterate t by the start, in scales: the product of the steps' slopes."""
         n = whole(t)
         size = self.slope(self.state(0), self.state(1)).nrows()
-        total = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        product = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
         for k in range(n):
-            total = self.slope(self.state(k), self.state(k + 1)) * total
-        return total
+            product = self.slope(self.state(k), self.state(k + 1)) * product
+        return product
 
 
 class Stepped(Guarded, ABC):
@@ -167,8 +170,8 @@ class Stepped(Guarded, ABC):
 
     @cached_property
     def front(self) -> list[tuple[Array, Array]]:
-        """Derivatives of the last iterate by every earlier one, and what is wrong in them; empty
-        before the first.
+        """One pair, or none before the first step: the derivatives of the last iterate by every
+        earlier one, in doubles (n, q, q), and bounds (n) of the errors that each step made in them.
         """
         return []
 
@@ -178,26 +181,26 @@ class Stepped(Guarded, ABC):
         if not orbit:
             orbit[0] = self.first()
         if n in orbit:
-            at = n
+            last = n
         else:
-            at = len(orbit) - 1
-        while at < n:
-            if at >= MOST_STEPS:
+            last = len(orbit) - 1
+        while last < n:
+            if last >= MOST_STEPS:
                 limit = f"more than {MOST_STEPS} are not tried"
-                raise ended("time", self.word, at, self.values(orbit[at]), limit)
-            after = self.step(orbit[at])
-            for name, value in self.values(
-                after
-            ).items():  # a ball as large as its scale grows without bound, its exponents too
+                raise ended("time", self.word, last, self.values(orbit[last]), limit)
+            after = self.step(orbit[last])
+            # A ball as large as its scale would grow without bound, its exponents too.
+            for name, value in self.values(after).items():
                 if not value.rad() < arb_of(self.scale[name]):
                     raise BoundaryError("precision", value)
-            orbit[at + 1] = after
-            at += 1
+            orbit[last + 1] = after
+            last += 1
         return orbit[n]
 
     def sensitivity(self, t: Fraction) -> float:
-        """S: the largest sum of a row of the scaled derivative of iterate t by any earlier one, the
-        start among them.
+        """S(t): the largest sum of a row of the scaled derivative of iterate t by any earlier one.
+
+        The start is one of them. Raises NotCertifiedError where no precision knows the slopes.
         """
         n = whole(t)
         bits = 256
@@ -214,7 +217,14 @@ class Stepped(Guarded, ABC):
         return self.grown[n]
 
     def _grow(self, n: int) -> None:
-        """Adds S of iterate n to those that are known."""
+        """Adds S of iterate n to those that are known.
+
+        The derivatives of iterate n by every earlier one are the slope of this step times those of
+        iterate n - 1. In doubles, a step's slope is off by at most `off` an entry and its product
+        by rounding; that error is made in derivatives of norm at most S(n - 1), and multiplied by
+        all steps that follow. So S is at most the largest norm, plus the sum over all steps of
+        (norm of what follows) x (error of the step).
+        """
         if self.grown[-1] >= BOUNDLESS:
             self.grown.append(BOUNDLESS)
             return
@@ -224,31 +234,31 @@ class Stepped(Guarded, ABC):
             raise UndecidedError("the slope of a step is not known")
         count = len(slope)
         if self.front:
-            after, weights = self.front.pop()
+            before, errors = self.front.pop()
         else:
-            after = np.zeros((0, count, count))
-            weights = np.zeros(0)
-        size = Norm([1] * count)
-        # The derivative of iterate n by every earlier one: that by iterate n - 1 was 1 before this
-        # step.
-        carried = slope @ np.concatenate([after, np.eye(count)[None]])
-        wrong = off * count + ROUNDING * float(size(slope))
-        weights = np.concatenate([weights, [wrong * self.grown[-1]]])
-        # What comes after a step multiplies what was wrong in it (refdem/truth/growth.py).
-        later = np.concatenate([carried[1:], np.eye(count)[None]])
+            before = np.zeros((0, count, count))
+            errors = np.zeros(0)
+        norm = Norm([1] * count)
+        identity = np.eye(count)[None]
+        # The derivative of iterate n - 1 by itself is 1.
+        derivatives = slope @ np.concatenate([before, identity])
+        step_error = off * count + ROUNDING * float(norm(slope))
+        errors = np.concatenate([errors, [step_error * self.grown[-1]]])
+        # What follows the step to iterate k + 1 is the derivative by that iterate.
+        following = np.concatenate([derivatives[1:], identity])
         with np.errstate(over="ignore", invalid="ignore"):
-            largest = float(size(carried).max()) + float((size(later) * weights).sum())
+            largest = float(norm(derivatives).max()) + float((norm(following) * errors).sum())
         self.grown.append(bounded(largest))
-        self.front.append((carried, weights))
+        self.front.append((derivatives, errors))
 
 
 def ended(
     code: str, word: str, last: int, values: Mapping[str, arb], limit: str
 ) -> NotCertifiedError:
-    """The honest end: code, word and number of the last certified iterate, its quantities."""
+    """The error that ends an orbit: it names the last certified iterate and its quantities."""
     balls = {name: ball_of(value) for name, value in values.items()}
-    told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in balls.items())
-    message = f"{code}: certified up to {word} {last}, where {told}; {limit}"
+    listed = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in balls.items())
+    message = f"{code}: certified up to {word} {last}, where {listed}; {limit}"
     return NotCertifiedError(message, code=code, time=float(last), state=balls)
 
 

@@ -27,7 +27,7 @@ FLOW_BITS = 1024
 
 
 class LogisticMap(Stepped, Iterated):
-    """y_n = x_n - 1/2 in balls."""
+    """The truth of the logistic map: the state is y_n = x_n - 1/2, a ball."""
 
     method = "the map in balls about 1/2, precision raised by the bits that its slope takes away"
     witness = (
@@ -47,9 +47,11 @@ class LogisticMap(Stepped, Iterated):
         return arb_of(self.x0 - HALF)
 
     def step(self, state: arb) -> arb:
+        """y -> eta (1/4 - y^2) - 1/2."""
         return arb_of(self.eta) * (arb_of(HALF * HALF) - state * state) - arb_of(HALF)
 
     def slope(self, state: arb, after: arb) -> arb_mat:
+        """-2 eta y."""
         return arb_mat(1, 1, [-2 * arb_of(self.eta) * state])
 
     def values(self, state: arb) -> dict[str, arb]:
@@ -57,7 +59,7 @@ class LogisticMap(Stepped, Iterated):
 
 
 class LogisticFlow(Iterated):
-    """x(n) = 1/(1 + (1/x0 - 1) exp(-eta n)): no step is needed."""
+    """The truth of the logistic equation at times n: x(n) = 1/(1 + (1/x0 - 1) exp(-eta n))."""
 
     method = "closed form: 1/(1 + (1/x0 - 1) exp(-eta t))"
     witness = (
@@ -82,21 +84,26 @@ class LogisticFlow(Iterated):
 
     def slope(self, state: arb, after: arb) -> arb_mat:
         """d after/d state = e^-eta/(x + (1 - x) e^-eta)^2."""
-        fall = (-arb_of(self.eta)).exp()
-        width = state + (1 - state) * fall
-        return arb_mat(1, 1, [fall / (width * width)])
+        decay = (-arb_of(self.eta)).exp()
+        denominator = state + (1 - state) * decay
+        return arb_mat(1, 1, [decay / (denominator * denominator)])
 
     def sensitivity(self, t: Fraction) -> float:
-        """S over all times s <= t: an error grows by x (1 - x) at t over that at s, which is
-        smallest at an end, as x is monotone.
+        """S(t), over all times s <= t at which an error may be made.
+
+        An error grows from s to t by x (1 - x) at t over that at s, because the rate of x is a
+        solution of the variational equation. x is monotone, so that x (1 - x) is smallest at an
+        end. At rest, at x = 0 or 1, an error grows as exp(eta (1 - 2 x) t).
         """
         with precision(FLOW_BITS):
-            first, last = (state * (1 - state) for state in (self.state(0), self.state(whole(t))))
+            n = whole(t)
+            start = self.state(0)
+            end = self.state(n)
+            first = start * (1 - start)
+            last = end * (1 - end)
             if not first > 0:
-                # At rest at 0, or at 1.
-                return bounded(
-                    float((arb_of(self.eta) * whole(t) * (1 - 2 * self.state(0))).exp().upper())
-                )
+                exponent = arb_of(self.eta) * n * (1 - 2 * start)
+                return bounded(float(exponent.exp().upper()))
             return bounded(float((last / first).upper()))
 
     def values(self, state: arb) -> dict[str, arb]:

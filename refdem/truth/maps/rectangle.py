@@ -1,9 +1,10 @@
 """The rectangular billiard by unfolding: mirrored tables tile the plane, the path is a straight
 line, bounces are its crossings.
 
-With start and direction exact, times of crossings are rational: which wall comes n-th, and whether
-a corner is met, is decided in whole numbers. The direction is a unit vector, so that a root is
-taken once.
+Each coordinate by itself is x(t) = start + rate t, folded back at the walls at (k + 1/2) size. With
+start and direction exact, times of crossings are rational (in units of 1/|direction|): which wall
+comes n-th, and whether a corner is met, is decided in whole numbers. The direction is made a unit
+vector in the end, so that a root is taken once.
 """
 
 from collections.abc import Mapping
@@ -26,21 +27,22 @@ Exact2 = tuple[Fraction, Fraction]
 
 @dataclass(frozen=True)
 class Crossings:
-    """Times first, first + every, first + 2 every, ... at which one coordinate meets its walls;
-    every = None if it never does.
+    """The times at which one coordinate meets its walls: first, first + every, first + 2 every...
+
+    `every` is None if it never does.
     """
 
     first: Fraction
     every: Fraction | None
 
     def count(self, t: Fraction) -> int:
-        """How many are at or before t."""
+        """The number of crossings at or before t."""
         if self.every is None or t < self.first:
             return 0
         return int((t - self.first) // self.every) + 1
 
     def time(self, number: int) -> Fraction:
-        """The time of one of them, counted from 1."""
+        """The time of crossing `number`, counted from 1."""
         assert self.every is not None
         return self.first + (number - 1) * self.every
 
@@ -49,40 +51,46 @@ def crossings(start: Fraction, rate: Fraction, size: Fraction) -> Crossings:
     """The crossings of start + rate t with the walls at (k + 1/2) size."""
     if rate == 0:
         return Crossings(Fraction(0), None)
+    # The table is centred on 0: its walls are at -size/2 and size/2.
     if rate > 0:
-        ahead = size / 2 - start
+        distance = size / 2 - start
     else:
-        ahead = size / 2 + start
-    return Crossings(ahead / abs(rate), size / abs(rate))
+        distance = size / 2 + start
+    return Crossings(distance / abs(rate), size / abs(rate))
 
 
 def corner(a: Crossings, b: Crossings) -> Fraction | None:
-    """The first time at which both cross: a.first + i a.every = b.first + j b.every has whole i, j
-    >= 0; None if never.
+    """The first time at which both coordinates cross, which is at a corner; None if never.
+
+    a.first + i a.every = b.first + j b.every must hold for whole i, j >= 0. With b.every/a.every =
+    p/q in lowest terms and g = (b.first - a.first)/a.every that is i = g + j p/q: q g must be whole
+    and q g + j p divisible by q. The solutions are (i, j) + m (p, q) for whole m.
     """
     if a.every is None or b.every is None:
         return None
     ratio = b.every / a.every
     gap = (b.first - a.first) / a.every
-    p, q = ratio.numerator, ratio.denominator  # i = gap + j p/q: q gap + j p must be divisible by q
+    p = ratio.numerator
+    q = ratio.denominator
     shift = gap * q
     if shift.denominator != 1 or gcd(p, q) != 1:
         return None
+    # The smallest j >= 0 with q g + j p = 0 modulo q.
     if q > 1:
         j = -int(shift) * pow(p, -1, q) % q
     else:
         j = 0
     i = (int(shift) + j * p) // q
+    # The smallest m with i + m p >= 0; then j + m q >= 0 too.
     if i < 0:
-        more = -(i // p)
-        i = i + more * p
-        j = j + more * q
+        i = i - (i // p) * p
     return a.time(i + 1)
 
 
 class Rectangle(Guarded, Truth):
-    """Bounce n of a point from `start` along `direction` (any length) in a table of that size,
-    centred on the origin.
+    """The truth of bounce n in a rectangle of `size`, centred on the origin.
+
+    A point starts at `start` along `direction`, which may have any length.
     """
 
     method = "unfolding: crossings of a straight line with mirrored walls, in exact rationals"
@@ -111,7 +119,7 @@ class Rectangle(Guarded, Truth):
         return Rectangle(self.size, self.start, self.direction, self.scale, digits=digits)
 
     def bounce(self, n: int) -> tuple[Fraction, int]:
-        """Time of bounce n (in units of 1/|direction|) and its wall's axis.
+        """The time of bounce n (in units of 1/|direction|), and the axis across its wall (0 or 1).
 
         NotCertifiedError at a corner and after it.
         """
@@ -119,61 +127,72 @@ class Rectangle(Guarded, Truth):
         if self.corner is not None and time >= self.corner:
             last = sum(wall.count(self.corner) for wall in self.walls) - 2
             state = {name: ball_of(value) for name, value in self.values(last).items()}
-            told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in state.items())
+            listed = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in state.items())
             message = (
-                f"corner: certified up to bounce {last}, where {told}; bounce {last + 1} meets a"
+                f"corner: certified up to bounce {last}, where {listed}; bounce {last + 1} meets a"
                 " corner"
             )
             raise NotCertifiedError(message, code="corner", time=float(last), state=state)
         return time, axis
 
     def _merged(self, n: int) -> tuple[Fraction, int]:
-        """The n-th of the crossings of both coordinates in order of time."""
-        for axis, (own, other) in enumerate((self.walls, self.walls[::-1])):
-            if own.every is None:
+        """The time and the axis of the n-th crossing of both coordinates in order of time.
+
+        Crossing m of one axis is crossing m + (number of the other's until then) of both. Bisection
+        finds the largest m of an axis for which that is at most n: it is the n-th of both, or the
+        n-th belongs to the other axis.
+        """
+        for axis in (0, 1):
+            wall = self.walls[axis]
+            other = self.walls[1 - axis]
+            if wall.every is None:
                 continue
             low = 0
             high = n
-            while (
-                low < high
-            ):  # the largest number of its own crossings that come with at most n of both
+            while low < high:
                 middle = (low + high + 1) // 2
-                low, high = (
-                    (middle, high)
-                    if middle + other.count(own.time(middle)) <= n
-                    else (low, middle - 1)
-                )
-            if low and low + other.count(own.time(low)) == n:
-                return own.time(low), axis
-        assert self.corner is not None  # two crossings at one time, of which this is the first
+                if middle + other.count(wall.time(middle)) <= n:
+                    low = middle
+                else:
+                    high = middle - 1
+            if low and low + other.count(wall.time(low)) == n:
+                return wall.time(low), axis
+        # Two crossings at one time, of which this is the first.
+        assert self.corner is not None
         return self.corner, 0
 
     def values(self, n: int) -> dict[str, arb]:
-        """Place and direction after bounce n at the current precision."""
+        """Position and direction after bounce n at the current precision.
+
+        Each coordinate has crossed c mirrored tables: x + rate t -+ c size is its place in the last
+        of them, which is a mirror image of the table if c is odd.
+        """
         if n:
             time = self.bounce(n)[0]
         else:
             time = Fraction(0)
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
-        found = {}
-        for name, x, rate, size, wall in zip(
-            "xy", self.start, self.direction, self.size, self.walls, strict=True
-        ):
+        quantities = {}
+        for axis, name in enumerate("xy"):
+            rate = self.direction[axis]
             if n:
-                count = wall.count(time)
+                count = self.walls[axis].count(time)
             else:
                 count = 0
             if rate > 0:
                 sign = 1
             else:
                 sign = -1
-            place = x + rate * time - sign * count * size
-            found[f"position.{name}"] = arb_of(place if count % 2 == 0 else -place)
-            found[f"direction.{name}"] = arb_of(rate if count % 2 == 0 else -rate) / length
-        return {name: found[name] for name in self.state}
+            position = self.start[axis] + rate * time - sign * count * self.size[axis]
+            if count % 2:
+                position = -position
+                rate = -rate
+            quantities[f"position.{name}"] = arb_of(position)
+            quantities[f"direction.{name}"] = arb_of(rate) / length
+        return {name: quantities[name] for name in self.state}
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
-        """Place and direction after bounce t, a whole number."""
+        """Position and direction after bounce t, a whole number."""
         n = whole(t)
         target = min(Fraction(1), *self.scale.values()) / 10**self.digits
         balls = refined(lambda: self.values(n), target)
@@ -181,8 +200,11 @@ class Rectangle(Guarded, Truth):
         return balls
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of bounce t by the start, in scales: a flight of that length, cut off by
-        the last wall.
+        """The derivative of bounce t by the start, in scales (4 x 4).
+
+        In the unfolded plane it is that of a straight flight of length l, dr + l du, which the last
+        wall cuts off: along its normal nothing changes, and along the wall by what an error along
+        the normal takes there, -(u_t/u_n) of it. A mirror image changes signs.
         """
         n = whole(t)
         if n == 0:
@@ -190,19 +212,21 @@ class Rectangle(Guarded, Truth):
         time, axis = self.bounce(n)
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
         flight = arb_of(time) * length / arb_of(self.scale["position.x"])
-        across = arb_of(self.direction[1 - axis] / self.direction[axis])
-        signs = [-1 if wall.count(time) % 2 else 1 for wall in self.walls]
+        tangent = 1 - axis
+        slope = arb_of(self.direction[tangent] / self.direction[axis])
+        signs = [(-1) ** wall.count(time) for wall in self.walls]
         rows = [[arb(0)] * 4 for _ in range(4)]
-        for column, weight in ((1 - axis, arb(1)), (axis, -across)):
-            rows[1 - axis][column] = signs[1 - axis] * weight
-            rows[1 - axis][2 + column] = signs[1 - axis] * weight * flight
+        for column, weight in ((tangent, arb(1)), (axis, -slope)):
+            rows[tangent][column] = signs[tangent] * weight
+            rows[tangent][2 + column] = signs[tangent] * weight * flight
         for i in (0, 1):
             rows[2 + i][2 + i] = arb(signs[i])
         return arb_mat(rows)
 
     def sensitivity(self, t: Fraction) -> float:
-        """S: the largest sum of a row; the flight from an earlier bounce is shorter, so that an
-        error made there grows less.
+        """S(t): the largest sum of a row of the derivative by the start.
+
+        The flight from an earlier bounce is shorter, so that an error made there grows less.
         """
         rows = self.jacobian(t).table()
         return bounded(most(sum((abs(x) for x in row), arb(0)) for row in rows))

@@ -1,9 +1,10 @@
 """The stadium billiard (Bunimovich 1979): the collision map in balls, each bounce with its piece of
 the wall proved.
 
-Two straight walls y = +-r, |x| <= a, and half circles of radius r about (+-a, 0). The table is
-convex, so a path along u leaves through the straight wall on its side if it meets that line with
-|x| <= a, else through the half circle on the side on which it meets it.
+Two straight walls y = +-r, |x| <= a, and half circles of radius r about (+-a, 0); `half` is a. The
+table is convex, so a path along u leaves through the straight wall on its side if it meets that
+line with |x| <= a, else through the half circle on the side on which it meets it. With the unit
+normal n at the place of a bounce the direction becomes u - 2 (n . u) n.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,8 +24,9 @@ Exact2 = tuple[Fraction, Fraction]
 
 @dataclass(frozen=True)
 class Bounce:
-    """Place and direction after a bounce, and the piece of the wall: ("wall", +-1), ("arc", +-1),
-    or None at the start.
+    """The place (2) and unit direction (2) after a bounce, and the piece of the boundary it hit.
+
+    The piece is (WALL, +-1) at y = +-r, (ARC, +-1) about (+-a, 0), or None at the start.
     """
 
     place: Sequence[arb]
@@ -42,8 +44,9 @@ def sign(value: arb, code: str) -> int:
 
 
 class Stadium(Stepped, Iterated):
-    """Bounce n of a point from `start` along `direction` (any length) in a stadium of that size,
-    centred on the origin.
+    """The truth of bounce n in a stadium of `size`, centred on the origin.
+
+    A point starts at `start` along `direction`, which may have any length.
     """
 
     method = "the collision map in balls, the piece of the wall proved at every bounce"
@@ -76,16 +79,14 @@ class Stadium(Stepped, Iterated):
         )
 
     def piece(self, state: Bounce) -> tuple[str, int]:
-        """The piece of the wall that is met next."""
-        (x, y) = state.place
-        (u, v) = state.direction
+        """The piece of the boundary that is met next; BoundaryError where balls do not tell."""
+        x, y = state.place
+        u, v = state.direction
         r = arb_of(self.radius)
         a = arb_of(self.half)
-        if not (
-            v > 0 or v < 0
-            # along x, as far as balls tell: it meets the half circle ahead if it is inside the
-            # walls there
-        ):
+        # Along x, as far as balls tell: it meets the half circle ahead if it is inside the walls
+        # where that begins.
+        if not (v > 0 or v < 0):
             side = sign(u, "corner")
             sign(r - abs(y + v * (side * a - x) / u), "corner")
             return ARC, side
@@ -93,18 +94,21 @@ class Stadium(Stepped, Iterated):
             up = 1
         else:
             up = -1
-        meets = x + (up * r - y) * u / v
+        # Where the path meets the line of the wall.
+        x_on_line = x + (up * r - y) * u / v
         if self.half == 0:
-            return ARC, sign(meets, "corner")
-        inside = a - abs(meets)
+            return ARC, sign(x_on_line, "corner")
+        inside = a - abs(x_on_line)
         if sign(inside, "corner") > 0:
             return (WALL, up)
-        return (ARC, sign(meets, "corner"))
+        return (ARC, sign(x_on_line, "corner"))
 
     def step(self, state: Bounce) -> Bounce:
-        kind, side = piece = self.piece(state)
-        (x, y) = state.place
-        (u, v) = state.direction
+        """The next bounce: u becomes u - 2 (n . u) n at the piece that is met."""
+        piece = self.piece(state)
+        kind, side = piece
+        x, y = state.place
+        u, v = state.direction
         r = arb_of(self.radius)
         if kind == WALL:
             return Bounce([x + (side * r - y) * u / v, side * r], [u, -v], piece)
@@ -116,26 +120,30 @@ class Stadium(Stepped, Iterated):
         return Bounce(place, [u - 2 * along * normal[0], v - 2 * along * normal[1]], piece)
 
     def _chord(self, state: Bounce, piece: tuple[str, int]) -> arb:
-        """The way to the half circle: the larger root of t^2 + 2 b t + c = 0; from a point on it c
-        = 0.
+        """The distance to the half circle along the path, the larger root of t^2 + 2 b t + c = 0.
+
+        With q = place - centre: b = q . u and c = q^2 - r^2, which is exactly 0 from a point on it.
         """
-        (x, y) = state.place
-        (u, v) = state.direction
-        q = x - piece[1] * arb_of(self.half)
-        b = q * u + y * v
+        x, y = state.place
+        u, v = state.direction
+        q_x = x - piece[1] * arb_of(self.half)
+        b = q_x * u + y * v
         if state.piece == piece:
             return -2 * b
-        c = q * q + y * y - arb_of(self.radius) ** 2
+        c = q_x * q_x + y * y - arb_of(self.radius) ** 2
         discriminant = b * b - c
         sign(discriminant, "tangent")
         return -b + discriminant.sqrt()
 
     def slope(self, state: Bounce, after: Bounce) -> arb_mat:
-        """d(place, direction) of one bounce, from the straight flight to the wall and the
-        reflection at it.
+        """The derivative (4 x 4, in scales) of place and direction after a bounce by those before.
 
-        dr = (1 - u n^T/(n.u)) (dp + t du); dn = K dr; du' = du - 2 (dn.u + n.du) n - 2 (n.u) dn; K
-        = 1/r on a half circle, else 0.
+        With the normal n, the flight's length t, errors dp, du before it, and the curvature K = 1/r
+        on a half circle, else 0:
+
+            dr = (1 - u n^T/(n . u)) (dp + t du)             the flight, cut off by the boundary
+            dn = K dr
+            du' = du - 2 (dn . u + n . du) n - 2 (n . u) dn  the reflection u' = u - 2 (n . u) n
         """
         assert after.piece is not None
         kind, side = after.piece
@@ -152,16 +160,22 @@ class Stadium(Stepped, Iterated):
         for axis in range(4):
             dp = [scale if axis == i else arb(0) for i in (0, 1)]
             du = [arb(1) if axis == 2 + i else arb(0) for i in (0, 1)]
-            moved = [dp[i] + t * du[i] for i in (0, 1)]
-            late = (n[0] * moved[0] + n[1] * moved[1]) / along
-            dr = [moved[i] - u[i] * late for i in (0, 1)]
-            dn = [dr[i] / r if kind == ARC else arb(0) for i in (0, 1)]
-            turned = dn[0] * u[0] + dn[1] * u[1] + n[0] * du[0] + n[1] * du[1]
-            out = [du[i] - 2 * turned * n[i] - 2 * along * dn[i] for i in (0, 1)]
-            columns.append([dr[0] / scale, dr[1] / scale, *out])
+            shifted = [dp[i] + t * du[i] for i in (0, 1)]
+            # The change of the flight's length.
+            dt = (n[0] * shifted[0] + n[1] * shifted[1]) / along
+            dr = [shifted[i] - u[i] * dt for i in (0, 1)]
+            if kind == ARC:
+                dn = [dr[i] / r for i in (0, 1)]
+            else:
+                dn = [arb(0), arb(0)]
+            # d(n . u)
+            d_along = dn[0] * u[0] + dn[1] * u[1] + n[0] * du[0] + n[1] * du[1]
+            du_after = [du[i] - 2 * d_along * n[i] - 2 * along * dn[i] for i in (0, 1)]
+            columns.append([dr[0] / scale, dr[1] / scale, *du_after])
         return arb_mat([[column[i] for column in columns] for i in range(4)])
 
     def values(self, state: Bounce) -> dict[str, arb]:
-        (x, y) = state.place
-        (u, v) = state.direction
+        """The position and direction of a bounce, by name."""
+        x, y = state.place
+        u, v = state.direction
         return {"position.x": x, "position.y": y, "direction.x": u, "direction.y": v}

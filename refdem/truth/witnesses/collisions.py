@@ -1,5 +1,13 @@
 """Witnesses of colliding spheres: Newton's law in Cartesian vectors, phase by phase; switches by
 sign changes on a grid and the secant.
+
+Geometry of a contact in the plane: r = r1 - r2, e = r/|r| the normal, t the tangent, e turned by
++90 degrees; d = R1 + R2 - |r| the overlap, v_e and v_t the components of v = r'. The normal force
+on body 1 is F = k d - c v_e along e; friction f on body 1 acts along t, with the levers l_i = R_i -
+beta d, beta = 0, 1/2 or 1.
+
+Phases: "free" (no friction), "slip+" and "slip-" (the sign of the slip; |f| = mu F), "stick" (the
+spring is stretched, k_t > 0) and "hold" (the slip is kept at 0, k_t = 0). "apart" ends the contact.
 """
 
 from abc import ABC, abstractmethod
@@ -22,18 +30,21 @@ METHOD = (
     " (refdem/truth/witnesses/collisions.py)"
 )
 GRID = 256
-"""Looks for a switch in the claimed duration; the first ones after a switch are 2^-12 of that
-apart, then twice as far, and so on.
+"""Steps in which the claimed duration is searched for a switch. The first one after a switch is
+2^-12 of such a step, and each next one twice as long, until it is one.
 """
 Value = Callable[[Sequence[Any]], Any]
+"""A function of the state."""
 
 
 class Colliding(ABC):
-    """A contact phase by phase, under the linear law: what ends a phase, and what begins.
+    """A contact under the linear law, phase by phase: its forces, what ends a phase, and what
+    follows.
 
-    State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring, if a class says
-    nothing else. Friction f on body 1 along t = e turned by +90 degrees, e = r/|r|; its torque on
-    each is -l f.
+    The state is x, y, vx, vy of r1 - r2, the two spins about z and the stretch of the tangential
+    spring, if a class says nothing else. The torque of friction f on each body is -l_i f. `reach`
+    is R1 + R2; `pulls` is true if the normal force may pull, so that the contact ends with the
+    overlap and not with the force.
     """
 
     k: arb
@@ -45,11 +56,11 @@ class Colliding(ABC):
 
     @abstractmethod
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """e, distance, velocities along e and t, normal force."""
+        """(e_x, e_y, |r|, v_e, v_t, F) of a state."""
 
     @abstractmethod
     def slip(self, s: Sequence[Any]) -> Any:
-        """Velocity of the surfaces against each other along t."""
+        """The velocity of surface 1 against surface 2 along t."""
 
     @abstractmethod
     def holding(self, s: Sequence[Any]) -> Any:
@@ -61,15 +72,15 @@ class Colliding(ABC):
 
     @abstractmethod
     def law(self, phase: str) -> Value:
-        """Friction in a phase: free, slip+, slip-, stick, hold."""
+        """Friction f as a function of the state, in a phase."""
 
     @abstractmethod
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
-        """The rates under a friction."""
+        """The field (t, state) -> rates under a law of friction."""
 
     @abstractmethod
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        """Phase and state after what ends one."""
+        """The next phase and its first state, when `then` (a key of `ends`) has ended `phase`."""
 
     def force(self, s: Sequence[Any]) -> Any:
         """The force along the normal."""
@@ -92,57 +103,86 @@ class Colliding(ABC):
         }
         return laws.get(phase, lambda s: -side * self.mu * self.force(s))
 
-    def spared(self, phase: str, side: int, s: Sequence[Any]) -> Any:
-        """What friction has left towards one side of its limit."""
+    def margin(self, phase: str, side: int, s: Sequence[Any]) -> Any:
+        """The margin mu F + side f of friction to its limit, beyond which it slips to that side."""
         return self.mu * self.force(s) + side * self.law(phase)(s)
 
     def ends(self, phase: str) -> dict[str, Value]:
-        """What is positive within a phase, by what follows."""
+        """The functions that are positive within a phase, by the name of what follows their zero.
+
+        "caught" is the end of a slip: of its velocity (k_t = 0), or, with a spring, where mu F
+        grows as fast as the slip would stretch the spring beyond it.
+        """
         if phase in ("stick", "hold"):
             return {
-                f"slip{sign}": partial(self.spared, phase, side) for sign, side in SIDES.items()
+                f"slip{sign}": partial(self.margin, phase, side) for sign, side in SIDES.items()
             }
+        # Friction needs a force that presses; one that may pull lasts to the end of the overlap.
         if phase == "free":
-            return {"apart": self.overlap if self.pulls else self.force}
+            if self.pulls:
+                return {"apart": self.overlap}
+            return {"apart": self.force}
         side = SIDES[phase[-1]]
 
-        def back(s: Any) -> Any:
+        def excess(s: Any) -> Any:
             if self.kt > 0:
                 return side * self.kt * self.slip(s) - self.mu * self.growth(s)
             return side * self.slip(s)
 
-        return {"caught": back, ("free" if self.pulls else "apart"): self.force}
+        if self.pulls:
+            return {"caught": excess, "free": self.force}
+        return {"caught": excess, "apart": self.force}
 
     def begin(self, s: Sequence[arb]) -> str:
-        """The name of the phase that begins at touch."""
+        """The name of the phase that begins in state s, at touch."""
         slip = self.slip(s)
         force = self.force(s)
         if not self.mu > 0:
             return "free"
-        if not (slip > 0 or slip < 0) or (self.kt > 0 and force > 0):
-            holds = self.kt > 0 or abs(self.holding(s)) < self.mu * force
-            if holds:
-                return "stick" if self.kt > 0 else "hold"
-            if self.holding(s) > 0:
-                return "slip-"
+        has_spring = self.kt > 0
+        has_slip = slip > 0 or slip < 0
+        if has_spring and (not has_slip or force > 0):
+            # The spring is not stretched yet, so that it is inside its limit.
+            return "stick"
+        if not has_slip:
+            return self._held_or_slipping(s)
+        # With F = 0 the rates decide: the spring's k_t slip against that of the limit.
+        slides = not has_spring or self.kt * abs(slip) > self.mu * self.growth(s)
+        if not slides:
+            return "stick"
+        if slip > 0:
             return "slip+"
-        slides = not self.kt > 0 or self.kt * abs(slip) > self.mu * self.growth(s)
-        if slides:
-            return "slip+" if slip > 0 else "slip-"
-        return "stick"
+        return "slip-"
+
+    def _held_or_slipping(self, s: Sequence[arb]) -> str:
+        """The phase of a contact without slip or spring: held if friction suffices.
+
+        Else the force that would be needed says to which side it slips.
+        """
+        needed = self.holding(s)
+        if abs(needed) < self.mu * self.force(s):
+            return "hold"
+        if needed > 0:
+            return "slip-"
+        return "slip+"
 
     def caught_or_slipped(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        """Phase and state after what ends one."""
+        """`after` for a state whose seventh number is the stretch.
+
+        A spring that is caught begins at its limit; without a spring a slip that comes to 0 holds,
+        or goes on to the other side.
+        """
         if then != "caught":
             return then, list(s)
         if self.kt > 0:
             return "stick", [*s[:6], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt]
-        holds = abs(self.holding(s)) < self.mu * self.force(s)
-        return "hold" if holds else "slip-" if phase == "slip+" else "slip+", list(s)
+        if abs(self.holding(s)) < self.mu * self.force(s):
+            return "hold", list(s)
+        return OTHER_SLIP[phase], list(s)
 
 
 class Spheres(Colliding):
-    """Two free spheres that touch."""
+    """Two free spheres that touch, of the parameters of the case two-spheres."""
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         masses = [arb_of(mass) for mass in p["masses"]]
@@ -156,63 +196,55 @@ class Spheres(Colliding):
         self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """e, distance, velocities along e and t, normal force."""
         x, y, vx, vy = s[:4]
         distance = (x * x + y * y).sqrt()
         ex = x / distance
         ey = y / distance
         along = vx * ex + vy * ey
-        return (
-            ex,
-            ey,
-            distance,
-            along,
-            vy * ex - vx * ey,
-            self.k * (self.reach - distance) - self.c * along,
-        )
+        across = vy * ex - vx * ey
+        force = self.k * (self.reach - distance) - self.c * along
+        return ex, ey, distance, along, across, force
 
     def levers(self, distance: Any) -> list[Any]:
+        """The levers l_i = R_i - beta d of friction."""
         return [radius - self.beta * (self.reach - distance) for radius in self.radii]
 
     def slip(self, s: Sequence[Any]) -> Any:
+        """v_t - l1 w1 - l2 w2."""
         _, _, distance, _, across, _ = self.geometry(s)
         first, second = self.levers(distance)
         return across - first * s[4] - second * s[5]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0: 0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 +
-        l2^2/J2).
+        """The f with slip' = 0, from
+
+        0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 + l2^2/J2).
         """
         _, _, distance, along, across, _ = self.geometry(s)
-        ease = 1 / self.mass + sum(
+        inverse_mass = 1 / self.mass + sum(
             lever * lever / moment
             for lever, moment in zip(self.levers(distance), self.moments, strict=True)
         )
-        return (along * across / distance + self.beta * along * (s[4] + s[5])) / ease
+        return (along * across / distance + self.beta * along * (s[4] + s[5])) / inverse_mass
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """dF/dt = k d' + c d'', d'' = -F/m - v_t^2/|r|."""
+        """dF/dt = k d' + c d'' with d' = -v_e and d'' = -F/m - v_t^2/|r|."""
         _, _, distance, along, across, force = self.geometry(s)
         return -self.k * along - self.c * (force / self.mass + across * across / distance)
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
-        """The rates under a friction."""
+        """r' = v, m v' = F e + f t, J_i w_i' = -l_i f, stretch' = slip; m is the effective mass."""
 
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
             f = friction(s)
-            spun = [
+            ax = (force * ex - f * ey) / self.mass
+            ay = (force * ey + f * ex) / self.mass
+            spin_rates = [
                 -lever * f / moment
                 for lever, moment in zip(self.levers(distance), self.moments, strict=True)
             ]
-            return [
-                s[2],
-                s[3],
-                (force * ex - f * ey) / self.mass,
-                (force * ey + f * ex) / self.mass,
-                *spun,
-                self.slip(s),
-            ]
+            return [s[2], s[3], ax, ay, *spin_rates, self.slip(s)]
 
         return rates
 
@@ -224,19 +256,23 @@ class Spheres(Colliding):
 
 
 SIDES = {"+": 1, "-": -1}
+OTHER_SLIP = {"slip+": "slip-", "slip-": "slip+"}
 
 
 def phases(pair: Colliding, start: Sequence[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
-    """Each phase as a solution, and when it ends."""
+    """Each phase of a contact as its solution, and the time [s] at which it ends.
+
+    Phases are followed until the bodies part, or no switch is found in the time `longest` [s].
+    """
     phase = pair.begin(start)
     s = list(start)
     t = arb(0)
     while phase != "apart":
         solution = Solution(pair.field(pair.law(phase)), s, begin=t)
-        found = first_switch(solution, pair.ends(phase), float(t), longest)
-        if found is None:
+        switch = first_switch(solution, pair.ends(phase), float(t), longest)
+        if switch is None:
             return
-        then, end = found
+        then, end = switch
         yield solution, end
         phase, s = pair.after(phase, then, solution.at(end))
         t = end
@@ -245,7 +281,10 @@ def phases(pair: Colliding, start: Sequence[arb], longest: float) -> Iterator[tu
 def first_switch(
     solution: Solution, values: Mapping[str, Value], begin: float, longest: float
 ) -> tuple[str, arb] | None:
-    """Which function is the first to fall through zero, and when."""
+    """The name and the time of the first function that falls through zero; None if none does.
+
+    The times are searched in steps that grow (GRID); a zero is refined by the secant.
+    """
     low = begin + longest / GRID / 4096
     step = longest / GRID / 4096
     while low < 1.1 * longest:
@@ -265,8 +304,11 @@ def first_switch(
 
 
 def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the
-    plane that never ends.
+    """Two spheres, in the plane of their relative motion; those that turn out of it are left to
+    spinning_pair.py.
+
+    The centre of mass rests, so that r1 = m2/(m1 + m2) r and r2 = -m1/(m1 + m2) r. Nothing is said
+    of a contact in the plane that never ends.
     """
     spins = vector(p, "spins")
     masses = vector(p, "masses")
@@ -279,38 +321,38 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     pair = Spheres(p)
     speed = arb_of(number(p, "closing_speed"))
     sine, cosine = arb_of(number(p, "angle")).sin_cos()
-    start = [
-        -pair.reach,
-        arb(0),
-        speed * cosine,
-        speed * sine,
-        arb_of(spins[2]),
-        arb_of(spins[5]),
-        arb(0),
-    ]
-    course = list(phases(pair, start, float(claimed["duration"])))
-    if not course:
+    position = [-pair.reach, arb(0)]
+    velocity = [speed * cosine, speed * sine]
+    start = [*position, *velocity, arb_of(spins[2]), arb_of(spins[5]), arb(0)]
+    contact = list(phases(pair, start, float(claimed["duration"])))
+    if not contact:
         return
-    end = course[-1][1]
-    last = course[-1][0].at(course[-1][1])
+    last_phase, end = contact[-1]
+    last = last_phase.at(end)
     yield None, {"duration": end}
     for t in times:
-        now = next(
-            (solution.at(t) for solution, until in course if arb_of(t) < until), None
-        ) or flown(last, arb_of(t) - end)
-        found = {
-            f"omega{body + 1}.{'xyz'[i]}": arb_of(spins[3 * body + i])
-            for body in (0, 1)
-            for i in (0, 1)
-        }
+        state = during(contact, arb_of(t))
+        if state is None:
+            state = flown(last, arb_of(t) - end)
+        quantities = {"omega1.z": state[4], "omega2.z": state[5]}
+        for body in (0, 1):
+            # Friction is in the plane: these spins do not change.
+            for i, axis in enumerate("xy"):
+                quantities[f"omega{body + 1}.{axis}"] = arb_of(spins[3 * body + i])
         for body, sign in ((1, 1), (2, -1)):
             share = arb_of(sign * masses[2 - body] / sum(masses))
-            found |= {
-                f"{kind}{body}.{axis}": share * now[2 * (kind == "v") + "xy".index(axis)]
-                for kind in "rv"
-                for axis in "xy"
-            }
-        yield t, found | {"omega1.z": now[4], "omega2.z": now[5]}
+            for i, axis in enumerate("xy"):
+                quantities[f"r{body}.{axis}"] = share * state[i]
+                quantities[f"v{body}.{axis}"] = share * state[2 + i]
+        yield t, quantities
+
+
+def during(contact: Sequence[tuple[Solution, arb]], time: arb) -> list[arb] | None:
+    """The state at a time in the contact, given by its phases with their ends; None after it."""
+    for solution, end in contact:
+        if time < end:
+            return solution.at(time)
+    return None
 
 
 def flown(s: Sequence[arb], t: arb) -> list[arb]:
@@ -319,144 +361,160 @@ def flown(s: Sequence[arb], t: arb) -> list[arb]:
 
 
 def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[Solution, arb]:
-    """m d'' = -k d^n from touch in w = sqrt(d), by a time s with dt = 2 w ds: w' = v, v' = -(2k/m)
-    w^(2n+1), t' = 2w; and the s at which v = 0.
+    """The motion m d'' = -k d^n from touch as a curve (w, v, t) in s, and the s at which v = 0.
+
+    With w = sqrt(d) and dt = 2 w ds everything is analytic at touch: dw/ds = v, dv/ds = -(2 k/m)
+    w^(2 n + 1), dt/ds = 2 w.
     """
     power = int(2 * exponent + 1)
 
     def field(s: Any, y: Sequence[Any]) -> list[Any]:
-        steep = y[0]
+        w_power = y[0]
         for _ in range(power - 1):
-            steep = steep * y[0]
-        return [y[1], -2 * stiffness / mass * steep, 2 * y[0]]
+            w_power = w_power * y[0]
+        return [y[1], -2 * stiffness / mass * w_power, 2 * y[0]]
 
-    found = Solution(field, [arb(0), speed, arb(0)])
+    curve = Solution(field, [arb(0), speed, arb(0)])
     # Any small step finds where v changes its sign; the crossing is refined from there.
     step = float((mass / stiffness / speed).mid()) ** (1 / (power + 1)) / 8
     high = step
-    while found.at(arb(high))[1] > 0:
+    while curve.at(arb(high))[1] > 0:
         high += step
-    return found, found.crossing(lambda y: y[1], high - step / 2, step / 2)
+    return curve, curve.crossing(lambda y: y[1], high - step / 2, step / 2)
 
 
-def at_time(found: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
-    """Overlap and rate at the time t since touch, up to a little beyond the turn, from the curve in
-    s.
+def at_time(curve: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
+    """The overlap and its rate at time t [s] since touch, from the curve (w, v, t) of `pressed`.
+
+    The s of the time is found by bisection, then the secant; t may lie a little beyond the turn.
     """
     low = 0.0
     high = float(turn) * 1.01
     for _ in range(40):
         middle = (low + high) / 2
-        low, high = (middle, high) if found.at(arb(middle))[2] < t else (low, middle)
-    s = found.crossing(lambda y: y[2] - t, (low + high) / 2, (high - low) / 2 + float(turn) * 1e-9)
-    w, v, _ = found.at(s)
+        if curve.at(arb(middle))[2] < t:
+            low = middle
+        else:
+            high = middle
+    reach = (high - low) / 2 + float(turn) * 1e-9
+    s = curve.crossing(lambda y: y[2] - t, (low + high) / 2, reach)
+    w, v, _ = curve.at(s)
     return w * w, v
 
 
 def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The way out is the way in, run back."""
+    """Hertz's spheres: the motion in to the turn, and the same run back on the way out."""
     mass, stiffness, speed = (
         arb_of(number(p, name)) for name in ("effective_mass", "stiffness", "closing_speed")
     )
-    found, turn = pressed(mass, stiffness, Fraction(3, 2), speed)
-    w, _, half = found.at(turn)
+    curve, turn = pressed(mass, stiffness, Fraction(3, 2), speed)
+    w, _, half = curve.at(turn)
     yield None, {"duration": 2 * half, "max_overlap": w * w, "max_force": stiffness * w * w * w}
     for t in times:
         time = arb_of(t)
-        left = 2 * half - time
-        if left < 0:
-            yield t, {"overlap": speed * left, "v": -speed}
-            continue
-        overlap, rate = at_time(found, turn, time if time < half else left)
-        yield t, {"overlap": overlap, "v": rate if time < half else -rate}
+        until_end = 2 * half - time
+        if until_end < 0:
+            yield t, {"overlap": speed * until_end, "v": -speed}
+        elif time < half:
+            overlap, rate = at_time(curve, turn, time)
+            yield t, {"overlap": overlap, "v": rate}
+        else:
+            overlap, rate = at_time(curve, turn, until_end)
+            yield t, {"overlap": overlap, "v": -rate}
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The collision with a wedge: in with k2 d^2, out with k1 d."""
+    """The collision with a wedge: in with the force k2 d^2, out with k1 d."""
     mass, k1, k2, speed = (
         arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")
     )
-    found, turn = pressed(mass, k2, Fraction(2), speed)
-    w, _, half = found.at(turn)
+    curve, turn = pressed(mass, k2, Fraction(2), speed)
+    w, _, half = curve.at(turn)
+    # Times of the way out count from the turn; it lasts a quarter period, about pi/2 sqrt(m/k1).
     out = Solution(lambda t, y: [y[1], -k1 / mass * y[0]], [w * w, arb(0)])
-    lasts = 1.5708 * float((mass / k1).sqrt())
-    end = out.crossing(lambda y: y[0], lasts, lasts / 16)
-    last = out.at(end)[1]
+    quarter_period = 1.5708 * float((mass / k1).sqrt())
+    end = out.crossing(lambda y: y[0], quarter_period, quarter_period / 16)
+    rebound = out.at(end)[1]
+    energy_change = mass / 2 * (rebound * rebound - speed * speed)
     yield (
         None,
-        {
-            "duration": half + end,
-            "max_overlap": w * w,
-            "energy_change": mass / 2 * (last * last - speed * speed),
-        },
+        {"duration": half + end, "max_overlap": w * w, "energy_change": energy_change},
     )
     for t in times:
-        since = arb_of(t) - half
-        if since < 0:
-            overlap, rate = at_time(found, turn, arb_of(t))
+        since_turn = arb_of(t) - half
+        if since_turn < 0:
+            overlap, rate = at_time(curve, turn, arb_of(t))
+        elif since_turn < end:
+            overlap, rate = out.at(since_turn)
         else:
-            overlap, rate = out.at(since) if since < end else [last * (since - end), last]
+            overlap, rate = rebound * (since_turn - end), rebound
         yield t, {"overlap": overlap, "v": rate}
 
 
 def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The force by its definition, from edge to edge."""
+    """The asymmetric field: a force that is linear between the edges x1, 0 and x2, from edge to
+    edge.
+
+    The regions 0 to 3 lie left of x1, between x1 and 0, between 0 and x2, and right of x2. The
+    force rises from 0 at x1 with the slope k1 and falls to 0 at x2 with k1 x1/x2 (x1 < 0).
+    """
     mass, k1, x1, x2, x0, v0 = (number(p, name) for name in ("mass", "k1", "x1", "x2", "x0", "v0"))
     edges = (x1, Fraction(0), x2)
     waiting = list(times)
     begin = arb(0)
     state = [arb_of(x0), arb_of(v0)]
-    region = sum(x0 > edge or (x0 == edge and v0 > 0) for edge in (x1, Fraction(0), x2))
+    region = sum(x0 > edge or (x0 == edge and v0 > 0) for edge in edges)
     slopes = (Fraction(0), k1, k1 * x1 / x2, Fraction(0))
     yield None, {"work": arb_of(-k1 * x1 / 2) * arb_of(x2 - x1)}
     step = float((mass / max(k1, -slopes[2])) ** Fraction(1)) ** 0.5 / 16
     while waiting:
         slope = slopes[region] / mass
+        # Where the line of the force is 0.
         if region == 1:
-            root = edges[0]
+            zero = edges[0]
         else:
-            root = edges[2]
-        phase = Solution(partial(flank, arb_of(slope), arb_of(root)), state, begin=begin)
-        end, side = next_edge(
-            phase,
-            [edges[i] for i in (region - 1, region) if 0 <= i < 3],
-            begin,
-            step,
-            float(waiting[-1]),
-        )
+            zero = edges[2]
+        phase = Solution(partial(flank, arb_of(slope), arb_of(zero)), state, begin=begin)
+        edges_of_region = [edges[i] for i in (region - 1, region) if 0 <= i < 3]
+        end, edge = next_edge(phase, edges_of_region, begin, step, float(waiting[-1]))
         while waiting and (end is None or arb_of(waiting[0]) < end):
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if end is not None:
             begin = end
-            state = [arb_of(side), phase.at(end)[1]]
-            region += 1 if state[1] > 0 else -1
+            state = [arb_of(edge), phase.at(end)[1]]
+            if state[1] > 0:
+                region += 1
+            else:
+                region -= 1
 
 
-def flank(slope: arb, root: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """The rates of (x, v) for x'' = slope (x - root)."""
-    return [y[1], slope * (y[0] - root)]
+def flank(slope: arb, zero: arb, t: Any, y: Sequence[Any]) -> list[Any]:
+    """The rates of (x, v) for x'' = slope (x - zero)."""
+    return [y[1], slope * (y[0] - zero)]
 
 
 def beyond(edge: arb, y: Sequence[arb]) -> arb:
-    """How far the first coordinate is beyond an edge."""
+    """The signed distance of the first coordinate from an edge."""
     return y[0] - edge
 
 
 def next_edge(
     phase: Solution, edges: Sequence[Fraction], begin: arb, step: float, until: float
 ) -> tuple[arb | None, Fraction]:
-    """When an edge is passed first, and which; None if none is before `until`."""
+    """The time at which an edge is first passed after `begin`, and that edge.
+
+    (None, 0) if none is before `until` [s]; `step` [s] is that of the search.
+    """
     low = float(begin) + step / 1024
     while low < until:
         high = low + step
         for edge in edges:
-            before, after = (phase.at(arb(t))[0] - arb_of(edge) for t in (low, high))
+            before = phase.at(arb(low))[0] - arb_of(edge)
+            after = phase.at(arb(high))[0] - arb_of(edge)
             if (before < 0) != (after < 0):
-                return (
-                    phase.crossing(partial(beyond, arb_of(edge)), (low + high) / 2, step / 2),
-                    edge,
-                )
+                time = phase.crossing(partial(beyond, arb_of(edge)), (low + high) / 2, step / 2)
+                return time, edge
         low = high
     return None, Fraction(0)
 

@@ -20,57 +20,61 @@ METHOD = (
     "Taylor integration phase by phase at 58 digits, unproven (refdem/truth/witnesses/contacts.py)"
 )
 SCAN = 1 / 64
-"""Seconds between the looks for the end of a phase."""
+"""Step [s] in which a phase is searched for its end."""
 
 
 def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """m x'' = -k x - f sgn(v), from turning point to turning point, until k|x| <= f holds the
-    mass.
+    """The Coulomb oscillator m x'' = -k x - f sgn(v), from turning point to turning point.
+
+    It ends where k|x| <= f at a turning point: friction holds the mass there. A start with a
+    velocity has a first phase of its own, up to its first turning point.
     """
     exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
     m, k, f = (arb_of(exact[name]) for name in ("mass", "stiffness", "friction_force"))
-    half = math.pi * math.sqrt(exact["mass"] / exact["stiffness"])
+    half_period = math.pi * math.sqrt(exact["mass"] / exact["stiffness"])
     begin = arb(0)
     x = arb_of(exact["x0"])
     waiting = list(times)
     if exact["v0"]:
-        phase = Solution(
-            partial(rubbing, -f if exact["v0"] > 0 else f, k, m), [x, arb_of(exact["v0"])]
-        )
-        steps = (half * n / 16 for n in range(1, 64))
-        near = next(t for t in steps if (phase.at(arb(t))[1] > 0) != (exact["v0"] > 0))
-        begin = phase.crossing(lambda y: y[1], near - half / 32, half / 32)
+        if exact["v0"] > 0:
+            friction = -f
+        else:
+            friction = f
+        phase = Solution(partial(rubbing, friction, k, m), [x, arb_of(exact["v0"])])
+        steps = (half_period * n / 16 for n in range(1, 64))
+        turned = next(t for t in steps if (phase.at(arb(t))[1] > 0) != (exact["v0"] > 0))
+        begin = phase.crossing(lambda y: y[1], turned - half_period / 32, half_period / 32)
         while waiting and arb_of(waiting[0]) < begin:
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         x = phase.at(begin)[0]
     while f < k * abs(x) and waiting:
+        # From a turning point it moves towards the centre: friction points away from it.
         if x > 0:
-            push = f
+            friction = f
         else:
-            push = -f
-        phase = Solution(partial(rubbing, push, k, m), [x, arb(0)], begin=begin)
-        end = phase.crossing(lambda y: y[1], float(begin) + half, half / 16)
+            friction = -f
+        phase = Solution(partial(rubbing, friction, k, m), [x, arb(0)], begin=begin)
+        end = phase.crossing(lambda y: y[1], float(begin) + half_period, half_period / 16)
         while waiting and arb_of(waiting[0]) < end:
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         begin = end
         x = phase.at(end)[0]
     if not f < k * abs(x):
-        yield None, {"stop_time": begin, "stop_position": x} if exact["friction_force"] else {}
+        if exact["friction_force"]:
+            yield None, {"stop_time": begin, "stop_position": x}
         for t in waiting:
             yield t, {"x": x, "v": arb(0)}
 
 
-def rubbing(push: arb, k: arb, m: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """A spring and a constant force."""
-    return [y[1], (push - k * y[0]) / m]
+def rubbing(friction: arb, k: arb, m: arb, t: Any, y: Sequence[Any]) -> list[Any]:
+    """The rates of (x, v) for m x'' = friction - k x with a constant friction force."""
+    return [y[1], (friction - k * y[0]) / m]
 
 
 def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Down a slope whose tangent exceeds mu: s'' = g (sin - mu cos) by Taylor integration; else it
-    stays.
-    """
+    """A block on a slope: s'' = g (sin - mu cos) if that is positive; else it stays at rest."""
     gravity = arb_of(number(p, "gravity"))
     friction = arb_of(number(p, "friction"))
     if p["angle"] is not None:
@@ -79,63 +83,65 @@ def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         tangent = arb_of(number(p, "slope"))
         cosine = 1 / (1 + tangent * tangent).sqrt()
         sine = tangent * cosine
-    pull = gravity * (sine - friction * cosine)
-    found = Solution(partial(falling, pull if pull > 0 else arb(0)), [arb(0), arb(0)])
+    acceleration = gravity * (sine - friction * cosine)
+    if not acceleration > 0:
+        acceleration = arb(0)
+    solution = Solution(partial(falling, acceleration), [arb(0), arb(0)])
     for t in times:
-        yield t, dict(zip(("s", "v"), found.at(t), strict=True))
+        yield t, dict(zip(("s", "v"), solution.at(t), strict=True))
 
 
-def falling(pull: arb, t: Any, y: Sequence[Any]) -> list[Any]:
+def falling(acceleration: arb, t: Any, y: Sequence[Any]) -> list[Any]:
     """The rates of (x, v) under a constant acceleration."""
-    return [y[1], pull]
+    return [y[1], acceleration]
 
 
 def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """d'' = -(k/m) d^(3/2) with d = w^2 and dt = w ds: dw/ds = v/2, dv/ds = -(k/m) w^4 are smooth
-    at touch; free flight afterwards.
+    """Hertz's spheres, d'' = -(k/m) d^(3/2), as a curve (w, v, t) in s; free flight afterwards.
+
+    With d = w^2 and dt = w ds everything is smooth at touch: dw/ds = v/2, dv/ds = -(k/m) w^4. The
+    contact ends where w = 0 again, and is deepest where v = 0.
     """
     mass, stiffness, speed = (
         arb_of(p[name]) for name in ("effective_mass", "stiffness", "closing_speed")
     )
-    ratio = stiffness / mass
-    found = Solution(partial(pressed, ratio), [arb(0), speed, arb(0)])
-    scale = float(speed) ** -0.2 * (1.25 / float(ratio)) ** 0.2 * 2 / float(speed) ** 0.4
-    last = next(n for n in range(1, 400) if found.at(Fraction(scale * n / 8))[0] < 0)
-    end = found.bisected(lambda y: y[0], scale * (last - 1) / 8, scale * last / 8)
-    deepest = found.at(found.bisected(lambda y: y[1], scale / 64, float(end)))[0]
-    hardest = stiffness * deepest * deepest * deepest
-    yield (
-        None,
-        {
-            "duration": found.at(end)[2],
-            "max_overlap": deepest * deepest,
-            "max_force": hardest,
-        },
-    )
+    k_over_m = stiffness / mass
+    curve = Solution(partial(pressed, k_over_m), [arb(0), speed, arb(0)])
+    # About the s of the contact, which is searched in eighths of that.
+    scale = float(speed) ** -0.2 * (1.25 / float(k_over_m)) ** 0.2 * 2 / float(speed) ** 0.4
+    last = next(n for n in range(1, 400) if curve.at(Fraction(scale * n / 8))[0] < 0)
+    end = curve.bisected(lambda y: y[0], scale * (last - 1) / 8, scale * last / 8)
+    _, end_speed, duration = curve.at(end)
+    turn = curve.bisected(lambda y: y[1], scale / 64, float(end))
+    max_w = curve.at(turn)[0]
+    max_force = stiffness * max_w * max_w * max_w
+    yield None, {"duration": duration, "max_overlap": max_w * max_w, "max_force": max_force}
     for t in times:
-        if arb_of(t) < found.at(end)[2]:
-            w, v, _ = found.at(found.bisected(partial(beyond, 2, arb_of(t)), 0.0, float(end)))
+        if arb_of(t) < duration:
+            s = curve.bisected(partial(beyond, 2, arb_of(t)), 0.0, float(end))
+            w, v, _ = curve.at(s)
             yield t, {"overlap": w * w, "v": v}
         else:
-            v = found.at(end)[1]
-            yield t, {"overlap": v * (arb_of(t) - found.at(end)[2]), "v": v}
+            yield t, {"overlap": end_speed * (arb_of(t) - duration), "v": end_speed}
 
 
-def pressed(ratio: arb, s: Any, y: Sequence[Any]) -> list[Any]:
-    """The rates of w, v and t by the variable s."""
+def pressed(k_over_m: arb, s: Any, y: Sequence[Any]) -> list[Any]:
+    """The rates of (w, v, t) by s: v/2, -(k/m) w^4 and w."""
     w, v, _ = y
     squared = w * w
-    return [v / 2, -ratio * squared * squared, w]
+    return [v / 2, -k_over_m * squared * squared, w]
 
 
 def beyond(index: int, mark: arb, y: Sequence[arb]) -> arb:
-    """How far a component is beyond a mark."""
+    """A component of the state less a mark."""
     return y[index] - mark
 
 
 def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The force k1 (x - x1), then k1 |x1| (x2 - x)/x2, nothing outside: phase by phase, ends by a
-    scan and bisection.
+    """The asymmetric field: the force k1 (x - x1) on the left of 0, k1 |x1| (x2 - x)/x2 on the
+    right, nothing outside x1 < x < x2.
+
+    Phase by phase; a phase ends at an edge of its region, found by a scan and bisection.
     """
     e = numbers(p, "mass", "k1", "x1", "x2", "x0", "v0")
     x1, x2, k1, m = (arb_of(e[name]) for name in ("x1", "x2", "k1", "mass"))
@@ -157,48 +163,61 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
         phase = Solution(partial(flank, *slopes[region]), state, begin=begin)
         low = walls[region]
         high = walls[region + 1]
-        left = _left(phase, low, high, float(begin), float(waiting[-1]))
-        while waiting and (left is None or arb_of(waiting[0]) < left[0]):
+        departure = _left(phase, low, high, float(begin), float(waiting[-1]))
+        while waiting and (departure is None or arb_of(waiting[0]) < departure[0]):
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
-        if left is not None:
-            begin = left[0]
-            state = [walls[region + (left[1] > 0)], phase.at(left[0])[1]]
-            region = region + left[1]
+        if departure is not None:
+            begin, side = departure
+            if side > 0:
+                edge = high
+            else:
+                edge = low
+            state = [edge, phase.at(begin)[1]]
+            region = region + side
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The collision with a wedge: in with -k2 d^2 to the deepest point, out with -k1 d to touch,
-    then free; Newton's law for each.
+    """The collision with a wedge: in with -k2 d^2 to the largest overlap, out with -k1 d until d =
+    0, then free; Newton's law for each.
     """
     e = {name: arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")}
     m = e["mass"]
     speed = e["closing_speed"]
     inward = Solution(lambda t, y: [y[1], y[0] * y[0] * (-e["k2"] / m)], [arb(0), speed])
     turn = inward.bisected(lambda y: y[1], 0.0, float(claimed["duration"]))
-    deepest = inward.at(turn)[0]
-    outward = Solution(lambda t, y: [y[1], y[0] * (-e["k1"] / m)], [deepest, arb(0)], begin=turn)
-    near = float(claimed["duration"])
-    end = outward.bisected(lambda y: y[0], float(turn), near * 1.05)
-    change = (outward.at(end)[1] * outward.at(end)[1] - speed * speed) * m / 2
-    yield None, {"duration": end, "max_overlap": deepest, "energy_change": change}
+    max_overlap = inward.at(turn)[0]
+    start_out = [max_overlap, arb(0)]
+    outward = Solution(lambda t, y: [y[1], y[0] * (-e["k1"] / m)], start_out, begin=turn)
+    duration = float(claimed["duration"])
+    end = outward.bisected(lambda y: y[0], float(turn), duration * 1.05)
+    end_speed = outward.at(end)[1]
+    energy_change = (end_speed * end_speed - speed * speed) * m / 2
+    yield None, {"duration": end, "max_overlap": max_overlap, "energy_change": energy_change}
     for t in times:
-        if arb_of(t) < end:
-            found = (inward if arb_of(t) < turn else outward).at(t)
+        time = arb_of(t)
+        if time < end and time < turn:
+            overlap, v = inward.at(t)
+        elif time < end:
+            overlap, v = outward.at(t)
         else:
-            found = [outward.at(end)[1] * (arb_of(t) - end), outward.at(end)[1]]
-        yield t, dict(zip(("overlap", "v"), found, strict=True))
+            overlap = end_speed * (time - end)
+            v = end_speed
+        yield t, {"overlap": overlap, "v": v}
 
 
 def flank(slope: arb, constant: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """A force that is linear in x."""
+    """The rates of (x, v) for x'' = slope x + constant."""
     return [y[1], slope * y[0] + constant]
 
 
 def _left(
     phase: Solution, low: arb, high: arb, begin: float, last: float
 ) -> tuple[arb, int] | None:
-    """When and to which side the motion leaves a region, if before the last time."""
+    """The time at which the motion leaves the region from low to high, and the side: -1 or 1.
+
+    None if it does not before the time `last` [s].
+    """
     t = begin
     while t <= last:
         t += SCAN

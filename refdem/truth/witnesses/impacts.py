@@ -1,5 +1,7 @@
-"""Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by
-phase.
+"""Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by phase.
+
+`p` has the numbers of a member as impact_numbers.py derives them: exact rationals or reals, in SI
+units.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,7 +13,7 @@ from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.witnesses import contacts, members
-from refdem.truth.witnesses.collisions import Colliding, Value, flown, phases, two_spheres
+from refdem.truth.witnesses.collisions import Colliding, Value, during, flown, phases, two_spheres
 from refdem.truth.witnesses.contacts import beyond
 from refdem.truth.witnesses.impact_numbers import impact_numbers
 from refdem.truth.witnesses.taylor import Solution
@@ -21,16 +23,18 @@ METHOD = (
     "Taylor integration of Newton's law phase by phase at 58 digits, unproven"
     " (refdem/truth/witnesses/impacts.py)"
 )
-AXES = [f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz"]
 
 
 class Struck(Colliding):
-    """One sphere and the wall x = 0, from the left: in the frame of Spheres e = (-1, 0), and no
-    normal that turns.
+    """One sphere and the wall x = 0, from the left, in the notation of collisions.py.
+
+    The normal is e = (-1, 0) and does not turn, the tangent t = (0, -1), the overlap R + x. The
+    second spin of the state is 0.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        self.mass, self.reach = arb_of(p["mass"]), arb_of(p["radius"])
+        self.mass = arb_of(p["mass"])
+        self.reach = arb_of(p["radius"])
         self.moment = self.mass * self.reach * self.reach * 2 / 5
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
@@ -39,35 +43,35 @@ class Struck(Colliding):
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
         x, _, vx, vy = s[:4]
-        return arb(-1), arb(0), -x, -vx, -vy, self.k * (self.reach + x) + self.c * vx
+        force = self.k * (self.reach + x) + self.c * vx
+        return arb(-1), arb(0), -x, -vx, -vy, force
 
     def lever(self, s: Sequence[Any]) -> Any:
+        """The lever l = R - beta d of friction."""
         return self.reach - self.beta * self.overlap(s)
 
     def slip(self, s: Sequence[Any]) -> Any:
+        """v_t - l w = -v_y - l w."""
         return -s[3] - self.lever(s) * s[4]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """0 = f/m + l^2 f/J + beta v_x w."""
-        return (
-            -self.beta * s[2] * s[4] / (1 / self.mass + self.lever(s) * self.lever(s) / self.moment)
-        )
+        """The f with slip' = 0, from 0 = f/m + l^2 f/J + beta v_x w."""
+        inverse_mass = 1 / self.mass + self.lever(s) * self.lever(s) / self.moment
+        return -self.beta * s[2] * s[4] / inverse_mass
 
     def growth(self, s: Sequence[Any]) -> Any:
+        """dF/dt = k v_x - c F/m."""
         return self.k * s[2] - self.c * self.force(s) / self.mass
 
     def field(self, friction: Value) -> Any:
+        """m v_x' = -F, m v_y' = -f, J w' = -l f, stretch' = slip."""
+
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             f = friction(s)
-            return [
-                s[2],
-                s[3],
-                -self.force(s) / self.mass,
-                -f / self.mass,
-                -self.lever(s) * f / self.moment,
-                s[5] * 0,
-                self.slip(s),
-            ]
+            ax = -self.force(s) / self.mass
+            ay = -f / self.mass
+            spin_rate = -self.lever(s) * f / self.moment
+            return [s[2], s[3], ax, ay, spin_rate, s[5] * 0, self.slip(s)]
 
         return rates
 
@@ -80,18 +84,13 @@ class Struck(Colliding):
 
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The impact on a wall under the linear contact law."""
-    ball = Struck(p)
-    nothing = arb(0)
-    start = [
-        -ball.reach,
-        nothing,
-        *(arb_of(p[name]) for name in ("normal", "across", "spin")),
-        nothing,
-        nothing,
-    ]
-    course = list(phases(ball, start, float(claimed["duration"])))
-    end = course[-1][1]
-    last = course[-1][0].at(end)
+    sphere = Struck(p)
+    zero = arb(0)
+    vx, vy, spin = (arb_of(p[name]) for name in ("normal", "across", "spin"))
+    start = [-sphere.reach, zero, vx, vy, spin, zero, zero]
+    contact = list(phases(sphere, start, float(claimed["duration"])))
+    last_phase, end = contact[-1]
+    last = last_phase.at(end)
     yield (
         None,
         {
@@ -102,103 +101,77 @@ def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
         },
     )
     for t in times:
-        now = next(
-            (solution.at(t) for solution, until in course if arb_of(t) < until), None
-        ) or flown(last, arb_of(t) - end)
-        yield (
-            t,
-            dict(
-                zip(
-                    AXES,
-                    (now[0], now[1], nothing, now[2], now[3], nothing, nothing, nothing, now[4]),
-                    strict=True,
-                )
-            ),
-        )
+        state = during(contact, arb_of(t)) or flown(last, arb_of(t) - end)
+        x, y, vx, vy, spin = state[:5]
+        yield t, members.nine("", x, y, vx, vy, spin)
 
 
 def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """d = w^2, dt = w ds: w, v, t, and y, v_y, R omega under friction mu F against their slip until
-    there is none.
+    """A sphere on a wall under Hertz's law with sliding friction, as a curve in s.
+
+    With the overlap d = w^2 and dt = w ds everything is analytic at touch. The state is w, v = d',
+    t, y, v_y, R omega. Friction mu F acts against the slip v_y + R omega until there is none, where
+    a second phase without friction begins, if the contact lasts so long.
     """
-    ratio, mu, radius, normal, across = (
+    stiffness, mu, radius, normal, across = (
         arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across")
     )
-    ratio = ratio / arb_of(p["mass"])
-    turning = radius * arb_of(p["spin"])
-    if across + turning > 0:
+    k = stiffness / arb_of(p["mass"])
+    r_omega = radius * arb_of(p["spin"])
+    if across + r_omega > 0:
         side = 1
-    elif across + turning < 0:
+    elif across + r_omega < 0:
         side = -1
     else:
         side = 0
-    course = [
-        Solution(
-            partial(sliding, ratio, side * mu), [arb(0), normal, arb(0), arb(0), across, turning]
-        )
-    ]
-    scale = float((normal * normal / ratio).root(5)) / float(normal)
-    looks = [scale * n / 32 for n in range(1, 2000)]
-    until = next(s for s in looks if course[0].at(arb(s))[0] < 0)
-    ends = [arb(0)]
-    if side and side * sum(course[0].at(arb(until))[4:6]) < 0:
-        ends.append(course[0].bisected(lambda y: -side * (y[4] + y[5]), 0.0, until))
-        course.append(
-            Solution(partial(sliding, ratio, arb(0)), course[0].at(ends[1]), begin=ends[1])
-        )
-        until = next(s for s in looks if s > float(ends[1]) and course[1].at(arb(s))[0] < 0)
-    end = course[-1].bisected(lambda y: -y[0], until / 2, until)
-    last = course[-1].at(end)
+    start = [arb(0), normal, arb(0), arb(0), across, r_omega]
+    contact = [Solution(partial(sliding, k, side * mu), start)]
+    # The s of the contact is of the size of `scale`: w < 0 is looked for in 32nds of that.
+    scale = float((normal * normal / k).root(5)) / float(normal)
+    grid = [scale * n / 32 for n in range(1, 2000)]
+    parted = next(s for s in grid if contact[0].at(arb(s))[0] < 0)
+    begins = [arb(0)]
+    if side and side * sum(contact[0].at(arb(parted))[4:6]) < 0:
+        stop = contact[0].bisected(lambda y: -side * (y[4] + y[5]), 0.0, parted)
+        rolling = Solution(partial(sliding, k, arb(0)), contact[0].at(stop), begin=stop)
+        begins.append(stop)
+        contact.append(rolling)
+        parted = next(s for s in grid if s > float(stop) and rolling.at(arb(s))[0] < 0)
+    end = contact[-1].bisected(lambda y: -y[0], parted / 2, parted)
+    last = contact[-1].at(end)
+    ends = [*begins[1:], end]
     for t in times:
         time = arb_of(t)
         state = last
         if time < last[2]:
-            if time > course[0].at(ends[-1])[2]:
-                which = len(ends) - 1
+            # The phase in which the time lies, and the s of the time in it.
+            if time > contact[0].at(begins[-1])[2]:
+                index = len(contact) - 1
             else:
-                which = 0
-            if which == len(ends) - 1:
-                high = float(end)
-            else:
-                high = float(ends[1])
-            state = course[which].at(
-                course[which].bisected(partial(beyond, 2, time), float(ends[which]), high)
+                index = 0
+            s = contact[index].bisected(
+                partial(beyond, 2, time), float(begins[index]), float(ends[index])
             )
-        rest = time - state[2]
-        w, v, _, y, vy, turn = state
-        depth = w * w + v * rest
-        nothing = arb(0)
-        yield (
-            t,
-            dict(
-                zip(
-                    AXES,
-                    (
-                        depth - radius,
-                        y + vy * rest,
-                        nothing,
-                        v,
-                        vy,
-                        nothing,
-                        nothing,
-                        nothing,
-                        turn / radius,
-                    ),
-                    strict=True,
-                )
-            ),
-        )
+            state = contact[index].at(s)
+        w, v, state_time, y, vy, r_omega_now = state
+        # After the contact it flies on; during it this is 0.
+        flight = time - state_time
+        x = w * w + v * flight - radius
+        yield t, members.nine("", x, y + vy * flight, v, vy, r_omega_now / radius)
 
 
-def sliding(ratio: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
-    """Rates of w, v, t, y, v_y and R omega in s."""
+def sliding(k: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
+    """The rates by s of (w, v, t, y, v_y, R omega), k being the stiffness per mass.
+
+    Each is w times that by t: dv/dt = -k w^3, dv_y/dt = -mu k w^3, d(R omega)/dt = 5/2 of that.
+    """
     w, v, _, _, vy, _ = y
-    push = ratio * w * w * w * w
-    return [v / 2, -push, w, vy * w, -mu * push, -mu * push * 5 / 2]
+    force = k * w * w * w * w
+    return [v / 2, -force, w, vy * w, -mu * force, -mu * force * 5 / 2]
 
 
 def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Falls and contacts by turns; the apexes where the velocity is zero.
+    """A sphere that bounces on a floor: flights and contacts by turns, the apexes where y' = 0.
 
     A phase lasts about `span`: the time to fall back to the floor, or half a period of the contact.
     Its end is looked for in steps of a sixteenth of that, and found there by the secant.
@@ -210,34 +183,32 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     begin = arb(0)
     waiting = list(times)
     bounces = 0
-    falls = True
-    tops = len([name for name in claimed if name.startswith("apex_")])
-    while waiting or bounces <= tops:
-        if falls:
+    is_flight = True
+    apexes = len([name for name in claimed if name.startswith("apex_")])
+    while waiting or bounces <= apexes:
+        if is_flight:
             field = partial(falling, gravity)
+            span = float((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity)
         else:
             field = partial(pressing, k, c, gravity, radius)
+            span = float(arb.pi() / k.sqrt())
         phase = Solution(field, [y, v], begin=begin)
-        span = float(
-            ((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity)
-            if falls
-            else arb.pi() / k.sqrt()
-        )
-        looks = (float(begin) + span * n / 16 for n in range(2, 99))
-        after = next(t for t in looks if (phase.at(arb(t))[0] < radius) == falls)
-        if falls and bounces and bounces <= tops:
+        grid = (float(begin) + span * n / 16 for n in range(2, 99))
+        after = next(t for t in grid if (phase.at(arb(t))[0] < radius) == is_flight)
+        if is_flight and bounces and bounces <= apexes:
             top = phase.crossing(lambda s: s[1], float(begin) + span / 2, span / 32)
             yield None, {f"apex_{bounces}": phase.at(top)[0]}
         end = phase.crossing(lambda s: s[0] - radius, after - span / 32, span / 32)
         while waiting and arb_of(waiting[0]) < end:
             t = waiting.pop(0)
-            now = phase.at(t)
-            yield t, dict.fromkeys(AXES, arb(0)) | {"r.y": now[0], "v.y": now[1]}
+            height, rate = phase.at(t)
+            yield t, members.nine("", y=height, vy=rate)
         begin = end
         y = radius
         v = phase.at(end)[1]
-        bounces = bounces + (not falls)
-        falls = not falls
+        if not is_flight:
+            bounces += 1
+        is_flight = not is_flight
 
 
 def falling(gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
@@ -246,7 +217,7 @@ def falling(gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """y'' = k (R - y) - c y' - g."""
+    """The rates of (y, v) for y'' = k (R - y) - c y' - g, k and c being per mass."""
     return [s[1], (radius - s[0]) * k - s[1] * c - gravity]
 
 

@@ -1,5 +1,8 @@
-"""Witnesses of the impact benchmarks that no other collision is like: a stack, a slide, a squeeze,
+"""Witnesses of the impact benchmarks that are like no other collision: a stack, a slide, a squeeze,
 Mindlin's spring, a prescribed path.
+
+Each integrates Newton's law for every body under the law of the contact, phase by phase
+(collisions.py); `p` has the numbers of a member (impact_numbers.py).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,7 +13,16 @@ from typing import Any
 from flint import arb
 
 from refdem.truth.balls import arb_of
-from refdem.truth.witnesses.collisions import SIDES, Colliding, Spheres, Value, flown, phases
+from refdem.truth.witnesses.collisions import (
+    OTHER_SLIP,
+    SIDES,
+    Colliding,
+    Spheres,
+    Value,
+    during,
+    flown,
+    phases,
+)
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said
 
@@ -20,74 +32,88 @@ LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
 def nine(
     number: str, x: Any = 0, y: Any = 0, vx: Any = 0, vy: Any = 0, spin: Any = 0
 ) -> dict[str, arb]:
-    """The quantities of a body that stays in the plane."""
-    values = {"r": (x, y, 0), "v": (vx, vy, 0), "omega": (0, 0, spin)}
-    return {
-        f"{kind}{number}.{axis}": arb(value)
-        for kind, three in values.items()
-        for axis, value in zip("xyz", three, strict=True)
-    }
+    """The nine quantities r, v, omega of body `number`, which stays in the x-y plane."""
+    vectors = {"r": (x, y, 0), "v": (vx, vy, 0), "omega": (0, 0, spin)}
+    quantities = {}
+    for name, vector in vectors.items():
+        for axis, component in zip("xyz", vector, strict=True):
+            quantities[f"{name}{number}.{axis}"] = arb(component)
+    return quantities
 
 
 def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Newton's law for both; nothing is said once a contact has opened."""
+    """Two spheres squeezed between floor and ceiling; nothing is said once a contact has opened.
+
+    The state is (y1, v1, y2, v2); each of the three contacts pushes with k d + c d'.
+    """
     names = ("stiffness", "damping", "gravity", "mass", "upper", "radius", "height")
-    k, c, g, low, high, radius, ceiling = (arb_of(p[name]) for name in names)
+    k, c, g, lower_mass, upper_mass, radius, ceiling = (arb_of(p[name]) for name in names)
     zero = arb(0)
 
     def overlaps(s: Sequence[Any]) -> tuple[Any, Any, Any]:
-        return radius - s[0], s[0] + 2 * radius - s[2], s[2] + radius - ceiling
+        y1, _, y2, _ = s
+        return radius - y1, y1 + 2 * radius - y2, y2 + radius - ceiling
 
     def rates(t: Any, s: Sequence[Any]) -> list[Any]:
+        _, v1, _, v2 = s
+        overlap_rates = (-v1, v1 - v2, v2)
         floor, middle, top = (
-            k * d + c * u for d, u in zip(overlaps(s), (-s[1], s[1] - s[3], s[3]), strict=True)
+            k * d + c * rate for d, rate in zip(overlaps(s), overlap_rates, strict=True)
         )
-        return [s[1], (floor - middle) / low - g, s[3], (middle - top) / high - g]
+        return [v1, (floor - middle) / lower_mass - g, v2, (middle - top) / upper_mass - g]
 
-    found = Solution(rates, [ceiling / 4, zero, 3 * ceiling / 4, zero])
+    solution = Solution(rates, [ceiling / 4, zero, 3 * ceiling / 4, zero])
     for t in times:
-        now = found.at(t)
-        if min(map(float, overlaps(now))) < 0:
+        state = solution.at(t)
+        if min(map(float, overlaps(state))) < 0:
             return
-        yield t, nine("1", y=now[0], vy=now[1]) | nine("2", y=now[2], vy=now[3])
+        y1, v1, y2, v2 = state
+        yield t, nine("1", y=y1, vy=v1) | nine("2", y=y2, vy=v2)
 
 
 def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """All five coordinates under weight, floor and friction; friction ends with the slip."""
+    """A sphere that slides on a floor until it rolls: state (x, y, vx, vy, spin).
+
+    Friction is mu N against the slip vx + R spin, and ends with it; N = k (R - y).
+    """
     names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
     m, radius, k, g, mu, speed = (arb_of(p[name]) for name in names)
 
-    def rates(push: arb, t: Any, s: Sequence[Any]) -> list[Any]:
+    def rates(coefficient: arb, t: Any, s: Sequence[Any]) -> list[Any]:
+        inertia = m * radius * radius * 2 / 5
         normal = k * (radius - s[1])
-        rub = -push * normal
-        return [s[2], s[3], rub / m, normal / m - g, rub * radius / (m * radius * radius * 2 / 5)]
+        friction = -coefficient * normal
+        return [s[2], s[3], friction / m, normal / m - g, friction * radius / inertia]
 
     zero = arb(0)
     slides = Solution(partial(rates, mu), [zero, radius - m * g / k, speed, zero, zero])
-    near = float(claimed["roll_time"])
-    end = slides.crossing(lambda s: s[2] + radius * s[4], near, near / 128)
+    roll_time = float(claimed["roll_time"])
+    end = slides.crossing(lambda s: s[2] + radius * s[4], roll_time, roll_time / 128)
     rolls = Solution(partial(rates, zero), slides.at(end), begin=end)
-    last = rolls.at(end)[2]
+    roll_speed = rolls.at(end)[2]
     yield (
         None,
         {
             "roll_time": end,
-            "roll_speed": last,
-            "speed_ratio": last / speed,
+            "roll_speed": roll_speed,
+            "speed_ratio": roll_speed / speed,
             "time_ratio": mu * g * end / speed,
         },
     )
     for t in times:
-        x, y, u, v, spin = (slides if arb_of(t) < end else rolls).at(t)
-        yield t, nine("", x, y, u, v, spin)
+        if arb_of(t) < end:
+            x, y, vx, vy, spin = slides.at(t)
+        else:
+            x, y, vx, vy, spin = rolls.at(t)
+        yield t, nine("", x, y, vx, vy, spin)
 
 
 class Trio(Colliding):
-    """A sphere between two others, each with its own equation, no symmetry used: x, y, vx, vy, spin
-    of each, then both springs.
+    """A sphere between two others, each with its own equation; no symmetry is used.
 
-    Both contacts are in one phase, which the first one's switches end: if the second were not its
-    image, its values would be denied.
+    The state is x, y, vx, vy, spin of each (outer, middle, outer), then the stretches of both
+    springs. Both contacts are in one phase, which the first one's switches end: if the second were
+    not its image, its values would be denied.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
@@ -103,15 +129,12 @@ class Trio(Colliding):
         self.inertias = [self.two.moments[0], self.two.moments[1], self.two.moments[0]]
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
-        """The outer body i (0, 2) against the middle one, as a pair is said in Spheres."""
+        """The state of the outer body i (0 or 2) against the middle one, as that of `Spheres`."""
         outer = s[5 * i : 5 * i + 5]
         middle = s[5:10]
-        return [
-            *(a - b for a, b in zip(outer[:4], middle[:4], strict=True)),
-            outer[4],
-            middle[4],
-            s[15 + i // 2],
-        ]
+        relative = [a - b for a, b in zip(outer[:4], middle[:4], strict=True)]
+        stretch = s[15 + i // 2]
+        return [*relative, outer[4], middle[4], stretch]
 
     def of_two(self, s: Sequence[Any]) -> Sequence[Any]:
         """The first contact of a state of all three; a state of two is one already."""
@@ -129,14 +152,18 @@ class Trio(Colliding):
         return self.two.slip(self.of_two(s))
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """The rate of the normal force, with the accelerations of both bodies."""
+        """dF/dt = -k v_e - c v_e', v_e' = (a1 - a2) . e + v_t^2/|r|, in the slip that holds."""
         pair = self.pair(0, s)
         ex, ey, distance, along, across, _ = self.geometry(pair)
-        rates = self.field(self.law("slip+" if float(self.slip(pair)) > 0 else "slip-"))(None, s)
-        nearing = (
-            (rates[2] - rates[7]) * ex + (rates[3] - rates[8]) * ey + across * across / distance
-        )
-        return -self.k * along - self.c * nearing
+        if float(self.slip(pair)) > 0:
+            phase = "slip+"
+        else:
+            phase = "slip-"
+        rates = self.field(self.law(phase))(None, s)
+        ax = rates[2] - rates[7]
+        ay = rates[3] - rates[8]
+        along_rate = ax * ex + ay * ey + across * across / distance
+        return -self.k * along - self.c * along_rate
 
     def law(self, phase: str) -> Value:
         plain = self.two.law(phase)
@@ -144,30 +171,28 @@ class Trio(Colliding):
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
-            push = [[0, 0] for _ in range(3)]
-            twist = [0, 0, 0]
+            forces = [[0, 0] for _ in range(3)]
+            torques = [0, 0, 0]
             slips = []
             for i in (0, 2):
                 pair = self.pair(i, s)
                 ex, ey, distance, _, _, force = self.geometry(pair)
                 f = friction(pair)
-                own, other = self.two.levers(distance)
-                along = force * ex - f * ey
-                across = force * ey + f * ex
-                for body, sense, lever in ((i, 1, own), (1, -1, other)):
-                    push[body] = [push[body][0] + sense * along, push[body][1] + sense * across]
-                    twist[body] = twist[body] - lever * f
+                # F e + f t on the outer body, the reaction on the middle one; torques -l f on both.
+                force_x = force * ex - f * ey
+                force_y = force * ey + f * ex
+                outer_lever, middle_lever = self.two.levers(distance)
+                for body, sign, lever in ((i, 1, outer_lever), (1, -1, middle_lever)):
+                    forces[body][0] = forces[body][0] + sign * force_x
+                    forces[body][1] = forces[body][1] + sign * force_y
+                    torques[body] = torques[body] - lever * f
                 slips.append(self.slip(pair))
-            moved = [
-                [
-                    s[5 * n + 2],
-                    s[5 * n + 3],
-                    *(x / self.masses[n] for x in push[n]),
-                    twist[n] / self.inertias[n],
-                ]
-                for n in range(3)
-            ]
-            return [*moved[0], *moved[1], *moved[2], *slips]
+            state_rates = []
+            for n in range(3):
+                accelerations = [x / self.masses[n] for x in forces[n]]
+                spin_rate = torques[n] / self.inertias[n]
+                state_rates += [s[5 * n + 2], s[5 * n + 3], *accelerations, spin_rate]
+            return [*state_rates, *slips]
 
         return rates
 
@@ -181,44 +206,48 @@ class Trio(Colliding):
 
 
 def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Three bodies; without a tangential spring nothing is said."""
+    """Three spheres, the middle one squeezed; without a tangential spring nothing is said."""
     if not p["tangential_stiffness"]:
         return
     trio = Trio(p)
     zero = arb(0)
     along, across, spin = (arb_of(p[name]) for name in ("normal", "across", "partner_spin"))
-    start = [-trio.reach, zero, along, across, spin, *[zero] * 4, arb_of(p["spin"])]
-    start += [trio.reach, zero, -along, -across, spin, zero, zero]
-    course = list(phases(trio, start, float(claimed["duration"])))
-    end = course[-1][1]
-    last = course[-1][0].at(course[-1][1])
+    left = [-trio.reach, zero, along, across, spin]
+    middle = [zero, zero, zero, zero, arb_of(p["spin"])]
+    right = [trio.reach, zero, -along, -across, spin]
+    stretches = [zero, zero]
+    start = [*left, *middle, *right, *stretches]
+    contact = list(phases(trio, start, float(claimed["duration"])))
+    last_phase, end = contact[-1]
+    last = last_phase.at(end)
     yield None, {"duration": end}
     for t in times:
-        now = next((solution.at(t) for solution, until in course if arb_of(t) < until), None)
-        if now is None:
-            now = [
-                value for n in range(3) for value in flown(last[5 * n : 5 * n + 5], arb_of(t) - end)
-            ]
-        yield (
-            t,
-            {
-                name: value
-                for n in range(3)
-                for name, value in nine(str(n + 1), *now[5 * n : 5 * n + 5]).items()
-            },
-        )
+        state = during(contact, arb_of(t))
+        if state is None:
+            state = []
+            for n in range(3):
+                state += flown(last[5 * n : 5 * n + 5], arb_of(t) - end)
+        quantities: dict[str, arb] = {}
+        for n in range(3):
+            quantities |= nine(str(n + 1), *state[5 * n : 5 * n + 5])
+        yield t, quantities
 
 
 class Mindlin:
-    """m d'' = -k d^(3/2), friction k_t sqrt(d) stretch or mu k d^(3/2), with d = w^2, dt = w ds;
-    state w, v, t, v_y, R w_z, y, stretch.
+    """Hertz's contact of a sphere and a wall with Mindlin's spring, as a curve in s.
 
-    Friction acts against a slip that is positive at touch: the image of one that is not.
+    m d'' = -k d^(3/2); friction is k_t sqrt(d) stretch, at most mu k d^(3/2). With d = w^2 and dt =
+    w ds everything is analytic at touch. The state is (w, v = d', t, v_y, R w_z, y, stretch); k and
+    k_t are per mass. The slip is positive at touch: where it is not, the mirror image is followed
+    (`side` is -1).
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        self.k, self.kt = (arb_of(p[name]) / arb_of(p["mass"]) for name in ("hertz", "mindlin"))
-        self.mu, self.radius = (arb_of(p[name]) for name in ("friction", "radius"))
+        mass = arb_of(p["mass"])
+        self.k = arb_of(p["hertz"]) / mass
+        self.kt = arb_of(p["mindlin"]) / mass
+        self.mu = arb_of(p["friction"])
+        self.radius = arb_of(p["radius"])
         normal = arb_of(p["normal"])
         across = arb_of(p["across"])
         turning = arb_of(p["radius"] * p["spin"])
@@ -235,29 +264,44 @@ class Mindlin:
             arb(0),
             arb(0),
         ]
+        # About a sixteenth of the s of a contact.
         self.step = float(normal) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
 
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
-        """The rates by s, while it sticks (0) or slides to a side."""
+        """The rates of the state by s, while it sticks (side 0) or slides to a side.
+
+        Each is w times that by t: dw/dt = v/(2 w), dv/dt = -k w^3, dv_y/dt = -f, d(R w_z)/dt = -5/2
+        f with the friction f per mass.
+        """
         w, v, _, vy, spin, _, stretch = y
         if side == 0:
-            pull = w * self.kt * stretch
+            friction = w * self.kt * stretch
         else:
-            pull = side * self.mu * self.k * w * w * w
-        f = -pull * w
-        return [v / 2, -self.k * w * w * w * w, w, f, f * 5 / 2, vy * w, (vy + spin) * w]
+            friction = side * self.mu * self.k * w * w * w
+        vy_rate = -friction * w
+        return [
+            v / 2,
+            -self.k * w * w * w * w,
+            w,
+            vy_rate,
+            vy_rate * 5 / 2,
+            vy * w,
+            (vy + spin) * w,
+        ]
 
-    def spare(self, side: int, y: Sequence[Any]) -> Any:
-        """What a stick has left towards a side."""
+    def margin(self, side: int, y: Sequence[Any]) -> Any:
+        """The margin of a stick to its limit on a side, over w: mu k w^2 - side k_t stretch."""
         return self.mu * self.k * y[0] * y[0] - side * self.kt * y[6]
 
-    def surplus(self, side: int, y: Sequence[Any]) -> Any:
-        """The rate by which a slide exceeds that of its limit."""
+    def excess(self, side: int, y: Sequence[Any]) -> Any:
+        """The rate at which a slip would stretch the spring beyond its limit: side k_t (v_y + R
+        w_z) - mu k d'.
+        """
         return side * self.kt * (y[3] + y[4]) - self.mu * self.k * y[1]
 
     def phases(self) -> Iterator[tuple[Solution, arb]]:
-        """(solution, end in s) until the sphere parts from the wall."""
-        if self.surplus(1, self.start) > 0:
+        """Each phase as its solution and its end in s, until the sphere parts from the wall."""
+        if self.excess(1, self.start) > 0:
             side = 1
         else:
             side = 0
@@ -265,50 +309,54 @@ class Mindlin:
         state = list(self.start)
         while True:
             solution = Solution(partial(self.rates, side), state, begin=s)
-            ends: dict[int | str, Value] = {"apart": lambda y: y[0]}
-            sticks: dict[int | str, Value] = {
-                1: partial(self.spare, 1),
-                -1: partial(self.spare, -1),
-            }
-            then, end = self.first(
-                solution,
-                ends | ({"caught": partial(self.surplus, side)} if side else sticks),
-                float(s),
-            )
+            then, end = self.first(solution, self.ends(side), float(s))
             yield solution, end
             if then == "apart":
                 return
             state = solution.at(end)
             if then == "caught":
+                # The stick begins with the stretch at its limit.
                 state[6] = side * self.mu * self.k / self.kt * state[0] * state[0]
-            if then == "caught":
                 side = 0
             else:
                 side = int(then)
             s = end
 
+    def ends(self, side: int) -> dict[int | str, Value]:
+        """The functions that are positive within a phase, by what follows: "apart", "caught" (a
+        stick), or the side of a slide.
+        """
+        ends: dict[int | str, Value] = {"apart": lambda y: y[0]}
+        if side:
+            ends["caught"] = partial(self.excess, side)
+        else:
+            ends[1] = partial(self.margin, 1)
+            ends[-1] = partial(self.margin, -1)
+        return ends
+
     def first(
         self, solution: Solution, ends: Mapping[int | str, Value], low: float
     ) -> tuple[int | str, arb]:
-        """Which function is the first to fall through zero, and where."""
+        """The name of the first function that falls through zero after s = `low`, and where."""
         while True:
             high = low + self.step
             fallen = [name for name, value in ends.items() if value(solution.at(arb(high))) < 0]
             if fallen:
-                found = [
+                zeros = [
                     (solution.bisected(ends[name], low + self.step / 1024, high), name)
                     for name in fallen
                 ]
-                end, name = min(found, key=lambda pair: float(pair[0]))
+                end, name = min(zeros, key=lambda pair: float(pair[0]))
                 return name, end
             low = high
 
 
 def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Mindlin's spring on Hertz's contact."""
+    """A sphere on a wall with Mindlin's spring on Hertz's contact."""
     law = Mindlin(p)
-    course = list(law.phases())
-    last = course[-1][0].at(course[-1][1])
+    contact = list(law.phases())
+    last_phase, last_s = contact[-1]
+    last = last_phase.at(last_s)
     yield (
         None,
         {
@@ -321,36 +369,30 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
         time = arb_of(t)
         state = last
         if time < last[2]:
-            solution, end = next(phase for phase in course if time < phase[0].at(phase[1])[2])
-            state = solution.at(
-                solution.bisected(partial(late, time), float(solution.begins[0]), float(end))
-            )
-        w, v, then, vy, turning, y, _ = state
-        rest = time - then
-        yield (
-            t,
-            nine(
-                "",
-                w * w + v * rest - law.radius,
-                law.side * (y + vy * rest),
-                v,
-                law.side * vy,
-                law.side * turning / law.radius,
-            ),
-        )
+            # The phase in which that time lies, and the s of the time in it.
+            solution, end = next(phase for phase in contact if time < phase[0].at(phase[1])[2])
+            begin = float(solution.begins[0])
+            state = solution.at(solution.bisected(partial(late, time), begin, float(end)))
+        w, v, state_time, vy, r_omega, y, _ = state
+        # After the contact it flies on; during it this is 0.
+        flight = time - state_time
+        position_x = w * w + v * flight - law.radius
+        position_y = law.side * (y + vy * flight)
+        spin = law.side * r_omega / law.radius
+        yield t, nine("", position_x, position_y, v, law.side * vy, spin)
 
 
 def late(time: arb, y: Sequence[arb]) -> arb:
-    """How much later than a time the state is."""
+    """The time of a state less a given one."""
     return y[2] - time
 
 
-OTHER_SLIP = {"slip+": "slip-", "slip-": "slip+"}
-
-
 class Passing(Colliding):
-    """Along x, body 1 at the origin and body 2 at (x, b) with a constant spin: momentum given to
-    body 1, its torque's, and the spring.
+    """Two spheres on a prescribed path: body 1 at the origin, body 2 at (x, b) with a constant
+    spin, moving along x.
+
+    The state is x, the impulse (2) and the turning impulse that body 1 has got, and the stretch of
+    the spring.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
@@ -415,8 +457,11 @@ class Passing(Colliding):
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
             f = friction(s)
-            given = [-force * ex + f * ey, -force * ey - f * ex, -self.levers(distance)[0] * f]
-            return [s[0] * 0 + self.speed, *given, self.slip(s)]
+            # On body 1: -F e - f t, the reaction to body 2, and the torque -l1 f.
+            force_x = -force * ex + f * ey
+            force_y = -force * ey - f * ex
+            torque = -self.levers(distance)[0] * f
+            return [s[0] * 0 + self.speed, force_x, force_y, torque, self.slip(s)]
 
         return rates
 
@@ -430,7 +475,7 @@ class Passing(Colliding):
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
-    """A rotation matrix with rational entries."""
+    """The rotation matrix rows/part, which has rational entries."""
     return [[Fraction(x, part) for x in row] for row in rows]
 
 
@@ -440,34 +485,39 @@ def passing(
     times: Sequence[Fraction],
     claimed: Claimed,
 ) -> Said:
-    """What the contact gives body 1; `axes` has those of the plane and its normal as columns."""
+    """The impulses that the contact of a prescribed path gives body 1, and the path of body 2.
+
+    `axes` has those of the plane and its normal as columns. The spheres touch at x = -sqrt((R1 +
+    R2)^2 - b^2), from where times of the contact count.
+    """
     law = Passing(p)
     zero = arb(0)
-    half = (law.reach * law.reach - law.b * law.b).sqrt()
-    touch = (law.begins - half) / law.speed
-    lasts = 2 * half / law.speed
-    course = []
-    last = [-half, zero, zero, zero, zero]
-    for solution, end in phases(law, last, float(lasts)):
-        course.append((solution, end))
+    touch_x = (law.reach * law.reach - law.b * law.b).sqrt()
+    touch_time = (law.begins - touch_x) / law.speed
+    duration = 2 * touch_x / law.speed
+    contact = []
+    last = [-touch_x, zero, zero, zero, zero]
+    for solution, end in phases(law, last, float(duration)):
+        contact.append((solution, end))
         last = solution.at(end)
     for t in times:
-        time = arb_of(t) - touch
+        time = arb_of(t) - touch_time
         if time < 0:
-            now = [zero] * 5
+            state = [zero] * 5
         else:
-            now = next((solution.at(time) for solution, until in course if time < until), last)
-        way = arb_of(p["speed"] * t - p["begin"])
-        seen = {"impulse": (now[1], now[2], zero), "turning": (zero, zero, now[3])}
-        seen |= {"r": (way, law.b, zero), "v": (law.speed, zero, zero)}
-        yield (
-            t,
-            {
-                f"{name}.{axis}": total(row, vector)
-                for name, vector in seen.items()
-                for axis, row in zip("xyz", axes, strict=True)
-            },
-        )
+            state = during(contact, time) or last
+        x = arb_of(p["speed"] * t - p["begin"])
+        vectors = {
+            "impulse": (state[1], state[2], zero),
+            "turning": (zero, zero, state[3]),
+            "r": (x, law.b, zero),
+            "v": (law.speed, zero, zero),
+        }
+        quantities = {}
+        for name, vector in vectors.items():
+            for axis, row in zip("xyz", axes, strict=True):
+                quantities[f"{name}.{axis}"] = total(row, vector)
+        yield t, quantities
 
 
 def total(row: Sequence[Fraction], vector: Sequence[arb]) -> arb:

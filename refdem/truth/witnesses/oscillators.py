@@ -102,8 +102,10 @@ def van_der_pol(p: dict[str, arb]) -> Force:
 
 
 def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """m x'' = -k |x|^n sgn x for whole n, from turning point to centre and on: the power is smooth
-    on either side.
+    """The power oscillator m x'' = -k |x|^n sgn x; where n is no whole number, by `rooted`.
+
+    For whole n phase by phase from one passage of the centre to the next: the power is smooth on
+    either side. The first phase, from rest, is a quarter of a period, every other one a half.
     """
     exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
     if exact["exponent"].denominator != 1 and exact["amplitude"]:
@@ -120,75 +122,82 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         sign = 1
     else:
         sign = -1
-    turned = 1
-    while waiting or turned <= 3:
+    phase_number = 1
+    while waiting or phase_number <= 3:
         phase = Solution(partial(pulled, n, ratio * sign ** (n + 1)), state, begin=begin)
-        near = float(begin) + quarter * (1 if turned == 1 else 2)
+        if phase_number == 1:
+            near = float(begin) + quarter
+        else:
+            near = float(begin) + 2 * quarter
         end = phase.crossing(lambda y: y[0], near, quarter / 64)
         while waiting and arb_of(waiting[0]) < end:
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
-        if turned == 2:
+        if phase_number == 2:
             yield None, {"period": 2 * (end - begin)}
         begin = end
         state = phase.at(end)
         sign = -sign
-        turned = turned + 1
+        phase_number += 1
 
 
 def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
-    """A power a/b: in s = x^(1/b) and a clock with dt = b s^(b-1) dz it is smooth; a quarter of a
-    period, mirrored for the rest.
+    """The power oscillator with the exponent a/b: a quarter of a period, mirrored for the rest.
+
+    In s = x^(1/b), as a function of z with dt = b s^(b-1) dz, the motion is smooth at the centre:
+    ds/dz = v, dv/dz = -(k/m) s^a b s^(b-1). The state is (s, v, t).
     """
     a, b = exact["exponent"].as_integer_ratio()
     ratio = arb_of(exact["stiffness"] / exact["mass"])
-    size = arb_of(abs(exact["amplitude"]))
+    amplitude = arb_of(abs(exact["amplitude"]))
 
     def field(z: Any, y: Sequence[Any]) -> list[Any]:
-        slow = y[0] ** (b - 1) * b
-        return [y[1], -ratio * y[0] ** a * slow, slow]
+        time_rate = y[0] ** (b - 1) * b
+        return [y[1], -ratio * y[0] ** a * time_rate, time_rate]
 
-    found = Solution(field, [size.root(b), arb(0), arb(0)])
-    step = (
-        float(1 / (ratio * size ** arb_of(Fraction(a + 2 * b - 2, b))).sqrt() * size.root(b))
-        / b
-        / 8
-    )
+    curve = Solution(field, [amplitude.root(b), arb(0), arb(0)])
+    # About an eighth of the z of a quarter period.
+    acceleration = ratio * amplitude ** arb_of(Fraction(a + 2 * b - 2, b))
+    step = float(1 / acceleration.sqrt() * amplitude.root(b)) / b / 8
     high = step
-    while found.at(arb(high))[0] > 0:
+    while curve.at(arb(high))[0] > 0:
         high += step
-    end = found.crossing(lambda y: y[0], high - step / 2, step / 2)
-    quarter = found.at(end)[2]
+    end = curve.crossing(lambda y: y[0], high - step / 2, step / 2)
+    quarter = curve.at(end)[2]
     yield None, {"period": 4 * quarter}
     if exact["amplitude"] > 0:
         sign = 1
     else:
         sign = -1
     for t in times:
-        turns = floor(float(arb_of(t) / quarter))
-        rest = arb_of(t) - turns * quarter
-        if turns % 2 == 0:
-            since = rest
+        quarters = floor(float(arb_of(t) / quarter))
+        in_quarter = arb_of(t) - quarters * quarter
+        # The second quarter is the first one run back, and so on.
+        if quarters % 2 == 0:
+            mirrored_time = in_quarter
         else:
-            since = quarter - rest
-        z = found.bisected(partial(later, since), 0.0, float(end))
-        s, v, _ = found.at(z)
-        along = (1, -1, -1, 1)[turns % 4]
-        back = (1, 1, -1, -1)[turns % 4]
-        yield t, {"x": sign * along * s**b, "v": sign * back * v}
+            mirrored_time = quarter - in_quarter
+        z = curve.bisected(partial(later, mirrored_time), 0.0, float(end))
+        s, v, _ = curve.at(z)
+        x_sign = (1, -1, -1, 1)[quarters % 4]
+        v_sign = (1, 1, -1, -1)[quarters % 4]
+        yield t, {"x": sign * x_sign * s**b, "v": sign * v_sign * v}
 
 
-def later(since: arb, y: Sequence[arb]) -> arb:
-    """How much more the clock, third of the state, shows."""
-    return y[2] - since
+def later(time: arb, y: Sequence[arb]) -> arb:
+    """The time of a state (s, v, t) less a given one."""
+    return y[2] - time
 
 
 def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:
-    """v and -strength x^n; the strength has the sign that makes the force point to the centre."""
-    powered = y[0]
+    """The rates v and -strength x^n of (x, v).
+
+    The strength has the sign that makes the force point to the centre.
+    """
+    x_power = y[0]
     for _ in range(n - 1):
-        powered = powered * y[0]
-    return [y[1], -strength * powered]
+        x_power = x_power * y[0]
+    return [y[1], -strength * x_power]
 
 
 def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:

@@ -4,6 +4,7 @@ constraint forces from their definition.
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from math import pi
 from typing import Any
 
 from flint import arb
@@ -21,8 +22,10 @@ METHOD = (
 
 
 def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """x'' = -T x/(m l), y'' = -g - T y/(m l), T = m (v^2 - g y)/l; theta from its rate (x vy - y
-    vx)/l^2.
+    """The pendulum in Cartesian coordinates, with theta from its rate.
+
+    x'' = -T x/(m l), y'' = -g - T y/(m l) with the rod's force T = m (v^2 - g y)/l, and theta' = (x
+    vy - y vx)/l^2. The state is (x, y, vx, vy, theta).
     """
     length, gravity, mass, theta0, rate0 = (
         arb_of(number(p, name)) for name in ("length", "gravity", "mass", "theta0", "thetadot0")
@@ -31,8 +34,10 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy, _ = s
-        pull = (vx * vx + vy * vy - y * gravity) / (length * length)
-        return [vx, vy, -pull * x, -pull * y - gravity, (x * vy - y * vx) / (length * length)]
+        # T/(m l)
+        rod = (vx * vx + vy * vy - y * gravity) / (length * length)
+        thetadot = (x * vy - y * vx) / (length * length)
+        return [vx, vy, -rod * x, -rod * y - gravity, thetadot]
 
     start = [
         length * sine,
@@ -41,76 +46,78 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         length * rate0 * sine,
         theta0,
     ]
-    found = Solution(field, start)
+    solution = Solution(field, start)
     for t in times:
-        x, y, vx, vy, theta = found.at(t)
+        x, y, vx, vy, theta = solution.at(t)
         force = mass * (vx * vx + vy * vy - gravity * y) / length
-        yield (
-            t,
-            {
-                "theta": theta,
-                "thetadot": (x * vy - y * vx) / (length * length),
-                "x": x,
-                "y": y,
-                "rod_force": force,
-            },
-        )
+        thetadot = (x * vy - y * vx) / (length * length)
+        yield t, {"theta": theta, "thetadot": thetadot, "x": x, "y": y, "rod_force": force}
     if "period" in claimed:
-        near = float(claimed["period"])
+        period = float(claimed["period"])
         if rate0 == 0:
             turns = 0
         else:
-            turns = round((float(found.at(Fraction(near))[4]) - float(theta0)) / 6.283185307179586)
+            gain = float(solution.at(Fraction(period))[4]) - float(theta0)
+            turns = round(gain / (2 * pi))
 
-        def goal(s: Sequence[arb], rate0: Any = rate0, turns: int = turns) -> arb:
+        def from_return(s: Sequence[arb]) -> arb:
+            """Zero after a period: of the rate after a start at rest, else of theta, but for whole
+            turns.
+            """
             if rate0 == 0:
                 return s[0] * s[3] - s[1] * s[2]
             return s[4] - theta0 - 2 * arb.pi() * turns
 
-        yield None, {"period": found.crossing(goal, near, near / 64)}
+        yield None, {"period": solution.crossing(from_return, period, period / 64)}
 
 
 def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Kepler's law or a spring to the centre, from the apse on +x."""
-    spring = p["stiffness"] is not None
+    """An orbit under Kepler's law or a central spring, from the apse on +x; the period at y = 0.
+
+    r'' = -gm r/|r|^3, starting at a (1 - e) with v^2 = gm (1 + e)/(a (1 - e)); or r'' = -w^2 r,
+    starting at a with v = w a sqrt(1 - e^2).
+    """
+    is_spring = p["stiffness"] is not None
     exact = numbers(p, "gm", "semi_major", "eccentricity")
     a = exact["semi_major"]
     e = exact["eccentricity"]
-    strength = arb_of(number(p, "stiffness") / _mass(p) if spring else exact["gm"])
-    if spring:
-        start = [arb_of(a), arb(0), arb(0), arb_of(a) * arb_of(1 - e * e).sqrt() * strength.sqrt()]
+    if is_spring:
+        strength = arb_of(number(p, "stiffness") / _mass(p))
+        x0 = arb_of(a)
+        v0 = arb_of(a) * arb_of(1 - e * e).sqrt() * strength.sqrt()
     else:
-        start = [
-            arb_of(a * (1 - e)),
-            arb(0),
-            arb(0),
-            (strength * arb_of((1 + e) / (a * (1 - e)))).sqrt(),
-        ]
+        strength = arb_of(exact["gm"])
+        x0 = arb_of(a * (1 - e))
+        v0 = (strength * arb_of((1 + e) / (a * (1 - e)))).sqrt()
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy = s
-        if spring:
-            pull = strength
+        if is_spring:
+            factor = strength
         else:
-            pull = strength / ((x * x + y * y) * (x * x + y * y).sqrt())
-        return [vx, vy, -x * pull, -y * pull]
+            factor = strength / ((x * x + y * y) * (x * x + y * y).sqrt())
+        return [vx, vy, -x * factor, -y * factor]
 
-    found = Solution(field, start)
+    solution = Solution(field, [x0, arb(0), arb(0), v0])
     for t in times:
-        yield t, dict(zip(("x", "y", "vx", "vy"), found.at(t), strict=True))
+        yield t, dict(zip(("x", "y", "vx", "vy"), solution.at(t), strict=True))
     if "period" in claimed:
-        near = float(claimed["period"])
-        yield None, {"period": found.crossing(lambda s: s[1], near, near / 256)}
+        period = float(claimed["period"])
+        yield None, {"period": solution.crossing(lambda s: s[1], period, period / 256)}
 
 
 def _mass(p: Mapping[str, Exact]) -> Fraction:
+    """The mass [kg] of the body, 1 where the case has none."""
     if "mass" in p:
         return number(p, "mass")
     return Fraction(1)
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """A body that nothing acts on: r' = v, v' = 0, qdot = omega q/2; bodies in balance."""
+    """A body that nothing acts on, r' = v, q' = omega q/2 with omega along z; or bodies in balance.
+
+    The state is (x, y, z, q).
+    """
     if p["member"] != "free":
         yield from balanced(p, times)
         return
@@ -121,46 +128,48 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
         w, x, y, z = s[3:]
         return [*velocity, -spin * z / 2, -spin * y / 2, spin * x / 2, spin * w / 2]
 
-    found = Solution(field, [arb(0)] * 3 + [arb(1), arb(0), arb(0), arb(0)])
+    solution = Solution(field, [arb(0)] * 3 + [arb(1), arb(0), arb(0), arb(0)])
     for t in times:
-        s = found.at(t)
-        seen = {axis: s[i] for i, axis in enumerate("xyz")} | {
-            f"v{axis}": velocity[i] for i, axis in enumerate("xyz")
-        }
-        seen |= {f"attitude.{axis}": s[3 + i] for i, axis in enumerate("wxyz")}
-        yield t, seen | {"omega.x": arb(0), "omega.y": arb(0), "omega.z": spin}
+        s = solution.at(t)
+        quantities = {"omega.x": arb(0), "omega.y": arb(0), "omega.z": spin}
+        for i, axis in enumerate("xyz"):
+            quantities[axis] = s[i]
+            quantities[f"v{axis}"] = velocity[i]
+        for i, axis in enumerate("wxyz"):
+            quantities[f"attitude.{axis}"] = s[3 + i]
+        yield t, quantities
 
 
 def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Said:
-    """Bodies of one weight on each other over the ground: nothing moves if the forces between them,
-    which may only push, add up to zero.
+    """Bodies of one weight on each other over the ground: nothing moves if every contact force is
+    the weight above it.
 
-    With a stiffness the overlaps make them; without, touching exactly (no gap, no overlap) is what
-    lets them be the weight above.
+    With a stiffness the overlaps make these forces. Without one, a contact that touches exactly (no
+    gap, no overlap) can have any force that pushes. Nothing is said of bodies that are not in
+    balance.
     """
     weight = p["weight"]
     stiffness = p["stiffness"]
-    sizes = p["sizes"]
+    heights = p["heights"]
     gaps = [
         high - low - size
-        for low, high, size in zip((0, *p["heights"]), p["heights"], sizes, strict=False)
+        for low, high, size in zip((0, *heights), heights, p["sizes"], strict=False)
     ]
-    above = [weight * (len(gaps) - i) for i in range(len(gaps))]
+    count = len(gaps)
+    weights_above = [weight * (count - i) for i in range(count)]
     if stiffness:
-        pushes = [-gap * stiffness for gap in gaps]
+        is_balanced = [-gap * stiffness for gap in gaps] == weights_above
     else:
-        pushes = [load if gap == 0 else None for gap, load in zip(gaps, above, strict=True)]
-    if pushes == above:
-        for t in times:
-            yield (
-                t,
-                {
-                    f"{kind}{i + 1}.{axis}": arb(0)
-                    for i in range(len(gaps))
-                    for kind in "rv"
-                    for axis in "xyz"
-                },
-            )
+        is_balanced = all(gap == 0 for gap in gaps)
+    if not is_balanced:
+        return
+    at_rest = {}
+    for i in range(count):
+        for axis in "xyz":
+            at_rest[f"r{i + 1}.{axis}"] = arb(0)
+            at_rest[f"v{i + 1}.{axis}"] = arb(0)
+    for t in times:
+        yield t, dict(at_rest)
 
 
 WITNESSES = {

@@ -1,5 +1,13 @@
 """Witness of two spheres that spin about any axes: Newton's and Euler's laws for each body, with
 cross products, phase by phase.
+
+The state s is r, v, omega of body 1 (0 to 8), the same of body 2 (9 to 17), and the stretch of the
+tangential spring (18 to 20), each with three components in axes of space. n is the unit vector from
+body 1 to body 2, d the overlap; the normal force F = k d + c v.n presses the bodies apart, v = v1 -
+v2 being their relative velocity.
+
+Phases: "free" (no friction), "slip" (k_t = 0), "stick" (the spring is within its limit), "clip"
+(the spring stays at its limit mu F/k_t); "apart" ends the contact.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -37,99 +45,99 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> list[Any]:
     return [x + y * factor for x, y in zip(a, b, strict=True)]
 
 
-class Moment:
-    """What follows from one state; each of it is worked out once."""
+class ContactState:
+    """The geometry and the forces of a contact in one state, each computed once."""
 
-    def __init__(self, its: "Bodies", s: Vector) -> None:
-        self.its = its
+    def __init__(self, bodies: "Bodies", s: Vector) -> None:
+        self.bodies = bodies
         self.s = s
-        self.apart = plus(s[3:6], s[12:15], -1)
-        way = plus(s[9:12], s[0:3], -1)
-        self.distance = dot(way, way).sqrt()
-        self.normal = [x / self.distance for x in way]
-        self.along = dot(self.apart, self.normal)
-        self.overlap = its.radii[0] + its.radii[1] - self.distance
+        self.velocity = plus(s[3:6], s[12:15], -1)
+        branch = plus(s[9:12], s[0:3], -1)
+        self.distance = dot(branch, branch).sqrt()
+        self.normal = [x / self.distance for x in branch]
+        self.along = dot(self.velocity, self.normal)
+        self.overlap = bodies.radii[0] + bodies.radii[1] - self.distance
 
     @cached_property
     def force(self) -> Any:
-        """The normal force between the two spheres."""
-        return self.its.k * self.overlap + self.its.c * self.along
+        """The normal force F = k d + c v.n."""
+        return self.bodies.k * self.overlap + self.bodies.c * self.along
 
     @cached_property
     def arms(self) -> list[list[Any]]:
-        """The vectors (3) from the centres to where friction acts."""
-        shorter = self.its.beta * self.overlap
+        """The vectors (3) from the centres to where friction acts: (R_i - beta d) n, -n for 2."""
+        shortening = self.bodies.beta * self.overlap
         return [
-            [x * (radius - shorter) * sense for x in self.normal]
-            for radius, sense in zip(self.its.radii, (1, -1), strict=True)
+            [x * (radius - shortening) * sign for x in self.normal]
+            for radius, sign in zip(self.bodies.radii, (1, -1), strict=True)
         ]
 
     @cached_property
     def slip(self) -> list[Any]:
-        """Tangential velocity of surface 1 against surface 2."""
+        """The tangential velocity (3) of surface 1 against surface 2: v_i + omega_i x arm_i."""
         s = self.s
-        (one, other) = self.arms
-        first = plus(s[3:6], crossed(s[6:9], one))
-        second = plus(s[12:15], crossed(s[15:18], other))
-        apart = plus(first, second, -1)
-        return plus(apart, self.normal, -dot(apart, self.normal))
+        arm1, arm2 = self.arms
+        surface1 = plus(s[3:6], crossed(s[6:9], arm1))
+        surface2 = plus(s[12:15], crossed(s[15:18], arm2))
+        relative = plus(surface1, surface2, -1)
+        return plus(relative, self.normal, -dot(relative, self.normal))
 
     @cached_property
     def across(self) -> list[Any]:
-        """Relative velocity of 1 but for what is along the normal."""
-        return plus(self.apart, self.normal, -self.along)
+        """The relative velocity (3) across the normal, v - (v.n) n."""
+        return plus(self.velocity, self.normal, -self.along)
 
     @cached_property
     def growth(self) -> Any:
         """dF/dt = k d' + c d'': d' = v.n, d'' = a.n + v.n', n' = -(v across)/distance."""
-        pressed = -self.force * (1 / self.its.masses[0] + 1 / self.its.masses[1])
-        return self.its.k * self.along + self.its.c * (
-            pressed - dot(self.apart, self.across) / self.distance
-        )
+        bodies = self.bodies
+        normal_acceleration = -self.force * (1 / bodies.masses[0] + 1 / bodies.masses[1])
+        turning = dot(self.velocity, self.across) / self.distance
+        return bodies.k * self.along + bodies.c * (normal_acceleration - turning)
 
     @cached_property
-    def lag(self) -> Any:
-        """How much faster the slip stretches the spring than the limit grows, as rates of force."""
+    def excess(self) -> Any:
+        """The rate of force at which the slip stretches a clipped spring beyond its limit.
+
+        k_t slip.s/|s| - mu dF/dt with the stretch s; where it falls to 0 the spring sticks again.
+        """
         stretch = self.s[18:21]
-        return (
-            self.its.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt()
-            - self.its.mu * self.growth
-        )
+        stretching = self.bodies.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt()
+        return stretching - self.bodies.mu * self.growth
 
     def friction(self, phase: str) -> list[Any]:
-        """The friction force (3) on body 1, where the spring stands or the surfaces slip."""
+        """The friction force (3) on body 1: -k_t s of the spring, or -mu F slip/|slip|."""
         if phase in ("stick", "clip"):
-            return [x * -self.its.kt for x in self.s[18:21]]
+            return [x * -self.bodies.kt for x in self.s[18:21]]
         if phase == "free":
             return [x * 0 for x in self.s[:3]]
-        limit = self.its.mu * self.force / dot(self.slip, self.slip).sqrt()
+        limit = self.bodies.mu * self.force / dot(self.slip, self.slip).sqrt()
         return [-x * limit for x in self.slip]
 
-    def stretching(self, phase: str) -> list[Any]:
-        """The rate (3) of the spring: it turns with the normal and takes the slip; clipped, it
-        keeps mu F/k_t in place of its own growth.
+    def stretch_rate(self, phase: str) -> list[Any]:
+        """The rate (3) of the spring's stretch s.
+
+        In a stick it takes the slip and turns with the normal, s' = slip + (n x n') x s. Clipped it
+        keeps |s| = mu F/k_t: its own growth along s is replaced by F'/F s.
         """
         stretch = self.s[18:21]
         if phase not in ("stick", "clip"):
             return [x * 0 for x in stretch]
-        turn = [-x / self.distance for x in self.across]
-        carried = plus(self.slip, crossed(crossed(self.normal, turn), stretch))
+        normal_rate = [-x / self.distance for x in self.across]
+        turned = crossed(crossed(self.normal, normal_rate), stretch)
+        free_rate = plus(self.slip, turned)
         if phase == "stick":
-            return carried
-        return plus(
-            carried,
-            stretch,
-            self.growth / self.force - dot(self.slip, stretch) / dot(stretch, stretch),
-        )
+            return free_rate
+        own_growth = dot(self.slip, stretch) / dot(stretch, stretch)
+        return plus(free_rate, stretch, self.growth / self.force - own_growth)
 
 
 class Bodies:
-    """State: r, v, omega of body 1, the same of body 2, stretch of the tangential spring."""
+    """Two spheres with their law of contact, from the parameters of the case two-spheres."""
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
-        self.masses, self.radii = (
-            [arb_of(x) for x in vector(p, name)] for name in ("masses", "radii")
-        )
+        self.masses = [arb_of(mass) for mass in vector(p, "masses")]
+        self.radii = [arb_of(radius) for radius in vector(p, "radii")]
         self.moments = [m * r * r * 2 / 5 for m, r in zip(self.masses, self.radii, strict=True)]
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
@@ -137,90 +145,102 @@ class Bodies:
         self.pulls = p["cutoff"] == "zero_overlap" and number(p, "damping") > 0
 
     def start(self, p: Mapping[str, Exact]) -> list[arb]:
-        """Touching on x, centre of mass at rest."""
-        spins, (m1, m2), reach = vector(p, "spins"), self.masses, sum(self.radii, arb(0))
+        """The state at touch: the centres on the x axis, the centre of mass at rest.
+
+        r1 - r2 = (-(R1 + R2), 0, 0) and v1 - v2 has the closing speed at the angle from it.
+        """
+        spins = vector(p, "spins")
+        m1, m2 = self.masses
+        radii_sum = sum(self.radii, arb(0))
         speed = arb_of(number(p, "closing_speed"))
-        (sine, cosine) = arb_of(number(p, "angle")).sin_cos()
+        sine, cosine = arb_of(number(p, "angle")).sin_cos()
+        zero = arb(0)
         state: list[arb] = []
-        for share, turning in ((m2 / (m1 + m2), spins[:3]), (-m1 / (m1 + m2), spins[3:])):
-            state += [
-                -share * reach,
-                arb(0),
-                arb(0),
-                share * speed * cosine,
-                share * speed * sine,
-                arb(0),
-                *map(arb_of, turning),
-            ]
-        return [*state, arb(0), arb(0), arb(0)]
+        for share, spin in ((m2 / (m1 + m2), spins[:3]), (-m1 / (m1 + m2), spins[3:])):
+            position = [-share * radii_sum, zero, zero]
+            velocity = [share * speed * cosine, share * speed * sine, zero]
+            state += [*position, *velocity, *map(arb_of, spin)]
+        return [*state, zero, zero, zero]
 
     def overlap(self, s: Vector) -> Any:
-        return Moment(self, s).overlap
+        """The overlap d of the spheres in state s."""
+        return ContactState(self, s).overlap
 
     def force(self, s: Vector) -> Any:
         """The normal force between the spheres in state s."""
-        return Moment(self, s).force
+        return ContactState(self, s).force
 
     def rates(self, phase: str, t: Any, s: Vector) -> list[Any]:
-        """r' = v, m v' = -F n + f, J omega' = arm x f; the reaction on body 2."""
-        now = Moment(self, s)
-        rub = now.friction(phase)
-        push = plus(rub, now.normal, -now.force)
-        found: list[Any] = []
-        for i, sense in ((0, 1), (1, -1)):
-            turned = crossed(now.arms[i], rub)
-            found += [
-                *s[9 * i + 3 : 9 * i + 6],
-                *(x * sense / self.masses[i] for x in push),
-                *(x * sense / self.moments[i] for x in turned),
-            ]
-        return [*found, *now.stretching(phase)]
+        """The field: r' = v, m v' = -F n + f, J omega' = arm x f; the reaction on body 2."""
+        contact = ContactState(self, s)
+        friction = contact.friction(phase)
+        total_force = plus(friction, contact.normal, -contact.force)
+        rates: list[Any] = []
+        for i, sign in ((0, 1), (1, -1)):
+            torque = crossed(contact.arms[i], friction)
+            velocity = s[9 * i + 3 : 9 * i + 6]
+            acceleration = [x * sign / self.masses[i] for x in total_force]
+            spin_rate = [x * sign / self.moments[i] for x in torque]
+            rates += [*velocity, *acceleration, *spin_rate]
+        return [*rates, *contact.stretch_rate(phase)]
 
     def ends(self, phase: str) -> dict[str, Callable[[Vector], Any]]:
-        """What is positive within a phase, by what follows."""
-        if phase == "free":
-            return {"apart": self.overlap if self.pulls else self.force}
+        """The functions that are positive within a phase, by the name of what follows their zero.
+
+        A normal force that may pull (`pulls`) ends with the overlap, any other with itself.
+        """
         if phase == "stick":
-            return {
-                "clip": lambda s: self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()
-            }
-        over: dict[str, Callable[[Vector], Any]] = {("free" if self.pulls else "apart"): self.force}
+            return {"clip": self.margin}
+        if phase == "free":
+            if self.pulls:
+                return {"apart": self.overlap}
+            return {"apart": self.force}
+        ends: dict[str, Callable[[Vector], Any]] = {}
+        if self.pulls:
+            ends["free"] = self.force
+        else:
+            ends["apart"] = self.force
         if phase == "clip":
-            over["stick"] = lambda s: Moment(self, s).lag
-        return over
+            ends["stick"] = lambda s: ContactState(self, s).excess
+        return ends
+
+    def margin(self, s: Vector) -> Any:
+        """The margin mu F - k_t |stretch| of the spring to its limit in state s."""
+        return self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()
 
 
 def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The 18 quantities, and when the force ends if that is claimed."""
+    """r, v and omega of both spheres, and the duration of the contact if that is claimed.
+
+    Nothing is said of spheres that do not slip at touch: there friction has no direction.
+    """
     pair = Bodies(p)
-    if all(part == 0 for part in Moment(pair, pair.start(p)).slip):
+    if all(component == 0 for component in ContactState(pair, pair.start(p)).slip):
         return
     if "duration" in claimed:
         longest = float(claimed["duration"])
     else:
         longest = float(max(times))
-    course = list(phases(pair, pair.start(p), longest))
+    contact = list(phases(pair, pair.start(p), longest))
+    last_phase, end = contact[-1]
     if "duration" in claimed:
-        yield None, {"duration": course[-1][1]}
+        yield None, {"duration": end}
     names = [
-        f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz"
+        f"{name}{body}.{axis}" for body in (1, 2) for name in ("r", "v", "omega") for axis in "xyz"
     ]
     for t in times:
-        now = next((solution.at(t) for solution, until in course if arb_of(t) <= until), None)
-        yield (
-            t,
-            dict(
-                zip(
-                    names,
-                    now or flown(course[-1][0].at(course[-1][1]), arb_of(t) - course[-1][1]),
-                    strict=False,
-                )
-            ),
-        )
+        time = arb_of(t)
+        solution = next((solution for solution, until in contact if time <= until), None)
+        if solution is None:
+            state = flown(last_phase.at(end), time - end)
+        else:
+            state = solution.at(t)
+        # The state goes on after the names with the stretch.
+        yield t, dict(zip(names, state, strict=False))
 
 
 def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
-    """Each phase as a solution, and when it ends, at the latest a little after the longest."""
+    """Each phase as its solution and its end [s], at the latest a little after `longest` [s]."""
     if pair.kt > 0:
         phase = "stick"
     else:
@@ -228,11 +248,11 @@ def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solutio
     t = arb(0)
     while phase != "apart":
         solution = Solution(partial(pair.rates, phase), s, begin=t)
-        found = switch(solution, pair.ends(phase), float(t), longest)
-        if found is None:
+        end = switch(solution, pair.ends(phase), float(t), longest)
+        if end is None:
             yield solution, arb(1.1 * longest)
             return
-        phase, t = found
+        phase, t = end
         yield solution, t
         s = solution.at(t)
 
@@ -240,7 +260,10 @@ def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solutio
 def switch(
     solution: Solution, values: Mapping[str, Callable[[Vector], Any]], begin: float, longest: float
 ) -> tuple[str, arb] | None:
-    """Which function is the first to fall through zero, and when."""
+    """The name and the time of the first function that falls through zero; None if none does.
+
+    The times are searched in steps that grow (GRID); a zero is refined by the secant.
+    """
     low = begin + longest / GRID / 4096
     step = longest / GRID / 4096
     while low < 1.1 * longest:

@@ -20,12 +20,15 @@ METHOD = (
     " secant (refdem/truth/witnesses/stick_slip.py)"
 )
 SCAN = 1 / 64
-"""Seconds between the looks for an event."""
+"""Step [s] in which a phase is searched for an event."""
 NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta")
 
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Phase after phase to the last time."""
+    """The motion phase after phase, slips and sticks, up to the last time.
+
+    Scalars are the times at which it begins to stick and is released.
+    """
     law = Law(
         {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"
     )
@@ -37,14 +40,15 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     held = False
     while waiting:
         side = law.side(begin, x, v)
-        if float(begin) and held != (side == 0):
-            if side == 0:
-                kind = "stick"
+        sticks = side == 0
+        if float(begin) and held != sticks:
+            if sticks:
+                event = "stick"
             else:
-                kind = "slip"
-            counts[kind] += 1
-            yield None, {f"{kind}_{counts[kind]}": begin}
-        held = side == 0
+                event = "slip"
+            counts[event] += 1
+            yield None, {f"{event}_{counts[event]}": begin}
+        held = sticks
         phase = Solution(partial(law.rates, side), [x, v], begin=begin)
         end = law.end(phase, side, begin, waiting[-1])
         while waiting and (end is None or arb_of(waiting[0]) < end):
@@ -57,20 +61,21 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
 
 
 class Law:
-    """The equation with its friction; u = v - belt."""
+    """The equation x'' = gamma cos(eta t) - x - a mu(belt) - a mu(|u|) sgn u, u = v - belt."""
 
     def __init__(self, e: Mapping[str, arb], *, linear: bool) -> None:
         self.e = e
         self.linear = linear
 
     def coefficient(self, u: Any) -> Any:
-        """The coefficient of friction mu at a speed u >= 0."""
+        """mu(u) = (mu0 - mu1)/(1 + lambda0 u) + mu1 + lambda1 u^2 (or lambda1 u), for u >= 0."""
         e = self.e
-        return (
-            (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1)
-            + e["mu1"]
-            + (u if self.linear else u * u) * e["lambda1"]
-        )
+        if self.linear:
+            growing = u
+        else:
+            growing = u * u
+        falling = (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1)
+        return falling + e["mu1"] + growing * e["lambda1"]
 
     def pull(self, t: Any, x: Any) -> Any:
         """P = gamma cos(eta t) - x - a mu(belt)."""
@@ -85,27 +90,25 @@ class Law:
             if u > 0:
                 return 1
             return -1
-        rest = abs(pull) - self.e["a"] * self.e["mu0"]
-        released = rest > 0 or abs(float(rest)) < 1e-30
-        if released:
-            return 1 if pull > 0 else -1
-        return 0
+        # At the limit itself, where a stick has just ended, it slips.
+        excess = abs(pull) - self.e["a"] * self.e["mu0"]
+        is_released = excess > 0 or abs(float(excess)) < 1e-30
+        if not is_released:
+            return 0
+        if pull > 0:
+            return 1
+        return -1
 
     def rates(self, side: int, t: Any, y: Sequence[Any]) -> list[Any]:
-        """The rates x' and v' while the body slips to one side."""
+        """The rates (v, P - side a mu(|u|)) of (x, v) in a slip to a side; (belt, 0) in a stick."""
         if side == 0:
             return [self.e["belt"], arb(0)]
-        return [
-            y[1],
-            self.pull(t, y[0])
-            - side * self.e["a"] * self.coefficient(side * (y[1] - self.e["belt"])),
-        ]
+        x, v = y
+        friction = side * self.e["a"] * self.coefficient(side * (v - self.e["belt"]))
+        return [v, self.pull(t, x) - friction]
 
     def end(self, phase: Solution, side: int, begin: arb, last: Fraction) -> arb | None:
-        """When the slip ends (u = 0), or the sticking (|P| = a mu0).
-
-        None if not before the last time.
-        """
+        """The time at which a slip ends (u = 0), or a stick (|P| = a mu0); None after `last`."""
         t = float(begin)
         while t <= float(last):
             t += SCAN
@@ -127,7 +130,10 @@ class Law:
         with precision(BITS + 16):
             for _ in range(BITS):
                 middle = ((a + b) / 2).mid()
-                a, b = (a, middle) if self.strain(phase, middle) > 0 else (middle, b)
+                if self.strain(phase, middle) > 0:
+                    b = middle
+                else:
+                    a = middle
         return b
 
 

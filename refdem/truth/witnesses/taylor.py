@@ -1,8 +1,10 @@
 """Taylor integration at many digits without any proof: y' = f(t, y), midpoints alone, the step from
 the last coefficients.
 
-Order and step after Jorba and Zou, Experimental Mathematics 14 (2005) 99: order half the bits times
-log 2, step rho/e^2.
+Order and step after Jorba and Zou, Experimental Mathematics 14 (2005) 99: the order is half the
+bits times log 2, the step rho/e^2 with the radius of convergence rho estimated from the last
+coefficients. Numbers are balls only because they have many digits: their radii are dropped after
+each step.
 """
 
 import math
@@ -19,12 +21,16 @@ Field = Callable[[Any, Sequence[Any]], list[Any]]
 """The rates at (t, y), by + - * / and the methods of arb_series."""
 BITS = 192
 LAST = 6
-"""Coefficients that make the step: of a motion with symmetries only every fourth may differ from 0.
+"""Number of last coefficients from which the step is estimated: of a motion with symmetries only
+every fourth may differ from 0.
 """
 
 
 class Solution:
-    """The motion from `start` at t = `begin`, as far as it is asked for."""
+    """The motion y' = f(t, y) from `start` at t = `begin`, integrated as far as it is asked for.
+
+    Piece i is a polynomial in t - begins[i] for each component, and serves until ends[i].
+    """
 
     def __init__(
         self, field: Field, start: Sequence[arb], *, begin: arb | None = None, bits: int = BITS
@@ -35,7 +41,11 @@ class Solution:
         self.begins: list[arb] = []
         self.ends: list[float] = []
         self.pieces: list[list[arb_poly]] = []
-        self.next = (begin if begin is not None else arb(0)), [value.mid() for value in start]
+        first_time = arb(0)
+        if begin is not None:
+            first_time = begin
+        # Time and state from which the next piece starts.
+        self.next = first_time, [value.mid() for value in start]
 
     def at(self, t: arb | Fraction) -> list[arb]:
         """The state at t, at or after the begin."""
@@ -51,24 +61,28 @@ class Solution:
             return [polynomial(since) for polynomial in self.pieces[index]]
 
     def crossing(self, value: Callable[[Sequence[arb]], arb], near: float, apart: float) -> arb:
-        """The zero of a function of the state between near - apart and near + apart, by the
-        secant.
+        """The time near `near` at which a function of the state is 0, by the secant method.
+
+        It starts from near - apart and near + apart.
         """
         with precision(self.bits):
             a = arb(near - apart)
             b = arb(near + apart)
-            of_a = value(self.at(a))
-            of_b = value(self.at(b))
+            value_a = value(self.at(a))
+            value_b = value(self.at(b))
             for _ in range(60):
-                if abs(b - a) < arb(2) ** (8 - self.bits) or of_a.mid() == of_b.mid():
+                if abs(b - a) < arb(2) ** (8 - self.bits) or value_a.mid() == value_b.mid():
                     break
-                a, of_a, b = b, of_b, (b - of_b * (b - a) / (of_b - of_a)).mid()
-                of_b = value(self.at(b))
+                secant = (b - value_b * (b - a) / (value_b - value_a)).mid()
+                a = b
+                value_a = value_b
+                b = secant
+                value_b = value(self.at(b))
             return b
 
     def bisected(self, value: Callable[[Sequence[arb]], arb], low: float, high: float) -> arb:
-        """The zero of a function that is negative at `low` and positive at `high`, or at both of
-        the other sign, by bisection.
+        """The time between `low` and `high` at which a function of the state changes its sign, by
+        bisection.
         """
         a = arb(low)
         b = arb(high)
@@ -76,28 +90,36 @@ class Solution:
         with precision(self.bits + 16):
             for _ in range(self.bits):
                 middle = ((a + b) / 2).mid()
-                a, b = (a, middle) if (value(self.at(middle)) > 0) == rises else (middle, b)
+                if (value(self.at(middle)) > 0) == rises:
+                    b = middle
+                else:
+                    a = middle
         return b
 
     def _advance(self) -> None:
-        """Integrates the solution one step further."""
+        """Integrates the solution one step further.
+
+        The radius of convergence is estimated as min over n of (|y_0|/|y_n|)^(1/n), at most 8.
+        """
         begin, start = self.next
         series = self._series(begin, start)
-        size = max(float(abs(value).mid()) for value in start) or 1.0
-        sizes = [
-            (n, max(abs(one[n]) for one in series))
-            for n in range(self.order - LAST, self.order + 1)
-        ]
-        radii = [
-            math.exp(-(_logarithm(last) - math.log(size)) / n) for n, last in sizes if last > 0
-        ]
-        step = arb(min([*radii, 8.0]) / math.e**2)
+        start_size = max(float(abs(value).mid()) for value in start) or 1.0
+        radii = [8.0]
+        for n in range(self.order - LAST, self.order + 1):
+            coefficient = max(abs(polynomial[n]) for polynomial in series)
+            if coefficient > 0:
+                radii.append(math.exp(-(_logarithm(coefficient) - math.log(start_size)) / n))
+        step = arb(min(radii) / math.e**2)
         self.begins.append(begin)
         self.pieces.append(series)
         self.ends.append(float((begin + step).mid()))
         self.next = (begin + step).mid(), [polynomial(step).mid() for polynomial in series]
 
     def _series(self, begin: arb, start: Sequence[arb]) -> list[arb_poly]:
+        """The Taylor polynomials of the solution at `begin`, by Picard iteration.
+
+        Each pass y <- y(begin) + integral of f(t, y) makes one more coefficient right.
+        """
         with series_length(1):
             series = [arb_series([value]) for value in start]
         for length in range(2, self.order + 2):
@@ -111,6 +133,7 @@ class Solution:
 
 
 def _as_series(value: Any) -> arb_series:
+    """A power series of a rate, which may be a constant."""
     if isinstance(value, arb_series):
         return value
     return arb_series([arb(value)])

@@ -1,4 +1,9 @@
-"""What a witness says of a certified set, and whether it confirms it."""
+"""What a witness says of a certified set, and whether it confirms it.
+
+A witness is a second computation of a case that shares no code with its truth. It lives in a file
+of this folder whose WITNESSES maps case ids to `Witness`; it is not proved, and a set that it
+denies is not stored.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -37,26 +42,22 @@ class Witness:
 @cache
 def witnesses() -> Mapping[str, Witness]:
     """Every witness by case id: found in the files of this folder."""
-    found: dict[str, Witness] = {}
+    by_case: dict[str, Witness] = {}
     for path in sorted(Path(__file__).parent.glob("*.py")):
-        found |= (
-            getattr(import_module(f"{__package__}.{path.stem}"), "WITNESSES", {})
-            if path.stem != "__init__"
-            else {}
-        )
-    return found
+        if path.stem != "__init__":
+            module = import_module(f"{__package__}.{path.stem}")
+            by_case |= getattr(module, "WITNESSES", {})
+    return by_case
 
 
 def witness_files(case: str) -> tuple[Path, ...]:
     """The file of a case's witness; none if it has none."""
     witness = witnesses().get(case)
-    if witness:
-        name = witness.values.__globals__["__name__"].rpartition(".")[2]
-    else:
-        name = ""
-    if witness:
-        return (Path(__file__).with_name(f"{name}.py"),)
-    return ()
+    if witness is None:
+        return ()
+    # The file in which its function is written.
+    module = witness.values.__globals__["__name__"].rpartition(".")[2]
+    return (Path(__file__).with_name(f"{module}.py"),)
 
 
 @exclusive
@@ -74,43 +75,51 @@ def testimony(
     times = sorted({Fraction(row[0]) for row in rows if row[0] is not None})
     claimed = {row[1]: Fraction(row[2]) for row in rows if row[0] is None}
     with precision(BITS):
-        said = {
-            (t, name): value
-            for t, values in witness.values(p, times, claimed)
-            for name, value in values.items()
-        }
-        apart = {
-            key: _apart(said[key], row) for row in rows if (key := (_time(row[0]), row[1])) in said
-        }
-    if not apart:
+        said: dict[tuple[Fraction | None, str], arb] = {}
+        for t, values in witness.values(p, times, claimed):
+            for name, value in values.items():
+                said[t, name] = value
+        differences: dict[tuple[Fraction | None, str], Fraction] = {}
+        for row in rows:
+            key = (_time(row[0]), row[1])
+            if key in said:
+                differences[key] = _difference(said[key], row)
+    if not differences:
         return None
-    worst = max(apart.values())
-    denied = sorted(
-        {f"{name} at {t}" for (t, name), by in apart.items() if by > Fraction(1, 10**AGREED)}
-    )
-    return {"by": witness.method, "values": len(apart), "digits": _digits(worst), "denied": denied}
+    denied = set()
+    for (t, name), difference in differences.items():
+        if difference > Fraction(1, 10**AGREED):
+            denied.add(f"{name} at {t}")
+    return {
+        "by": witness.method,
+        "values": len(differences),
+        "digits": _digits(max(differences.values())),
+        "denied": sorted(denied),
+    }
 
 
 def _time(text: str | None) -> Fraction | None:
+    """The time of a row of the store, None for a scalar."""
     if text is None:
         return None
     return Fraction(text)
 
 
-def _apart(said: arb, row: Sequence[Any]) -> Fraction:
-    """How far the two may be apart, in units of the value where that is larger than 1; an upper
-    bound.
+def _difference(said: arb, row: Sequence[Any]) -> Fraction:
+    """An upper bound of the difference between the witness and a row (t, name, mid, radius, ...).
+
+    In units of the value where that is larger than 1; 10^6 if the witness knows no finite value.
     """
     mid = Fraction(row[2])
-    apart = (abs(said - arb_of(mid)) + arb_of(Fraction(row[3]))) / max(
-        Fraction(1), abs(mid)
-    ).__ceil__()
-    if not apart.is_finite():
+    radius = Fraction(row[3])
+    size = max(Fraction(1), abs(mid)).__ceil__()
+    difference = (abs(said - arb_of(mid)) + arb_of(radius)) / size
+    if not difference.is_finite():
         return Fraction(10**6)
-    mantissa, exponent = apart.abs_upper().man_exp()
+    mantissa, exponent = difference.abs_upper().man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
-def _digits(apart: Fraction) -> int:
-    """Whole decimal digits below 1; at most 40."""
-    return next((n for n in range(40, 0, -1) if apart * 10**n <= 1), 0)
+def _digits(difference: Fraction) -> int:
+    """The number of decimal digits that agree: the largest n <= 40 with difference <= 10^-n."""
+    return next((n for n in range(40, 0, -1) if difference * 10**n <= 1), 0)

@@ -1,5 +1,8 @@
-"""Witness of the heavy top: Euler's equations about the tip in body axes, with the vertical as it
-is seen from the body.
+"""Witness of the heavy top: Euler's equations about the tip in body axes, with the unit vector n
+along the vertical as it is seen from the body.
+
+The state is omega_body (3), n (3), phi and psi; cos theta = n3. J1 is the moment across the axis,
+J3 along it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,54 +25,55 @@ METHOD = (
 
 
 def heavy(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """State omega_body, vertical n in body axes, phi, psi; theta = acos n3.
+    """The angles and thetadot = -(cos theta)'/sin theta; the scalars of a start at a turning point.
 
-    Of the scalars those of a start at a turning point.
+    The period is then the time at which theta turns for the second time; the other end of the
+    nutation is where it turns first.
     """
-    e = {
-        name: arb_of(number(p, name))
-        for name in ("theta0", "phidot0", "thetadot0", "spin", "mass", "length", "gravity")
-    }
+    names = ("theta0", "phidot0", "thetadot0", "spin", "mass", "length", "gravity")
+    e = {name: arb_of(number(p, name)) for name in names}
     moments = [arb_of(j) for j in vector(p, "inertia")]
     sine, cosine = e["theta0"].sin_cos()
-    start = [e["thetadot0"], e["phidot0"] * sine, e["spin"], arb(0), sine, cosine, arb(0), arb(0)]
-    found = Solution(partial(toppling, moments, e["mass"] * e["gravity"] * e["length"]), start)
+    omega_body = [e["thetadot0"], e["phidot0"] * sine, e["spin"]]
+    vertical = [arb(0), sine, cosine]
+    start = [*omega_body, *vertical, arb(0), arb(0)]
+    solution = Solution(partial(toppling, moments, e["mass"] * e["gravity"] * e["length"]), start)
     for t in times:
-        s = found.at(t)
-        rate = -sinking(s) / (s[3] * s[3] + s[4] * s[4]).sqrt()
-        yield t, {"theta": s[5].acos(), "phi": s[6], "psi": s[7], "thetadot": rate}
+        s = solution.at(t)
+        n1, n2, n3 = s[3:6]
+        phi, psi = s[6:]
+        thetadot = -cosine_rate(s) / (n1 * n1 + n2 * n2).sqrt()
+        yield t, {"theta": n3.acos(), "phi": phi, "psi": psi, "thetadot": thetadot}
     if "period" in claimed and number(p, "thetadot0") == 0:
-        near = float(claimed["period"])
-        turned = found.at(found.crossing(sinking, near / 2, near / 128))[5].acos()
-        low, high = sorted((turned, e["theta0"]), key=float)
-        yield (
-            None,
-            {
-                "period": found.crossing(sinking, near, near / 128),
-                "nutation_min": low,
-                "nutation_max": high,
-            },
-        )
+        period = float(claimed["period"])
+        first_turn = solution.crossing(cosine_rate, period / 2, period / 128)
+        other_end = solution.at(first_turn)[5].acos()
+        low, high = sorted((other_end, e["theta0"]), key=float)
+        second_turn = solution.crossing(cosine_rate, period, period / 128)
+        yield None, {"period": second_turn, "nutation_min": low, "nutation_max": high}
 
 
-def sinking(s: Sequence[arb]) -> arb:
+def cosine_rate(s: Sequence[arb]) -> arb:
     """d cos theta/dt = n1 omega2 - n2 omega1."""
     return s[3] * s[1] - s[4] * s[0]
 
 
 def toppling(moments: Sequence[arb], weight: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """J omega' = J omega x omega + torque, n' = n x omega, phi' from omega across the axis, psi' =
-    omega3 - phi' n3.
+    """The field of a heavy top; `weight` is m g l [N m].
+
+    J omega' = (J omega) x omega + m g l (n2, -n1, 0),    n' = n x omega,
+    phi' = (omega1 n1 + omega2 n2)/(n1^2 + n2^2),    psi' = omega3 - phi' n3.
     """
-    a, b, c, x, y, z, _, _ = s
-    across, along = moments
-    round_ = (a * x + b * y) / (x * x + y * y)
-    spins = [
-        ((across - along) * b * c + weight * y) / across,
-        ((along - across) * c * a - weight * x) / across,
-        c * 0,
+    w1, w2, w3, n1, n2, n3, _, _ = s
+    j1, j3 = moments
+    phi_rate = (w1 * n1 + w2 * n2) / (n1 * n1 + n2 * n2)
+    omega_rate = [
+        ((j1 - j3) * w2 * w3 + weight * n2) / j1,
+        ((j3 - j1) * w3 * w1 - weight * n1) / j1,
+        w3 * 0,
     ]
-    return [*spins, y * c - z * b, z * a - x * c, x * b - y * a, round_, c - round_ * z]
+    vertical_rate = [n2 * w3 - n3 * w2, n3 * w1 - n1 * w3, n1 * w2 - n2 * w1]
+    return [*omega_rate, *vertical_rate, phi_rate, w3 - phi_rate * n3]
 
 
 WITNESSES = {"heavy-top": Witness(METHOD, heavy)}

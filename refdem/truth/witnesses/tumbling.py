@@ -21,23 +21,22 @@ METHOD = (
     " (refdem/truth/witnesses/tumbling.py)"
 )
 SCAN = 1 / 8192
-"""Seconds between the looks for an event."""
+"""Step [s] in which the motion is searched for events."""
 OFF, PRESSES, IDLES = range(3)
+"""Modes of a corner: above the slope; in it and pressing; in it, but its force would pull."""
 
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The free body as free rigid bodies move, with its centre; the box on the slope from contact
-    to contact.
+    """The member free as a free rigid body with a centre that moves uniformly; the box on the slope
+    from event to event.
     """
     if p["member"] == "free":
         for t, values in rotations.free(p, times, claimed):
-            if t is None:
-                place = {}
-            else:
-                place = {
-                    a: arb_of(v * t) for a, v in zip("xyz", vector(p, "velocity"), strict=True)
-                }
-            yield t, {**values, **place}
+            position = {}
+            if t is not None:
+                for axis, v in zip("xyz", vector(p, "velocity"), strict=True):
+                    position[axis] = arb_of(v * t)
+            yield t, {**values, **position}
         return
     box = Box(p)
     begin = arb(0)
@@ -46,41 +45,48 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     modes = [OFF] * 8
     while waiting:
         phase = Solution(partial(box.rates, tuple(modes)), state, begin=begin)
-        found = box.event(phase, modes, float(begin), float(waiting[-1]))
-        while waiting and (found is None or arb_of(waiting[0]) < found[0]):
+        event = box.event(phase, modes, float(begin), float(waiting[-1]))
+        while waiting and (event is None or arb_of(waiting[0]) < event[0]):
             t = waiting.pop(0)
             yield t, box.seen(phase.at(t))
-        if found is None:
+        if event is None:
             return
-        begin, corner, modes[corner] = found
+        begin, corner, next_mode = event
+        modes[corner] = next_mode
         state = phase.at(begin)
 
 
 class Box:
-    """State: R row by row (body to space), omega_body, place, velocity."""
+    """A box over the plane with the unit normal `normal`, with forces at its eight corners.
+
+    The state is R row by row (0 to 8, body to space), omega_body (9 to 11), position (12 to 14) and
+    velocity (15 to 17).
+    """
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
         names = ("mass", "gravity", "slope", "height", "stiffness", "damping", "friction")
         self.e = {name: arb_of(number(p, name)) for name in names}
-        self.p, self.inertia = p, [arb_of(j) for j in vector(p, "inertia")]
+        self.p = p
+        self.inertia = [arb_of(j) for j in vector(p, "inertia")]
         self.normal = [self.e["slope"].sin(), arb(0), self.e["slope"].cos()]
-        whole = sum(self.inertia, arb(0))
-        half = [(6 * (whole - 2 * j) / self.e["mass"]).sqrt() / 2 for j in self.inertia]
+        # The square of side i of a box is 6 (J1 + J2 + J3 - 2 J_i)/m.
+        total = sum(self.inertia, arb(0))
+        x, y, z = ((6 * (total - 2 * j) / self.e["mass"]).sqrt() / 2 for j in self.inertia)
         self.corners = [
-            [half[i] * (1 if number >> i & 1 else -1) for i in range(3)] for number in range(8)
+            [sign_x * x, sign_y * y, sign_z * z]
+            for sign_z in (-1, 1)
+            for sign_y in (-1, 1)
+            for sign_x in (-1, 1)
         ]
 
     def start(self) -> list[arb]:
         """The initial state: matrix, rates, position and velocity."""
-        turned = rotations.quantities([arb(0)] * 3 + self.unit())
-        place = [arb(0), arb(0), self.e["height"]]
-        rows = [turned[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
-        return [
-            *rows,
-            *(arb_of(w) for w in vector(self.p, "omega_body")),
-            *place,
-            *(arb_of(v) for v in vector(self.p, "velocity")),
-        ]
+        of_attitude = rotations.quantities([arb(0)] * 3 + self.unit())
+        matrix = [of_attitude[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
+        omega_body = [arb_of(w) for w in vector(self.p, "omega_body")]
+        position = [arb(0), arb(0), self.e["height"]]
+        velocity = [arb_of(v) for v in vector(self.p, "velocity")]
+        return [*matrix, *omega_body, *position, *velocity]
 
     def unit(self) -> list[arb]:
         """The initial attitude (4), normalised."""
@@ -89,88 +95,112 @@ class Box:
         return [x / size for x in q]
 
     def corner(self, y: Sequence[Any], number: int) -> tuple[list[Any], Any, Any, list[Any]]:
-        """Arm in space, depth, push and velocity of a corner."""
-        c = self.corners[number]
-        (a, b, d) = y[9:12]
-        swept = [b * c[2] - d * c[1], d * c[0] - a * c[2], a * c[1] - b * c[0]]
-        arm, speed = ([dot(y[3 * i : 3 * i + 3], v) for i in range(3)] for v in (c, swept))
-        speed = [v + w for v, w in zip(y[15:18], speed, strict=True)]
+        """The arm (3, in space), depth, normal force and velocity (3) of a corner.
+
+        arm = R c and velocity = v + R (omega_body x c) for the corner c in body axes; depth = -(r +
+        arm) . n; force = k depth - c velocity . n.
+        """
+        arm_body = self.corners[number]
+        omega_body = y[9:12]
+        velocity_body = crossed(omega_body, arm_body)
+        arm = [dot(y[3 * i : 3 * i + 3], arm_body) for i in range(3)]
+        turning = [dot(y[3 * i : 3 * i + 3], velocity_body) for i in range(3)]
+        velocity = [v + w for v, w in zip(y[15:18], turning, strict=True)]
         depth = -dot([r + s for r, s in zip(y[12:15], arm, strict=True)], self.normal)
-        return (
-            arm,
-            depth,
-            depth * self.e["stiffness"] - dot(speed, self.normal) * self.e["damping"],
-            speed,
-        )
+        force = depth * self.e["stiffness"] - dot(velocity, self.normal) * self.e["damping"]
+        return arm, depth, force, velocity
 
     def rates(self, modes: tuple[int, ...], t: Any, y: Sequence[Any]) -> list[Any]:
-        """R' = R [omega], J omega' = (J omega) x omega + R^T torque, r' = v, m v' = F."""
+        """The field: R' = R [omega], J omega' = (J omega) x omega + R^T torque, r' = v, m v' = F.
+
+        A corner that presses adds push n - mu push slip/|slip| to the force, and its moment about
+        the centre to the torque.
+        """
         force = [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]]
         torque = [y[0] * 0] * 3
         for pressing in (n for n, mode in enumerate(modes) if mode == PRESSES):
-            arm, _, push, u = self.corner(y, pressing)
-            along = dot(u, self.normal)
-            slip = [a - n * along for a, n in zip(u, self.normal, strict=True)]
+            arm, _, push, velocity = self.corner(y, pressing)
+            along = dot(velocity, self.normal)
+            slip = [v - n * along for v, n in zip(velocity, self.normal, strict=True)]
             if float(self.e["friction"]):
-                rub = push * self.e["friction"] / dot(slip, slip).sqrt()
+                friction = push * self.e["friction"] / dot(slip, slip).sqrt()
             else:
-                rub = push * 0
-            own = [push * n - rub * s for n, s in zip(self.normal, slip, strict=True)]
-            force = [a + b for a, b in zip(force, own, strict=True)]
-            torque = [a + b for a, b in zip(torque, crossed(arm, own), strict=True)]
-        (a, b, c) = y[9:12]
-        (j1, j2, j3) = self.inertia
-        felt = [dot([y[i], y[3 + i], y[6 + i]], torque) for i in range(3)]
-        spin = [
-            (b * c * (j2 - j3) + felt[0]) / j1,
-            (c * a * (j3 - j1) + felt[1]) / j2,
-            (a * b * (j1 - j2) + felt[2]) / j3,
+                friction = push * 0
+            at_corner = [push * n - friction * s for n, s in zip(self.normal, slip, strict=True)]
+            force = [a + b for a, b in zip(force, at_corner, strict=True)]
+            torque = [a + b for a, b in zip(torque, crossed(arm, at_corner), strict=True)]
+        a, b, c = y[9:12]
+        j1, j2, j3 = self.inertia
+        # R^T torque, by the columns of R.
+        torque_body = [dot([y[i], y[3 + i], y[6 + i]], torque) for i in range(3)]
+        omega_rate = [
+            (b * c * (j2 - j3) + torque_body[0]) / j1,
+            (c * a * (j3 - j1) + torque_body[1]) / j2,
+            (a * b * (j1 - j2) + torque_body[2]) / j3,
         ]
-        turn = [x for i in range(3) for x in crossed(y[3 * i : 3 * i + 3], (a, b, c))]
-        return [*turn, *spin, *y[15:18], *(f / self.e["mass"] for f in force)]
+        # Each row of R changes by its cross product with omega_body.
+        matrix_rate = [x for i in range(3) for x in crossed(y[3 * i : 3 * i + 3], (a, b, c))]
+        acceleration = [f / self.e["mass"] for f in force]
+        return [*matrix_rate, *omega_rate, *y[15:18], *acceleration]
 
     def event(
         self, phase: Solution, modes: list[int], begin: float, last: float
     ) -> tuple[arb, int, int] | None:
-        """When, at which corner, and its next mode; None if not before the last time."""
+        """The first event as its time, corner and next mode; None if none is before `last`."""
         t = begin
         while t <= last:
             t += SCAN
-            found = [self.ended(phase, n, mode, begin, t) for n, mode in enumerate(modes)]
-            if any(found):
-                return min((one for one in found if one), key=lambda one: float(one[0]))
+            events = []
+            for corner, mode in enumerate(modes):
+                event = self.ended(phase, corner, mode, begin, t)
+                if event is not None:
+                    events.append(event)
+            if events:
+                return min(events, key=lambda event: float(event[0]))
         return None
 
     def ended(
         self, phase: Solution, number: int, mode: int, begin: float, t: float
     ) -> tuple[arb, int, int] | None:
-        """The event of one corner in the stretch before t: it touches, would pull, leaves, or
-        presses again.
+        """The event (time, corner, next mode) of one corner in the step before t; None if none.
+
+        It touches, would pull, leaves, or presses again. Without damping the force ends with the
+        depth, so that a corner that would pull is off.
         """
         _, depth, push, _ = self.corner(phase.at(arb(t)), number)
         low = max(begin, t - SCAN) + 1e-9
+
+        def depth_of(y: Sequence[arb]) -> Any:
+            return self.corner(y, number)[1]
+
+        def push_of(y: Sequence[arb]) -> Any:
+            return self.corner(y, number)[2]
+
         if mode == OFF and depth > 0:
-            return phase.bisected(lambda y: self.corner(y, number)[1], low, t), number, PRESSES
+            return phase.bisected(depth_of, low, t), number, PRESSES
         if mode == PRESSES and push < 0:
-            return (
-                phase.bisected(lambda y: -self.corner(y, number)[2], low, t),
-                number,
-                IDLES if self.e["damping"] > 0 else OFF,
-            )
+            if self.e["damping"] > 0:
+                next_mode = IDLES
+            else:
+                next_mode = OFF
+            return phase.bisected(lambda y: -push_of(y), low, t), number, next_mode
         if mode == IDLES and depth < 0:
-            return phase.bisected(lambda y: -self.corner(y, number)[1], low, t), number, OFF
+            return phase.bisected(lambda y: -depth_of(y), low, t), number, OFF
         if mode == IDLES and push > 0:
-            return (phase.bisected(lambda y: self.corner(y, number)[2], low, t), number, PRESSES)
+            return phase.bisected(push_of, low, t), number, PRESSES
         return None
 
     def seen(self, y: Sequence[arb]) -> dict[str, arb]:
-        """omega_body, omega, R and the place."""
-        found = {
-            f"R.{i}{j}": y[3 * m + n] for m, i in enumerate("xyz") for n, j in enumerate("xyz")
-        }
-        found |= {f"omega_body.{a}": w for a, w in zip("xyz", y[9:12], strict=True)}
-        found |= {f"omega.{a}": dot(y[3 * i : 3 * i + 3], y[9:12]) for i, a in enumerate("xyz")}
-        return found | dict(zip("xyz", y[12:15], strict=True))
+        """The quantities omega_body, omega = R omega_body, R and the position of a state."""
+        omega_body = y[9:12]
+        quantities = dict(zip("xyz", y[12:15], strict=True))
+        for i, axis in enumerate("xyz"):
+            row = y[3 * i : 3 * i + 3]
+            quantities[f"omega_body.{axis}"] = omega_body[i]
+            quantities[f"omega.{axis}"] = dot(row, omega_body)
+            for column, entry in zip("xyz", row, strict=True):
+                quantities[f"R.{axis}{column}"] = entry
+        return quantities
 
 
 def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:

@@ -37,7 +37,7 @@ class Floor:
 
     @property
     def window(self) -> Fraction:
-        """About the law's own time [s]."""
+        """A dyadic number near sqrt(m/(3 k)) [s]: switches are searched in windows as long."""
         return dyadic_root(near(self.mass) / (3 * self.stiffness))
 
 
@@ -69,6 +69,7 @@ def bounce(
     numbers = {"height": height, "restitution": restitution, "bounces": bounces}
     refuse_rounded_arguments(bounce, (scale, floor), numbers)
     radius = floor.radius
+    # Until when apexes are scalars.
     until = time_of_bounces(floor, height, restitution, bounces)
     moving = ("r.y", "v.y")
     return HybridFlow(
@@ -86,7 +87,10 @@ def bounce(
 
 
 def flight_and_contact(floor: Floor) -> dict[str, Mode]:
-    """The modes of a sphere that bounces."""
+    """The modes of a sphere that bounces: flight and contact.
+
+    Each ends where y - R comes to 0, which is a simple zero of the guard of the other.
+    """
     k = floor.stiffness / floor.mass
     c = floor.damping / floor.mass
     g = floor.gravity
@@ -99,38 +103,40 @@ def flight_and_contact(floor: Floor) -> dict[str, Mode]:
 
 
 def apexes(floor: Floor, until: Number, flow: HybridFlow) -> dict[str, Ball]:
-    """apex_n [m]: height of the centre at the top of the flight after bounce n, for the bounces
-    before `until` [s].
+    """apex_n [m], the height of the centre at the top of the flight after bounce n: R + v^2/(2 g).
+
+    v is its speed where it parts from the floor; of the bounces before `until` [s].
     """
 
-    def found(motion: HybridMotion) -> dict[str, arb]:
+    def heights(motion: HybridMotion) -> dict[str, arb]:
+        # The motion is followed as far as it is asked for.
         motion.at(arb_of(until))
-        ups = [
+        departures = [
             event for event in motion.events if event.name == "part" and event.time < arb_of(until)
         ]
-        twice = arb_of(2 * floor.gravity)
-        # It rises by v^2/(2 g).
-        return {
-            f"apex_{n + 1}": arb_of(floor.radius) + up.state[1] ** 2 / twice
-            for n, up in enumerate(ups)
-        }
+        double_gravity = arb_of(2 * floor.gravity)
+        apexes = {}
+        for n, departure in enumerate(departures):
+            speed = departure.state[1]
+            apexes[f"apex_{n + 1}"] = arb_of(floor.radius) + speed**2 / double_gravity
+        return apexes
 
-    return flow.proof.climbed(found, "apexes")
+    return flow.proof.climbed(heights, "apexes")
 
 
 def time_of_bounces(floor: Floor, height: Fraction, restitution: Fraction, bounces: int) -> Number:
-    """About the time [s] of the top of the flight after so many bounces: of a hard sphere's
-    flights, and half a swing a contact.
+    """About the time [s] of the top of the flight after the last of `bounces` bounces.
 
-    A flight with the speed e^n sqrt(2 g (h - R)) rises for e^n sqrt(2 (h - R)/g).
+    It is that of a hard sphere's flights, and pi sqrt(m/k), half a swing, for each contact. The
+    flight after bounce n, with the speed e^n sqrt(2 g (h - R)), rises for e^n sqrt(2 (h - R)/g) and
+    falls as long.
     """
-    fall = root(2 * (height - floor.radius) / floor.gravity)
-    flights = (
-        1 + 2 * sum((restitution**n for n in range(1, bounces)), Fraction(0)) + restitution**bounces
-    )
-    contact = pi() * root(floor.mass / floor.stiffness)
-    lasts: Number = fall * flights + bounces * contact
-    return lasts
+    fall_time = root(2 * (height - floor.radius) / floor.gravity)
+    whole_flights = sum((restitution**n for n in range(1, bounces)), Fraction(0))
+    fall_times = 1 + 2 * whole_flights + restitution**bounces
+    contact_time = pi() * root(floor.mass / floor.stiffness)
+    time: Number = fall_time * fall_times + bounces * contact_time
+    return time
 
 
 def on_floor(y: Any) -> list[Any]:
@@ -139,8 +145,10 @@ def on_floor(y: Any) -> list[Any]:
 
 
 def falls(g: Fraction, y: State) -> tuple[str, arb]:
-    """The event that ends a flight, and the time [s] until it."""
-    return "land", (y[1] + (y[1] * y[1] + 2 * arb_of(g) * y[0]).sqrt()) / arb_of(g)
+    """The event that ends a flight, and the time [s] until it, (v + sqrt(v^2 + 2 g y))/g."""
+    height, rate = y[:2]
+    time = (rate + (rate * rate + 2 * arb_of(g) * height).sqrt()) / arb_of(g)
+    return "land", time
 
 
 def stack(
@@ -151,8 +159,10 @@ def stack(
     ceiling: Fraction,
     starts: Sequence[Fraction],
 ) -> HybridFlow:
-    """Two spheres of one radius between the floor and a ceiling: three springs that press; state
-    (y1, v1, y2, v2, clock).
+    """Two spheres of one radius squeezed between the floor and a ceiling.
+
+    Three contacts press with k d + c d'; the state is (y1, v1, y2, v2, clock), `starts` the exact
+    heights of the centres, at rest. The motion is followed until a contact opens.
     """
     numbers = {"upper_mass": upper_mass, "ceiling": ceiling, "starts": starts}
     refuse_rounded_arguments(stack, (scale, floor), numbers)
@@ -160,18 +170,20 @@ def stack(
     radius = floor.radius
 
     def overlaps(y: Sequence[Any]) -> list[Any]:
-        return [radius - y[0], 2 * radius - (y[2] - y[0]), y[2] + radius - ceiling]
+        """Those with the floor, between the spheres, and with the ceiling."""
+        y1, _, y2 = y[:3]
+        return [radius - y1, 2 * radius - (y2 - y1), y2 + radius - ceiling]
 
     def field(y: Sequence[Any]) -> list[Any]:
-        rates = (-y[1], y[1] - y[3], y[3])
+        _, v1, _, v2 = y[:4]
+        overlap_rates = (-v1, v1 - v2, v2)
         low, middle, high = (
-            a * floor.stiffness + u * floor.damping for a, u in zip(overlaps(y), rates, strict=True)
+            overlap * floor.stiffness + rate * floor.damping
+            for overlap, rate in zip(overlaps(y), overlap_rates, strict=True)
         )
-        up = (
-            (low - middle) / floor.mass - floor.gravity,
-            (middle - high) / upper_mass - floor.gravity,
-        )
-        return [y[1], up[0], y[3], up[1], 1]
+        acceleration1 = (low - middle) / floor.mass - floor.gravity
+        acceleration2 = (middle - high) / upper_mass - floor.gravity
+        return [v1, acceleration1, v2, acceleration2, 1]
 
     def opens(i: int) -> Guard:
         return Guard(f"contact {i} opens", lambda y: overlaps(y)[i], lambda y: Entry(None))

@@ -1,11 +1,15 @@
 """A sphere that touches the wall x = 0 from the left under Hertz's law F = k d^(3/2), with sliding
 friction of full size: closed form.
 
-The normal motion is that of power_contact. Friction is mu F against the slip s = v_y + R omega
-while there is any; with P(t) the normal impulse per mass so far (the fall of v_x), v_y loses mu P
-and R omega 5/2 mu P, so that the slip ends at P = 2|s|/(7 mu), if P comes so far, and does not come
-back: rolling needs no friction on a wall with the lever R (Maw, Barber and Fawcett 1976 for the
-limit).
+The normal motion, m d'' = -k d^(3/2) with the overlap d = x + R, is that of power_contact. Friction
+is mu F against the slip s = v_y + R omega while there is any; with P(t) = v_x(0) - v_x(t) the
+normal impulse per mass so far,
+
+    v_y = v_y(0) - side mu P,    R omega = R omega(0) - side 5/2 mu P,
+
+side being the sign of the slip at the start. So the slip ends at P = 2|s|/(7 mu), if P comes so
+far, and does not come back: rolling needs no friction on a wall with the lever R (Maw, Barber and
+Fawcett 1976 for the limit).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -33,6 +37,8 @@ STILL = ("r.z", "v.z", "omega.x", "omega.y")
 class AgainstWall(Guarded):
     """The part that all impacts of Hertz's law on a wall share: the start, and the normal motion,
     which no friction changes.
+
+    `begin` is (x, y, v_x, v_y, omega) at t = 0.
     """
 
     mass: Number
@@ -63,6 +69,7 @@ class AgainstWall(Guarded):
         self.begin = (-radius, Fraction(0), normal, across, spin)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The impact whose start is larger by `amount` in coordinate `axis` of STATE."""
         other = copy(self)
         other.kept = {}
         other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))
@@ -70,7 +77,7 @@ class AgainstWall(Guarded):
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
-        """The contact, and when it begins."""
+        """The contact, and the time [s] at which it begins."""
         return touching(
             self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2]
         )
@@ -87,34 +94,37 @@ class AgainstWall(Guarded):
         return slip
 
     def normal(self, t: arb) -> tuple[arb, arb]:
-        """Overlap (negative while apart) and its rate."""
+        """The overlap d [m], negative while apart, and its rate d' = v_x [m/s] at time t."""
         contact, touch = self.contact()
-        since = t - touch
-        if since < 0:
-            return arb_of(self.begin[0] + self.radius) + arb_of(self.begin[2]) * t, arb_of(
-                self.begin[2]
-            )
-        after = since - 2 * contact.half
-        if after >= 0:
-            return (-contact.speed * after, -contact.speed)
-        return contact.state(since)
+        since_touch = t - touch
+        if since_touch < 0:
+            overlap = arb_of(self.begin[0] + self.radius)
+            rate = arb_of(self.begin[2])
+            return overlap + rate * t, rate
+        # `half` is the time from touch to the largest overlap.
+        since_end = since_touch - 2 * contact.half
+        if since_end >= 0:
+            return (-contact.speed * since_end, -contact.speed)
+        return contact.state(since_touch)
 
     def normal_at(self, t: arb) -> tuple[arb, arb]:
-        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and
-        the speed that it began with.
+        """The overlap and its rate, also at a ball of times that holds the end of the contact.
+
+        There d is at most the speed v at touch times the distance in time from the end, and d'
+        differs from -v by at most (k/m) d^(3/2) times that distance.
         """
         contact, touch = self.contact()
-        beyond = t - touch - 2 * contact.half
-        if beyond > 0 or beyond < 0:
+        since_end = t - touch - 2 * contact.half
+        if since_end > 0 or since_end < 0:
             return self.normal(t)
-        depth = contact.speed * beyond
-        deepest = arb(depth.abs_upper())
-        lost = arb_of(self.stiffness / self.mass) * deepest * deepest.sqrt() * beyond
-        return depth, -contact.speed + arb(0, lost.abs_upper())
+        overlap = contact.speed * since_end
+        largest = arb(overlap.abs_upper())
+        rate_change = arb_of(self.stiffness / self.mass) * largest * largest.sqrt() * since_end
+        return overlap, -contact.speed + arb(0, rate_change.abs_upper())
 
 
 class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
-    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0."""
+    """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0."""
 
     state = STATE
     method = (
@@ -148,16 +158,18 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 
     @per_precision
     def growth(self) -> Grows:
+        """How errors of STATE grow, from the stretches below."""
         rows = Norm([1] * len(STATE))
         return Growth(self.stretches(), rows, step=narrow(1 / self.contact()[0].half))
 
     def stretches(self) -> Iterator[Stretch]:
-        """Free, sliding, rolling, free; errors of STATE in scales.
+        """The stretches of time along which errors of STATE grow smoothly, in scales.
 
-        Along the normal by scaling. Friction, mu times the normal force, hands on what the normal
-        velocity loses: an error of v_x or x comes to v_y and y times mu, to omega times 5 mu/(2 R).
-        Where the slip ends, and at once for every error that is made while the sphere rolls under
-        pressure, v_y loses 2/7 of the slip and omega 5/7 of it over R.
+        Free flight, sliding, rolling, free flight. Along the normal errors grow by scaling.
+        Friction, mu times the normal force, hands on what the normal velocity loses: an error of
+        v_x or x comes to v_y and y times mu, to omega times 5 mu/(2 R). Where the slip ends, and at
+        once for every error that is made while the sphere rolls under pressure, v_y loses 2/7 of
+        the slip and omega 5/7 of it over R (`held`).
         """
         contact, touch = self.contact()
         parted = touch + 2 * contact.half
@@ -165,84 +177,85 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         slides = bool(self.friction and self.slip())
         held = self.scaled_errors(self.held())
         if touch > 0:
-            free = not (self.friction and not slides)
-            yield smooth(arb(0), touch, self.errors(0), jump=None if free else held)
+            # With friction and no slip an error of the slip is held at touch.
+            if self.friction and not slides:
+                jump = held
+            else:
+                jump = None
+            yield smooth(arb(0), touch, self.errors(0), jump=jump)
             begin = touch
         else:
             begin = arb(0)
         if not self.friction:
-            yield smooth(
-                begin, None, partial(self.later, self.errors(0), begin), quickness=self.quick
-            )
+            free = partial(self.later, self.errors(0), begin)
+            yield smooth(begin, None, free, quickness=self.quick)
             return
+        sliding = partial(self.later, self.errors(1), begin)
         if slides and stop is None:
-            yield smooth(
-                begin,
-                parted - begin,
-                partial(self.later, self.errors(1), begin),
-                quickness=self.quick,
-            )
+            yield smooth(begin, parted - begin, sliding, quickness=self.quick)
         else:
             if slides:
                 assert stop is not None
-                yield smooth(
-                    begin,
-                    stop[1] - begin,
-                    partial(self.later, self.errors(1), begin),
-                    jump=held,
-                    quickness=self.quick,
-                )
-                begin = stop[1]
+                _, stop_time = stop
+                yield smooth(begin, stop_time - begin, sliding, jump=held, quickness=self.quick)
+                begin = stop_time
             rolling = partial(self.later, self.errors(0), begin)
             yield smooth(begin, parted - begin, rolling, felt=held, quickness=self.quick)
-        yield smooth(
-            parted, None, partial(self.later, self.errors(0), parted), quickness=self.quick
-        )
+        free = partial(self.later, self.errors(0), parted)
+        yield smooth(parted, None, free, quickness=self.quick)
 
     def quick(self, t: arb) -> float:
-        """Bound of the norm of the field's Jacobian in scales."""
+        """A bound of the norm of the field's Jacobian, in scales, at all times.
+
+        The largest row sum: the force per mass has the slope (3/2)(k/m) sqrt(d) by x, friction mu
+        and its torque 5 mu/(2 R) of that; positions change with velocities.
+        """
         contact, _ = self.contact()
-        steepest = (
+        slope = (
             arb_of(HERTZ * self.stiffness / self.mass)
             * contact.depth.sqrt()
             * arb_of(self.scale["r.x"])
         )
-        rub = arb_of(self.friction)
-        rates = [steepest / arb_of(self.scale["v.x"]), rub * steepest / arb_of(self.scale["v.y"])]
-        rates.append(
-            rub * steepest * arb_of(Fraction(5, 2) / self.radius) / arb_of(self.scale["omega.z"])
-        )
-        rates += [
+        mu = arb_of(self.friction)
+        turning = mu * slope * arb_of(Fraction(5, 2) / self.radius)
+        row_sums = [
+            slope / arb_of(self.scale["v.x"]),
+            mu * slope / arb_of(self.scale["v.y"]),
+            turning / arb_of(self.scale["omega.z"]),
             arb_of(self.scale["v.x"] / self.scale["r.x"]),
             arb_of(self.scale["v.y"] / self.scale["r.y"]),
         ]
-        return most(rates)
+        return most(row_sums)
 
-    def errors(self, rubs: int) -> Callable[[arb], arb_mat]:
-        """Five independent errors, as columns, by the time since the start: two of the normal
-        motion, y, v_y and omega.
+    def errors(self, slides: int) -> Callable[[arb], arb_mat]:
+        """Five independent errors of STATE, as columns in scales, as a function of time [s].
+
+        Two of the normal motion with what friction makes of them while it slides (`slides` is 1,
+        else 0), one each of y, v_y and omega.
         """
         _, touch = self.contact()
-        stiffness = arb_of(self.stiffness / self.mass)
+        k_over_m = arb_of(self.stiffness / self.mass)
+        # The overlap goes with the speed at touch to the power 2/(n + 1).
         power = arb_of(Fraction(2) / (HERTZ + 1))
         side = (self.slip() > 0) - (self.slip() < 0)
-        push = arb_of(self.friction * side * rubs)
-        turn = push * arb_of(Fraction(5, 2) / self.radius)
-        none = arb(0)
+        mu = arb_of(self.friction * side * slides)
+        mu_turn = mu * arb_of(Fraction(5, 2) / self.radius)
+        zero = arb(0)
         one = arb(1)
 
-        def found(t: arb) -> arb_mat:
-            depth, rate = self.normal_at(t)
-            if depth > 0:
-                force = -stiffness * depth * depth.sqrt()
+        def columns(t: arb) -> arb_mat:
+            overlap, rate = self.normal_at(t)
+            if overlap > 0:
+                acceleration = -k_over_m * overlap * overlap.sqrt()
             else:
-                force = none
-            (x1, x2), (v1, v2) = homogeneous(depth, rate, force, t - touch, power, one).table()
-            row_x = [x1, x2, none, none, none]
-            row_y = [push * x1, push * x2, one, t, none]
-            row_vx = [v1, v2, none, none, none]
-            row_vy = [push * v1, push * v2, none, one, none]
-            row_omega = [turn * v1, turn * v2, none, none, one]
+                acceleration = zero
+            normal = homogeneous(overlap, rate, acceleration, t - touch, power, one)
+            (x1, x2), (v1, v2) = normal.table()
+            row_x = [x1, x2, zero, zero, zero]
+            row_y = [mu * x1, mu * x2, one, t, zero]
+            row_vx = [v1, v2, zero, zero, zero]
+            row_vy = [mu * v1, mu * v2, zero, one, zero]
+            row_omega = [mu_turn * v1, mu_turn * v2, zero, zero, one]
             rows = [row_x, row_y, row_vx, row_vy, row_omega]
             return arb_mat(
                 [
@@ -251,78 +264,94 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
                 ]
             )
 
-        return found
+        return columns
 
     @staticmethod
     def later(errors: Callable[[arb], arb_mat], begin: arb, since: arb) -> arb_mat:
-        """The same by the time since another."""
+        """The errors at the time `since` [s] after another, `begin`."""
         return errors(begin + since)
 
     def held(self) -> list[list[arb]]:
-        """What the end of the slip does to an error."""
+        """The matrix that maps an error of STATE across the end of the slip, which is 0 after it.
+
+        v_y loses 2/7 of the slip v_y + R omega and omega 5/7 of it over R.
+        """
         rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
         radius = arb_of(self.radius)
-        rows[3][3], rows[3][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
-        rows[4][3], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
+        rows[3][3] = arb_of(Fraction(5, 7))
+        rows[3][4] = -arb_of(Fraction(2, 7)) * radius
+        rows[4][3] = -arb_of(Fraction(5, 7)) / radius
+        rows[4][4] = arb_of(Fraction(2, 7))
         return rows
 
     def scaled_errors(self, rows: list[list[arb]]) -> arb_mat:
-        """A matrix from errors to errors in scales."""
+        """The matrix between errors of STATE that has these rows, between errors in scales."""
         sizes = [arb_of(self.scale[name]) for name in STATE]
         return arb_mat(
             [
-                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
+                [entry * column / size for entry, column in zip(row, sizes, strict=True)]
                 for row, size in zip(rows, sizes, strict=True)
             ]
         )
 
     @per_precision
     def stop(self) -> tuple[arb, arb] | None:
-        """Overlap and time at the end of the slip; None if it does not end."""
+        """The overlap [m] and the time [s] at the end of the slip; None if it does not end.
+
+        It ends at P = 2|s|/(7 mu), where u = d'/v = (v_x(0) - P)/v with v the speed at touch; then
+        d = d_m (1 - u^2)^a by the energy. Raises UndecidedError where balls do not tell that from
+        the end of the contact.
+        """
         contact, touch = self.contact()
         if not self.friction or not self.slip():
             return None
-        s = (
-            arb_of(self.begin[2]) - arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
-        ) / contact.speed
-        if s < -1:
+        impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
+        u = (arb_of(self.begin[2]) - impulse) / contact.speed
+        if u < -1:
             return None
-        if not s > -1:
+        if not u > -1:
             raise UndecidedError("whether the slip ends before the contact does")
-        return contact.depth * (
-            1 - s * s
-        ) ** contact.a, touch + contact.half - contact.unit * contact.before_turn(s)
+        overlap = contact.depth * (1 - u * u) ** contact.a
+        time = touch + contact.half - contact.unit * contact.before_turn(u)
+        return overlap, time
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """STATE at time t, and zeros for the other components.
+
+        y = y(0) + v_y(0) t - side mu I, where I is the integral of the impulse P = v_x(0) - v_x,
+        v_x(0) t - (d - d(0)); from the end of the slip on the P of friction is constant.
+        """
         x, y, vx, vy, spin = (arb_of(value) for value in self.begin)
-        depth, rate = self.normal(t)
+        overlap, rate = self.normal(t)
         side = (self.slip() > 0) - (self.slip() < 0)
-        push = arb_of(self.friction * side)
-        end = self.stop()
-        if end is not None and not (t < end[1] or t > end[1]):
-            raise UndecidedError("whether it slips still")
-        way = vx * t - (depth - (x + arb_of(self.radius)))
+        mu = arb_of(self.friction * side)
+        stop = self.stop()
+        first_overlap = x + arb_of(self.radius)
         impulse = vx - rate
-        rest = arb(0)
-        if end is not None and t > end[1]:
-            impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
-            way = vx * end[1] - (end[0] - (x + arb_of(self.radius)))
-            rest = impulse * (t - end[1])
-        now = (
-            depth - arb_of(self.radius),
-            y + vy * t - push * (way + rest),
-            rate,
-            vy - push * impulse,
-        )
-        turned = spin - push * impulse * arb_of(Fraction(5, 2) / self.radius)
-        return dict(zip((*STATE, *STILL), (*now, turned, *(arb(0),) * 4), strict=True))
+        integral = vx * t - (overlap - first_overlap)
+        after_stop = arb(0)
+        if stop is not None:
+            stop_overlap, stop_time = stop
+            if not (t < stop_time or t > stop_time):
+                raise UndecidedError("whether it slides still")
+            if t > stop_time:
+                impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
+                integral = vx * stop_time - (stop_overlap - first_overlap)
+                after_stop = impulse * (t - stop_time)
+        position_x = overlap - arb_of(self.radius)
+        position_y = y + vy * t - mu * (integral + after_stop)
+        velocity_y = vy - mu * impulse
+        omega = spin - mu * impulse * arb_of(Fraction(5, 2) / self.radius)
+        state = (position_x, position_y, rate, velocity_y, omega)
+        return dict(zip((*STATE, *STILL), (*state, *(arb(0),) * 4), strict=True))
 
     def constants(self) -> dict[str, arb]:
+        """The scalars of an impact, see `impact_constants`."""
         return impact_constants(self)
 
 
 class Impact(Protocol):
-    """What the scalars of an impact are found from."""
+    """An impact on a wall, as far as its scalars are computed from it."""
 
     stiffness: Number
 
@@ -332,14 +361,15 @@ class Impact(Protocol):
 
 
 def impact_constants(impact: Impact) -> dict[str, arb]:
-    """How long it lasts, its largest overlap and force, and with what it leaves."""
+    """The scalars: duration [s], largest overlap [m] and force [N], rebounding v_y and omega."""
     contact, touch = impact.contact()
-    deepest = contact.depth
-    last = impact.evaluate(touch + 3 * contact.half)
+    max_overlap = contact.depth
+    # Half a duration after the end of the contact, where nothing changes any more.
+    rebound = impact.evaluate(touch + 3 * contact.half)
     return {
         "duration": 2 * contact.half,
-        "max_overlap": deepest,
-        "max_force": arb_of(impact.stiffness) * deepest * deepest.sqrt(),
-        "rebound_across": last["v.y"],
-        "rebound_spin": last["omega.z"],
+        "max_overlap": max_overlap,
+        "max_force": arb_of(impact.stiffness) * max_overlap * max_overlap.sqrt(),
+        "rebound_across": rebound["v.y"],
+        "rebound_spin": rebound["omega.z"],
     }

@@ -1,10 +1,14 @@
 """A solid sphere that lies on the floor y = 0, its overlap that of its weight, and slides along x
 until it rolls: closed form.
 
-With d the overlap, d'' = g - N/m, the impulse of the floor per mass is I = g t - (d' - d'(0)).
-Friction mu N against the slip u + R omega (omega about z, lever R) takes mu I from u and 5/2 mu I
-from R omega, so that it rolls from I = 2 (u0 + R omega0)/(7 mu) on, at 5/7 u0 if it did not spin;
-then nothing acts along the floor. The overlap stays, or, for the neighbouring motions of S, swings
+With d the overlap and N the normal force, d'' = g - N/m, so that the impulse of the floor per mass
+is I = g t - (d' - d'(0)). Friction mu N against the slip u + R omega (u = v_x, omega about z, lever
+R) takes mu I from u and 5/2 mu I from R omega:
+
+    u = u0 - mu I,    R omega = R omega0 - 5/2 mu I.
+
+So it rolls from I = 2 (u0 + R omega0)/(7 mu) on, at 5/7 u0 if it did not spin; then nothing acts
+along the floor. The overlap stays m g/k, or, for the neighbouring motions of S, swings about that
 at sqrt(k/m).
 """
 
@@ -27,7 +31,10 @@ STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
 class SlideToRoll(ClosedForm):
-    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0."""
+    """The truth of the slide: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
+
+    `rate2` is k/m [1/s^2], `sag` the overlap m g/k [m] at rest.
+    """
 
     state = STATE
     method = "closed form: uniform deceleration, then uniform rolling"
@@ -52,9 +59,10 @@ class SlideToRoll(ClosedForm):
         self.speed = speed
         self.sag = gravity / self.rate2
         self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
-        """x, how far the centre is above its place of rest, their rates, and the spin."""
+        """x, the height of the centre above its place of rest, their rates, and the spin."""
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The motion whose start is larger by `amount` in coordinate `axis` of STATE."""
         other = copy(self)
         other.kept = {}
         other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))  # type: ignore[assignment]
@@ -62,110 +70,121 @@ class SlideToRoll(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        return Growth(
-            self.stretches(), Norm([1] * len(STATE)), step=narrow(arb_of(self.rate2).sqrt())
-        )
+        """How errors of STATE grow, from the stretches below."""
+        rate = arb_of(self.rate2).sqrt()
+        return Growth(self.stretches(), Norm([1] * len(STATE)), step=narrow(rate))
 
     def stretches(self) -> Iterator[Stretch]:
-        """Sliding, then rolling; where the slip ends, and at once for every later error, v_x loses
-        2/7 of it and omega 5/7 over R.
+        """Sliding, then rolling, along which errors grow smoothly.
+
+        Where the slip v_x + R omega ends, and at once for every later error, v_x loses 2/7 of it
+        and omega 5/7 of it over R.
         """
         radius = arb_of(self.radius)
-        rolls = self.roll_time()
-        rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
-        rows[2][2], rows[2][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
-        rows[4][2], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
-        sizes = [arb_of(self.scale[name]) for name in STATE]
-        held = arb_mat(
-            [
-                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
-                for row, size in zip(rows, sizes, strict=True)
-            ]
-        )
-        yield smooth(arb(0), rolls, partial(self.errors, arb_of(self.friction)), jump=held)
-        yield smooth(rolls, None, partial(self.errors, arb(0)), felt=held)
+        roll_time = self.roll_time()
+        held = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
+        held[2][2] = arb_of(Fraction(5, 7))
+        held[2][4] = -arb_of(Fraction(2, 7)) * radius
+        held[4][2] = -arb_of(Fraction(5, 7)) / radius
+        held[4][4] = arb_of(Fraction(2, 7))
+        jump = self.scaled(held)
+        yield smooth(arb(0), roll_time, partial(self.errors, arb_of(self.friction)), jump=jump)
+        yield smooth(roll_time, None, partial(self.errors, arb(0)), felt=jump)
 
-    def errors(self, friction: arb, t: arb) -> arb_mat:
-        """Errors of STATE in scales by those a time t earlier, under that friction.
-
-        The overlap swings; mu N takes from v_x what the floor gives to v_y times mu, and from omega
-        5/(2 R) times as much.
-        """
-        rate = arb_of(self.rate2).sqrt()
-        none = arb(0)
-        one = arb(1)
-        sine, cosine = (rate * t).sin_cos()
-        rise = [cosine, sine / rate]
-        speed = [-rate * sine, cosine]
-        # What the vertical motion has gained since.
-        risen = [cosine - 1, sine / rate - t]
-        gained = [-rate * sine, cosine - 1]
-        turn = friction * arb_of(Fraction(5, 2) / self.radius)
-        # By the errors of x, y, v_x, v_y and omega.
-        row_x = [one, -friction * risen[0], t, -friction * risen[1], none]
-        row_y = [none, rise[0], none, rise[1], none]
-        row_vx = [none, -friction * gained[0], one, -friction * gained[1], none]
-        row_vy = [none, speed[0], none, speed[1], none]
-        row_omega = [none, -turn * gained[0], none, -turn * gained[1], one]
-        rows = [row_x, row_y, row_vx, row_vy, row_omega]
+    def scaled(self, rows: list[list[arb]]) -> arb_mat:
+        """The matrix between errors of STATE, given as rows, between errors in scales."""
         sizes = [arb_of(self.scale[name]) for name in STATE]
         return arb_mat(
             [
-                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
+                [entry * column / size for entry, column in zip(row, sizes, strict=True)]
                 for row, size in zip(rows, sizes, strict=True)
             ]
         )
 
-    def overlap(self, t: arb) -> tuple[arb, arb]:
-        """The overlap d and its rate d' at time t."""
-        rate = arb_of(self.rate2).sqrt()
-        off = arb_of(-self.begin[1])
-        speed = arb_of(-self.begin[3])
-        wave = (rate * t).cos()
-        swing = (rate * t).sin()
-        return (
-            arb_of(self.sag) + off * wave + speed / rate * swing,
-            speed * wave - off * rate * swing,
-        )
+    def errors(self, friction: arb, t: arb) -> arb_mat:
+        """The matrix (5 x 5, in scales) that maps errors of STATE to those a time t [s] later.
 
-    def enough(self) -> Fraction:
-        """The impulse per mass after which it rolls."""
+        The height y swings with w = sqrt(k/m). Friction mu N takes from v_x mu times what the
+        floor gives to v_y, and from omega 5/(2 R) times as much: -mu (v_y - v_y(0)), and its
+        integral -mu (y - y(0) - v_y(0) t) from x.
+        """
+        w = arb_of(self.rate2).sqrt()
+        zero = arb(0)
+        one = arb(1)
+        sine, cosine = (w * t).sin_cos()
+        # y and v_y by the errors of y and v_y, and what they have gained.
+        y_by = [cosine, sine / w]
+        vy_by = [-w * sine, cosine]
+        y_gain = [cosine - 1, sine / w - t]
+        vy_gain = [-w * sine, cosine - 1]
+        turn = friction * arb_of(Fraction(5, 2) / self.radius)
+        # Columns: the errors of x, y, v_x, v_y and omega.
+        row_x = [one, -friction * y_gain[0], t, -friction * y_gain[1], zero]
+        row_y = [zero, y_by[0], zero, y_by[1], zero]
+        row_vx = [zero, -friction * vy_gain[0], one, -friction * vy_gain[1], zero]
+        row_vy = [zero, vy_by[0], zero, vy_by[1], zero]
+        row_omega = [zero, -turn * vy_gain[0], zero, -turn * vy_gain[1], one]
+        return self.scaled([row_x, row_y, row_vx, row_vy, row_omega])
+
+    def overlap(self, t: arb) -> tuple[arb, arb]:
+        """The overlap d = m g/k + a cos w t + (b/w) sin w t and its rate at time t, w^2 = k/m.
+
+        a and b are the displacement from rest at the start, downwards, and its rate.
+        """
+        w = arb_of(self.rate2).sqrt()
+        a = arb_of(-self.begin[1])
+        b = arb_of(-self.begin[3])
+        cosine = (w * t).cos()
+        sine = (w * t).sin()
+        overlap = arb_of(self.sag) + a * cosine + b / w * sine
+        rate = b * cosine - a * w * sine
+        return overlap, rate
+
+    def rolling_impulse(self) -> Fraction:
+        """The impulse per mass after which it rolls, 2 (u0 + R omega0)/(7 mu) [m/s]."""
         return Fraction(2, 7) * (self.begin[2] + self.radius * self.begin[4]) / self.friction
 
     def roll_time(self) -> arb:
-        """When it rolls; of a neighbouring motion to first order in how far it is off."""
-        first = arb_of(self.enough() / self.gravity)
+        """The time [s] at which it rolls, where g t - (d' - d'(0)) is the rolling impulse.
+
+        Exact where the overlap stays; for a neighbouring motion one step of t = (impulse + d'(t) -
+        d'(0))/g, which is right to first order in its displacement.
+        """
+        first = arb_of(self.rolling_impulse() / self.gravity)
         return first + (self.overlap(first)[1] + arb_of(self.begin[3])) / arb_of(self.gravity)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        depth, rate = self.overlap(t)
-        until = t
-        rolls = self.roll_time()
-        if not (t <= rolls or t > rolls):
+        """STATE at time t, and zeros for the other components.
+
+        Until it rolls u = u0 - mu I and x = x0 + u0 t - mu (integral of I), with I = g t - (d' -
+        d'(0)); then it goes on at that speed.
+        """
+        overlap, overlap_rate = self.overlap(t)
+        roll_time = self.roll_time()
+        if not (t <= roll_time or t > roll_time):
             raise UndecidedError("whether it rolls")
-        if t > rolls:
-            until = rolls
-        swung, turned = self.overlap(until)
+        if t > roll_time:
+            sliding_time = roll_time
+        else:
+            sliding_time = t
+        last_overlap, last_rate = self.overlap(sliding_time)
         x, _, u, v, spin = (arb_of(value) for value in self.begin)
         mu = arb_of(self.friction)
         radius = arb_of(self.radius)
         g = arb_of(self.gravity)
-        impulse = g * until - turned - v
-        sunk = swung - self.overlap(arb(0))[0]
-        way = g * until * until / 2 - sunk - v * until
+        # v is -d'(0).
+        impulse = g * sliding_time - last_rate - v
+        overlap_gain = last_overlap - self.overlap(arb(0))[0]
+        impulse_integral = g * sliding_time * sliding_time / 2 - overlap_gain - v * sliding_time
         speed = u - mu * impulse
-        now = (
-            x + u * until - mu * way + speed * (t - until),
-            radius - depth,
-            speed,
-            -rate,
-            spin - mu * impulse * 5 / (2 * radius),
-        )
-        return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
+        position = x + u * sliding_time - mu * impulse_integral + speed * (t - sliding_time)
+        omega = spin - mu * impulse * 5 / (2 * radius)
+        state = (position, radius - overlap, speed, -overlap_rate, omega)
+        return dict(zip((*STATE, *STILL), (*state, *(arb(0),) * 4), strict=True))
 
     def constants(self) -> dict[str, arb]:
-        """roll_time [s], roll_speed [m/s]; as parts, speed_ratio = u/u0 and time_ratio = mu g
-        t/u0.
+        """The scalars: roll_time t [s], roll_speed u [m/s], and without units speed_ratio = u/u0
+        and time_ratio = mu g t/u0.
         """
         time = self.roll_time()
         speed = self.evaluate(time * 2)["v.x"]
