@@ -266,8 +266,8 @@ class Certification:
         problems = []
         made = 0
         with Schedule(self.jobs, LONGEST) as schedule:
-            results = schedule.results(missing)
-            for job, result in counted(results, "certify", len(missing), self.progress):
+            proofs = schedule.results(missing)
+            for job, result in counted(proofs, "certify", len(missing), self.progress):
                 if isinstance(result, Failure):
                     problems.append(f"{job.key[1]}: {result.sentence}")
                 else:

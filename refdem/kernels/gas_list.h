@@ -107,12 +107,7 @@ static void set_cells(gas *g)
     }
     if (!(g->p->size > 0.0))
         return;
-    int64_t fewest = g->cells[0];
-    for (int c = 1; c < 3; c++) {
-        if (g->cells[c] < fewest)
-            fewest = g->cells[c];
-    }
-    if (fewest < 3) {
+    if (g->cells[0] < 3) { /* the box is a cube: as many along each edge */
         for (int c = 0; c < 3; c++)
             g->cells[c] = 1;
     }

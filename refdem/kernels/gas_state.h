@@ -64,21 +64,22 @@ typedef struct {
 typedef struct {
     const refdem_gas *p;
     team team;
-    int64_t n, threads, samples, stride, most; /* bodies; room for events of a thread */
-    int64_t cells[3];                          /* along the edges */
-    double side[3], low[3];                    /* cells a metre; where they begin [m] */
-    double shift[IMAGES][3];                   /* of the images of the box [m] */
-    double h, reach, skin;                     /* step [s]; diameter + skin, and skin [m] */
-    double round;                              /* to add and to take away: rounds to the grid */
-    double first_work;                         /* of the start [J] */
+    int64_t n, threads;            /* bodies, threads */
+    int64_t cells[3];              /* along the edges */
+    int64_t samples, stride, most; /* steps a sample; room for events of a thread */
+    double h, reach, skin;         /* step [s]; diameter + skin, and skin [m] */
+    double round;                  /* to add and to take away: rounds to the grid */
+    double first_work;             /* of the start [J] */
+    double side[3], low[3];        /* cells a metre; where they begin [m] */
+    double shift[IMAGES][3];       /* of the images of the box [m] */
     columns now, next;
-    int32_t *order, *gone; /* place before of the body now at a place; the other way round */
-    int32_t *cell, *start; /* cell of a body; first body of a cell */
-    double *lost;          /* work lost by the contacts of a body, as given [J] */
-    double *attitude;      /* of a body, as given, at the step `since` */
+    int32_t *order, *cell;   /* place before of the body now at a place; cell of a body */
+    int32_t *gone, *start;   /* place now of the body before at a place; first body of a cell */
+    double *lost, *attitude; /* of a body, as given: work lost [J]; attitude at the step `since` */
+    double *channel;         /* outputs */
+    double *out_x, *out_v, *out_w, *out_q;
     int32_t *since;
-    double *channel, *out_x, *out_v, *out_w, *out_q; /* outputs */
-    contact *contact[2];                             /* new and old, see share.side */
+    contact *contact[2]; /* the new list and that of the step before, see share.side */
     share *share;
 } gas;
 

@@ -26,13 +26,12 @@
 
 /* Steps any engine in a compiled loop and copies its state after every `stride` steps.
  *
- * step: address of `void step(void *a, void *b)` (kind 0) or `void step(void *a, double h)` (kind
- * 1) or `void step(void *a, uint32_t n)` (kind 2: one call makes all `stride` steps). source:
- * n_source addresses of doubles to copy; size[i] doubles from each. out (samples, sum of size): row
- * 0 is the state at the start. Returns 0.
+ * step: address of `void step(void *a, void *b)`. source: n_source addresses of doubles to copy;
+ * size[i] doubles from each. out (samples, sum of size): row 0 is the state at the start. Returns
+ * 0.
  */
-int refdem_record(int kind, void *step, void *a, void *b, double h, int64_t samples, int64_t stride,
-                  int64_t n_source, void *const *source, const int64_t *size, double *out);
+int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride, int64_t n_source,
+                  void *const *source, const int64_t *size, double *out);
 
 /* == chipmunk == */
 

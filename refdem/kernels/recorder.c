@@ -5,10 +5,7 @@
 
 #include "kernels.h"
 
-/* The engine's step: kind 0, 1 and 2 of refdem_record (kernels.h). */
-typedef void (*step_with_two)(void *, void *);
-typedef void (*step_with_h)(void *, double);
-typedef void (*steps_at_once)(void *, uint32_t);
+typedef void (*engine_step)(void *, void *);
 
 /* Copies size[i] doubles from each source to `row`; returns the place of the next row. */
 static double *copy_state(int64_t n_source, void *const *source, const int64_t *size, double *row)
@@ -20,22 +17,15 @@ static double *copy_state(int64_t n_source, void *const *source, const int64_t *
     return row;
 }
 
-int refdem_record(int kind, void *step, void *a, void *b, double h, int64_t samples, int64_t stride,
-                  int64_t n_source, void *const *source, const int64_t *size, double *out)
+int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride, int64_t n_source,
+                  void *const *source, const int64_t *size, double *out)
 {
-    assert(step && samples >= 1 && stride >= 0 && kind >= 0 && kind <= 2);
+    assert(step && samples >= 1 && stride >= 0);
     assert(n_source == 0 || (source && size && out));
     out = copy_state(n_source, source, size, out);
     for (int64_t k = 1; k < samples; k++) {
-        if (kind == 2) /* one call makes all steps up to the sample */
-            ((steps_at_once)step)(a, (uint32_t)stride);
-        else
-            for (int64_t j = 0; j < stride; j++) {
-                if (kind == 0)
-                    ((step_with_two)step)(a, b);
-                else
-                    ((step_with_h)step)(a, h);
-            }
+        for (int64_t j = 0; j < stride; j++)
+            ((engine_step)step)(a, b);
         out = copy_state(n_source, source, size, out);
     }
     return 0;

@@ -282,8 +282,8 @@ static double locate(motion *m, double h, int *which, int *guard)
             if (kind == GAP)
                 series = contact->gap;
             double sign = 1.0;
-            if (contact->mode
-                == IDLES) /* both are below zero: it leaves, or presses, as they rise */
+            /* Both are below zero: it leaves, or presses, as they rise. */
+            if (contact->mode == IDLES)
                 sign = -1.0;
             double zero = zero_of_guard(series, sign, contact->zero_guard == kind, h);
             if (zero >= 0.0 && (zero < h || *guard == NONE)) {
@@ -305,7 +305,7 @@ static void record(const motion *m, double since, double *out, double *channel)
         out[i] = m->y[i][0] + (m->low[i] + gained(m->y[i], since));
     for (int number = 0; number < m->body->corners; number++) {
         const corner *contact = &m->corner[number];
-        if (contact->mode == OFF)
+        if (contact->mode == OFF) /* it does not touch */
             continue;
         channel[0] += 1.0;
         channel[1] = fmax(channel[1], -value(contact->gap, since));

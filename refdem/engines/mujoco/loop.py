@@ -67,6 +67,6 @@ def recorded(model: Any, data: Any, request: Request) -> tuple[Array, float]:
     out = kernels.pointer("recorder", rows, output=True)
     began = perf_counter()
     lib.refdem_record(
-        0, step, a, b, 0.0, len(rows), request.stride, 3, source, ffi.new("int64_t[]", sizes), out
+        step, a, b, len(rows), request.stride, 3, source, ffi.new("int64_t[]", sizes), out
     )
     return rows, perf_counter() - began
