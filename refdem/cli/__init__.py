@@ -48,8 +48,6 @@ def main() -> None:
     Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself
     broke, 130 interrupted (143 and 129 by SIGTERM and SIGHUP), 141 unread.
     """
-    from refdem.cli.app import app
-
     # Whoever closed them does not want to read them.
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
@@ -57,7 +55,7 @@ def main() -> None:
     try:
         try:
             with _listening(heard):
-                app()
+                _run()
         except SystemExit as end:
             if (
                 type(sys.stdout).__name__ == "PacifyFlushWrapper"
@@ -87,6 +85,15 @@ def main() -> None:
         sys.exit(BAD_INPUT)
     except Exception as error:
         _broken(error)
+
+
+def _run() -> None:
+    """The command; an interrupt while it is still being loaded ends as one of its work does."""
+    try:
+        from refdem.cli.app import app
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+    app()
 
 
 @contextmanager

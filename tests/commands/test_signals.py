@@ -135,3 +135,35 @@ def is_running(pid: str) -> bool:
         return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
     except OSError:
         return False
+
+
+LOADING = """
+import builtins, signal, sys
+from refdem.cli import main
+before = builtins.__import__
+
+
+def interrupted(name, *given, **named):
+    if name == "typer":
+        signal.raise_signal({number})
+    return before(name, *given, **named)
+
+
+builtins.__import__ = interrupted
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.argv = ["refdem", "list", "cases"]
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
+def test_an_interrupt_while_refdem_is_still_loading_is_one_sentence(
+    number: signal.Signals, status: int
+) -> None:
+    code = LOADING.format(number=int(number))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (status, "")
+    assert done.stderr.startswith("refdem: interrupted")
+    assert done.stderr.count("\n") == 1
