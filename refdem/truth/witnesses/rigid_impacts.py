@@ -55,7 +55,7 @@ def product(a: Sequence[Any], b: Sequence[Any]) -> Triple:
 
 
 def along(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """The scalar product."""
+    """The scalar product of two vectors (3,)."""
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
 
 
