@@ -148,7 +148,7 @@ class RigidCollision(ClosedForm):
         )
 
     def named(self, states: Sequence[Motion]) -> dict[str, arb]:
-        """The quantities by name."""
+        """The quantities by name, of some states."""
         return dict(zip(self.state, flat(states), strict=True))
 
     def displaced(self, axis: int, amount: Fraction) -> Self:

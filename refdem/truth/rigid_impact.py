@@ -52,7 +52,7 @@ class Motion:
     omega: Vector
 
     def numbers(self) -> list[Any]:
-        """All nine in order."""
+        """All nine numbers in their order."""
         return [*self.r, *self.v, *self.omega]
 
     def after(self, t: Any) -> "Motion":

@@ -45,7 +45,7 @@ class Sphere:
         self.omega = omega
 
     def at(self, t: arb) -> Triple:
-        """Its centre after a free flight."""
+        """The centre (3,) after a free flight of t [s]."""
         return [r + v * t for r, v in zip(self.r, self.v, strict=True)]
 
 
@@ -138,7 +138,7 @@ class Equations:
         return arb(along(self.contact_row(direction), before))
 
     def solved(self) -> list[arb]:
-        """The unknowns."""
+        """The unknowns, by elimination."""
         column = arb_mat([[side] for side in self.sides])
         found = arb_mat(self.rows).solve(column)
         return [found[row, 0] for row in range(self.count)]
