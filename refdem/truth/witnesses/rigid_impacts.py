@@ -28,6 +28,7 @@ METHOD = (
     " bisection, unproven (refdem/truth/witnesses/rigid_impacts.py)"
 )
 HALVINGS = 300
+LAW = ("restitution", "tangential_restitution", "friction")
 Triple = list[Any]
 
 
@@ -285,10 +286,37 @@ def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
     # At x = 0 the centres are closer than they ever may be.
     moment = meeting(lambda t: along(line(t), line(t)) - reach * reach, apart[0] / speed)
     normal = [x / reach for x in line(moment)]
-    names = ("restitution", "tangential_restitution", "friction")
-    yield from said(
-        spheres, moment, normal, {name: arb_of(number(p, name)) for name in names}, times
+    law = {name: arb_of(number(p, name)) for name in LAW}
+    yield from said(spheres, moment, normal, law, times)
+
+
+def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """One sphere and a wall through the origin."""
+    normal = [arb_of(x) for x in vector(p, "normal")]
+    size = length(normal)
+    into = [-x / size for x in normal]
+    mass = arb_of(number(p, "mass"))
+    radius = arb_of(number(p, "radius"))
+    sphere = Sphere(
+        mass,
+        arb_of(number(p, "inertia_factor")) * mass * radius * radius,
+        radius,
+        [arb_of(x) for x in vector(p, "position")],
+        [arb_of(x) for x in vector(p, "velocity")],
+        [arb_of(x) for x in vector(p, "spin")],
     )
+    # The centre would be in the wall by the time at which it has come as far as it was away.
+    through = -along(sphere.r, into) / along(sphere.v, into)
+    moment = meeting(lambda t: -along(sphere.at(t), into) - radius, through)
+    law = {name: arb_of(number(p, name)) for name in LAW}
+    for t, values in said([sphere], moment, into, law, times):
+        if t is None:
+            yield t, values
+        else:
+            yield t, {name.replace("1", ""): value for name, value in values.items()}
 
 
-WITNESSES = {"hard-spheres": Witness(METHOD, hard_spheres)}
+WITNESSES = {
+    "hard-spheres": Witness(METHOD, hard_spheres),
+    "hard-wall": Witness(METHOD, hard_wall),
+}
