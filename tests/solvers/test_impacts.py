@@ -278,3 +278,33 @@ def test_impacts_without_end_are_an_error_not_a_hang(monkeypatch):
     scene = crowd(7, walls=True, restitution=1.0)
     with pytest.raises(EngineError, match="50 impacts did not lead to"):
         run(scene, np.linspace(0.0, 2000.0, 3))
+
+
+def test_an_impact_is_as_exact_whenever_it_happens():
+    """Times are counted from the start, which may be late: 2^30 s is a whole number of ulps."""
+    instance = discovery.case("hard-spheres").at(friction="1/4", spins="1,2,3,-1,1/2,4")
+    first = run(instance.scene, np.arange(0.0, 5.0))
+    later = run(instance.scene, 2.0**30 + np.arange(0.0, 5.0))
+    assert np.array_equal(first.position, later.position)
+    assert np.array_equal(first.velocity, later.velocity)
+    assert later.events[0].time == pytest.approx(2.0**30 + first.events[0].time)
+
+
+@pytest.mark.parametrize("unit", [2.0**-400, 2.0**-100, 2.0**100, 2.0**300])
+def test_an_impact_is_as_exact_in_any_unit_of_length(unit):
+    """Powers of two change no digit, unless a product of lengths leaves the range of numbers."""
+    scene = discovery.case("hard-spheres").at(friction="1/4").scene
+    bodies = scene.bodies
+    scaled = [
+        sphere(
+            radius=float(bodies.radius[k] * unit),
+            position=tuple((bodies.position[k] * unit).tolist()),
+            velocity=tuple((bodies.velocity[k] * unit).tolist()),
+        )
+        for k in (0, 1)
+    ]
+    plain = run(scene, np.arange(0.0, 5.0))
+    found = run(Scene.of(scaled, scene.elements), np.arange(0.0, 5.0))
+    assert len(found.events) == 1
+    assert np.abs(found.position / unit - plain.position).max() < 1e-13
+    assert np.abs(found.omega - plain.omega).max() < 1e-13

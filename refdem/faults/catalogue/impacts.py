@@ -75,7 +75,7 @@ FAULTS = (
     impact(
         name="restitution-twice",
         sentence="The closing speed is multiplied by the restitution twice.",
-        on=("clash", "rub"),
+        on=("clash", "rub", "rebound"),
         sees=("rigid-impact", "restitution"),
         before=of_elements(Contact, restitution=lambda e: e * e),
     ),
@@ -129,7 +129,7 @@ FAULTS = (
     impact(
         name="impact-friction-unlimited",
         sentence="Friction stops the slip, whatever its coefficient.",
-        on=("rub",),
+        on=("rub", "rebound"),
         sees=("rigid-impact", "cone"),
         inside=_of_impact(tangential_impulse=_unlimited),
     ),
@@ -192,21 +192,21 @@ FAULTS = (
     impact(
         name="impact-met-twice",
         sentence="The pair is in the list twice, and both impulses are of the same velocities.",
-        on=("clash",),
+        on=("clash", "rebound"),
         sees=("rigid-impact", "restitution"),
         inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
     ),
     impact(
         name="impact-never-met",
         sentence="The spheres go through each other.",
-        on=("clash", "rub"),
+        on=("clash", "rub", "rebound"),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(meets=lambda closing: False),
     ),
     impact(
         name="impact-below-a-threshold",
         sentence="Nothing is given back below a speed of 2 m/s.",
-        on=("clash",),
+        on=("clash", "rebound"),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(
             normal_impulse=lambda law, ease, closing: (
