@@ -9,7 +9,6 @@ from refdem.core import discovery
     ("engine", "case"),
     [
         ("mujoco", "hertz-spheres"),
-        ("mujoco", "asymmetric-field"),
         ("mujoco", "wedge-collision"),
         ("pymunk", "kapitza-pendulum"),
         ("pymunk", "wedge-collision"),
