@@ -45,7 +45,7 @@ _MODEL = (
         "mjcb_passive, called in every stage at its own time, places and velocities",
         "drives, central and piecewise fields, springs and dashpots that no joint or tendon says;"
         " controls and applied forces are constant over a step, also within Runge-Kutta; the"
-        " callback is Python",
+        " callback is compiled",
     ),
     Default(
         "bodies that do not turn",

@@ -2,12 +2,16 @@
 every stage of an integrator at that stage's time, places and velocities.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+import ctypes
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import cos, sqrt
+from functools import cache
 from typing import Any
 
+import numpy as np
+
+from refdem import kernels
 from refdem.core.refusal import adapter_lacks
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
@@ -16,40 +20,93 @@ from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.spring import Spring
 
-Vector = tuple[float, float, float]
+FAMILY = "mujoco_forces"
+(DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE) = range(5)
+"""Kinds of forces, as the compiled callback numbers them."""
+NUMBERS = 10
 Places = tuple[list[int], list[int]]
 """Where the coordinates of a body and its velocities lie in MuJoCo's state; a missing third or
 second one is 0."""
-ForceLaw = Callable[[float, Vector, Vector], Vector]
-"""The force [N] on a body at a time [s], place [m] and velocity [m/s]."""
 
 
 @dataclass(frozen=True)
 class Push:
-    """A force law that acts on body `a`, and with the opposite sign on body `b` unless that is the
-    world (-1); the law is given the place and the velocity of a relative to b.
+    """A force on body `a`, and with the opposite sign on body `b` unless that is the world (-1);
+    the numbers of its kind are as the compiled callback has them (mujoco_forces_kernel.h).
     """
 
     a: int
     b: int
-    law: ForceLaw
+    kind: int
+    numbers: tuple[float, ...]
 
 
 @contextmanager
-def acting(mujoco: Any, scene: Scene, places: Sequence[Places]) -> Iterator[None]:
-    """While a run lasts the scene's forces act on its bodies, whose coordinates are at `places`.
+def acting(
+    mujoco: Any, scene: Scene, places: Sequence[Places], data: Any, clock: int
+) -> Iterator[None]:
+    """While a run of `data` lasts the scene's forces act on its bodies, whose coordinates are at
+    `places`; `clock` is the address of its time.
 
     The callback is the process's, not a model's.
     """
-    kept = mujoco.get_mjcb_passive()
     pushes = list(_pushes(scene))
-    if pushes:
-        mujoco.set_mjcb_passive(_passive(pushes, places))
+    if not pushes:
+        yield
+        return
+    library = kernels.load(FAMILY)
+    (struct, *_kept_alive) = _told(pushes, places, data, clock)
+    kept = mujoco.get_mjcb_passive()
+    library.lib.refdem_mujoco_forces_set(struct)
+    mujoco.set_mjcb_passive(_callback())
     try:
         yield
     finally:
-        if pushes:
-            mujoco.set_mjcb_passive(kept)
+        mujoco.set_mjcb_passive(kept)
+        library.lib.refdem_mujoco_forces_set(library.ffi.NULL)
+
+
+@cache
+def _callback() -> Any:
+    """The compiled callback as MuJoCo's Python package takes a raw function."""
+    library = kernels.load(FAMILY)
+    address = int(library.ffi.cast("uintptr_t", library.lib.refdem_mujoco_forces_callback()))
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+
+
+def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: int) -> list[Any]:
+    """The struct of the compiled callback, and the arrays that it points to."""
+    ffi = kernels.load(FAMILY).ffi
+    number = np.zeros((len(pushes), NUMBERS))
+    column = np.full((len(pushes), 12), -1, np.int64)
+    for row, push in enumerate(pushes):
+        number[row, : len(push.numbers)] = push.numbers
+        column[row, :6] = _columns(places, push.a)
+        column[row, 6:] = _columns(places, push.b)
+    arrays = {
+        "kind": ffi.from_buffer("int64_t[]", np.array([push.kind for push in pushes], np.int64)),
+        "column": ffi.from_buffer("int64_t[]", column),
+        "number": ffi.from_buffer("double[]", number),
+    }
+    addresses = {
+        "q": data.qpos.ctypes.data,
+        "v": data.qvel.ctypes.data,
+        "felt": data.qfrc_passive.ctypes.data,
+        "clock": clock,
+    }
+    pointers = {name: ffi.cast("double *", address) for name, address in addresses.items()}
+    struct = ffi.new("refdem_mujoco_forces *", {"pushes": len(pushes), **pointers, **arrays})
+    return [struct, *arrays.values()]
+
+
+def _columns(places: Sequence[Places], body: int) -> list[int]:
+    """Where the place (3) and the velocity (3) of a body lie; -1 for what there is none of."""
+    if body < 0:
+        return [-1] * 6
+    columns: list[int] = []
+    for where in places[body]:
+        columns += [*where[:3], *[-1] * (3 - len(where[:3]))]
+    return columns
 
 
 def is_passive(element: Any, scene: Scene) -> bool:
@@ -90,122 +147,27 @@ def _pushes(scene: Scene) -> Iterator[Push]:
     for element in scene.elements:
         if not is_passive(element, scene):
             continue
-        if isinstance(element, Force):
-            yield Push(element.a, element.b, _periodic(element))
-        elif isinstance(element, Spring):
-            yield Push(element.a, element.b, _spring(element))
-        elif isinstance(element, Dashpot):
-            yield Push(element.a, element.b, _dashpot(element))
-        elif isinstance(element, CentralField):
+        if isinstance(element, Force | Spring | Dashpot):
+            yield _of_link(element)
+        elif isinstance(element, CentralField | PiecewiseField):
             for number in moving:
-                yield Push(number, -1, _attraction(element, float(scene.bodies.mass[number])))
-        elif isinstance(element, PiecewiseField):
-            for number in moving:
-                yield Push(number, -1, _slope(element))
+                yield _of_field(element, number, float(scene.bodies.mass[number]))
 
 
-def _passive(pushes: Sequence[Push], places: Sequence[Places]) -> Any:
-    """The callback that applies the forces."""
-
-    def state(values: Any, columns: list[int]) -> Vector:
-        numbers = [float(values[column]) for column in columns[:3]]
-        x, y, z = (*numbers, *(0.0,) * (3 - len(numbers)))
-        return x, y, z
-
-    def passive(model: Any, data: Any) -> None:
-        time = data.time
-        q = data.qpos
-        v = data.qvel
-        felt = data.qfrc_passive
-        for push in pushes:
-            place = state(q, places[push.a][0])
-            velocity = state(v, places[push.a][1])
-            if push.b >= 0:
-                place = _difference(place, state(q, places[push.b][0]))
-                velocity = _difference(velocity, state(v, places[push.b][1]))
-            force = push.law(time, place, velocity)
-            for body, sign in ((push.a, 1.0), (push.b, -1.0)):
-                if body < 0:
-                    continue
-                for column, component in zip(places[body][1][:3], force, strict=False):
-                    felt[column] += sign * component
-
-    return passive
+def _of_link(link: Force | Spring | Dashpot) -> Push:
+    """The force of a drive, a spring or a dashpot."""
+    if isinstance(link, Force):
+        numbers: tuple[float, ...] = (link.amplitude, link.frequency, link.phase, *link.axis)
+        return Push(link.a, link.b, DRIVE, numbers)
+    if isinstance(link, Spring):
+        numbers = (link.stiffness, link.length, link.exponent, *link.anchor_b)
+        return Push(link.a, link.b, SPRING, (*numbers, link.quadratic, link.cubic))
+    return Push(link.a, link.b, DASHPOT, (link.damping, link.van_der_pol, *link.anchor_b))
 
 
-def _difference(a: Vector, b: Vector) -> Vector:
-    """a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _periodic(drive: Force) -> ForceLaw:
-    """F = amplitude cos(frequency t + phase) along the axis."""
-    (x, y, z) = drive.axis
-
-    def force(t: float, place: Vector, velocity: Vector) -> Vector:
-        size = drive.amplitude * cos(drive.frequency * t + drive.phase)
-        return size * x, size * y, size * z
-
-    return force
-
-
-def _spring(spring: Spring) -> ForceLaw:
-    """F = -(k |s|^n sgn(s) + a s^2 + b s^3) e in the stretch s = |d| - length, d = |d| e being the
-    way from the spring's other end.
-    """
-    anchor = spring.anchor_b
-
-    def force(t: float, place: Vector, velocity: Vector) -> Vector:
-        (x, y, z) = _difference(place, anchor)
-        distance = sqrt(x * x + y * y + z * z)
-        if distance == 0:  # a spring of no length has no direction
-            return 0.0, 0.0, 0.0
-        stretch = distance - spring.length
-        power = spring.stiffness * abs(stretch) ** spring.exponent
-        if stretch < 0:
-            power = -power
-        pull = power + (spring.quadratic + spring.cubic * stretch) * stretch * stretch
-        per_length = -pull / distance
-        return per_length * x, per_length * y, per_length * z
-
-    return force
-
-
-def _dashpot(dashpot: Dashpot) -> ForceLaw:
-    """F = -(damping + van_der_pol d^2) v, where d is the distance from the dashpot's other end."""
-    anchor = dashpot.anchor_b
-
-    def force(t: float, place: Vector, velocity: Vector) -> Vector:
-        (x, y, z) = _difference(place, anchor)
-        coefficient = dashpot.damping + dashpot.van_der_pol * (x * x + y * y + z * z)
-        return -coefficient * velocity[0], -coefficient * velocity[1], -coefficient * velocity[2]
-
-    return force
-
-
-def _attraction(field: CentralField, mass: float) -> ForceLaw:
-    """F = -gm m r/|r|^3 towards the origin."""
-
-    def force(t: float, place: Vector, velocity: Vector) -> Vector:
-        (x, y, z) = place
-        square = x * x + y * y + z * z
-        pull = -field.gm * mass / (square * sqrt(square))
-        return pull * x, pull * y, pull * z
-
-    return force
-
-
-def _slope(field: PiecewiseField) -> ForceLaw:
-    """F(s) along the axis, s = (r - point).axis: k1 (s - x1) up to s = 0, then k2 (s - x2)."""
-    (e_x, e_y, e_z) = field.axis
-
-    def force(t: float, place: Vector, velocity: Vector) -> Vector:
-        (x, y, z) = _difference(place, field.point)
-        s = x * e_x + y * e_y + z * e_z
-        if s <= 0:
-            size = field.k1 * max(s - field.x1, 0.0)
-        else:
-            size = field.k2 * min(s - field.x2, 0.0)
-        return size * e_x, size * e_y, size * e_z
-
-    return force
+def _of_field(field: CentralField | PiecewiseField, body: int, mass: float) -> Push:
+    """The force of a field on one body."""
+    if isinstance(field, CentralField):
+        return Push(body, -1, CENTRAL, (field.gm * mass,))
+    numbers = (field.k1, field.k2, field.x1, field.x2, *field.point, *field.axis)
+    return Push(body, -1, PIECEWISE, numbers)

@@ -10,7 +10,7 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.mujoco.belts import press
 from refdem.engines.mujoco.joints import Freedom
-from refdem.engines.mujoco.loop import recorded
+from refdem.engines.mujoco.loop import clock_address, recorded
 from refdem.engines.mujoco.model import compiled
 from refdem.engines.mujoco.passive import acting
 from refdem.engines.mujoco.turning import Hinge
@@ -33,7 +33,7 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
         places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
-        with acting(mujoco, request.problem.scene, places):
+        with acting(mujoco, request.problem.scene, places, data, clock_address(data)):
             mujoco.mj_step(
                 model, _started(mujoco, model, freedoms, request)
             )  # raises here what would end the process in the loop

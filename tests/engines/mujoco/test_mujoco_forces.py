@@ -2,6 +2,7 @@
 with errors planted in what the adapter says.
 """
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -103,29 +104,40 @@ def test_a_force_by_callback_is_that_of_certified_truth(engine, method, case, gi
         assert np.log2(coarse / fine) / 3 == pytest.approx(1, abs=0.35)
 
 
+STRENGTHS = {
+    passive.DRIVE: (0,),
+    passive.SPRING: (0, 6, 7),
+    passive.DASHPOT: (0, 1),
+    passive.CENTRAL: (0,),
+    passive.PIECEWISE: (0, 1),
+}
+"""Which numbers of a force are proportional to it."""
+
+
 @pytest.mark.parametrize(
-    ("maker", "case", "given"),
+    ("kind", "case", "given"),
     [
-        ("_spring", "power-oscillator", {"duration": "2"}),
-        ("_periodic", *FORCES[1]),
-        ("_dashpot", *FORCES[2]),
-        ("_attraction", *FORCES[3]),
-        ("_slope", *FORCES[4]),
+        (passive.SPRING, "power-oscillator", {"duration": "2"}),
+        (passive.SPRING, "quadratic-response", {"duration": "2"}),
+        (passive.DRIVE, *FORCES[1]),
+        (passive.DASHPOT, *FORCES[2]),
+        (passive.CENTRAL, *FORCES[3]),
+        (passive.PIECEWISE, *FORCES[4]),
     ],
 )
 @pytest.mark.parametrize("factor", [-1.0, 0.5])
-def test_a_wrong_sign_or_factor_of_a_force_shows(engine, monkeypatch, maker, case, given, factor):
-    right = getattr(passive, maker)
+def test_a_wrong_sign_or_factor_of_a_force_shows(engine, monkeypatch, kind, case, given, factor):
+    right = passive._pushes
 
-    def planted(*told):
-        law = right(*told)
+    def planted(scene):
+        for push in right(scene):
+            numbers = list(push.numbers)
+            if push.kind == kind:
+                for index in STRENGTHS[kind]:
+                    numbers[index] *= factor
+            yield replace(push, numbers=tuple(numbers))
 
-        def wrong(*state):
-            return tuple(factor * component for component in law(*state))
-
-        return wrong
-
-    monkeypatch.setattr(passive, maker, planted)
+    monkeypatch.setattr(passive, "_pushes", planted)
     assert error(engine, "rk4", case, given, 64) > 1e-2
 
 
