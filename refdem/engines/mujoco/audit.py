@@ -127,7 +127,7 @@ _CONSTRAINTS = (
     Default(
         "impratio, solreffriction where the linear law slides",
         "1, as solref",
-        "2^-40, -1/(2 h)",
+        "2^-30, -1/h",
         "slip would lift what slides, the more the shorter the step; noslip then makes friction"
         " hard at mu times the law's own force",
     ),
