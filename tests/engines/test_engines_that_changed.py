@@ -78,7 +78,7 @@ def test_mujoco_with_its_clock_elsewhere_is_an_error():
 
     data = Moved()
     with pytest.raises(EngineError, match="time does not stand before"):
-        loop._clock_address(data)
+        loop.clock_address(data)
     assert data.time == 0.25
 
 
@@ -86,5 +86,5 @@ def test_the_clock_of_mujoco_is_found_and_left_as_it_was():
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
     data = mujoco.MjData(model)
     data.time = 0.75
-    address = loop._clock_address(data)
+    address = loop.clock_address(data)
     assert ctypes.c_double.from_address(address).value == 0.75

@@ -46,7 +46,7 @@ class Mujoco(Engine):
             fingerprint.of_package("mujoco"),
             fingerprint.of_package("mujoco-core"),
             fingerprint.of_source("engines/mujoco", "scene", "mechanics"),
-            kernels.fingerprint("recorder"),
+            kernels.fingerprint("recorder", "mujoco_forces"),
             fingerprint.of_machine(),
         )
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()

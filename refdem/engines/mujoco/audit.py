@@ -40,11 +40,12 @@ _MODEL = (
         "exact in MuJoCo's coordinates; a tendon or connect constraint is soft",
     ),
     Default(
-        "forces that follow the clock",
+        "forces that MuJoCo has no element for",
         "-",
-        "mjcb_passive, called in every stage at its own time",
-        "controls and applied forces are constant over a step, also within Runge-Kutta; the"
-        " callback is Python",
+        "mjcb_passive, called in every stage at its own time, places and velocities",
+        "drives, central and piecewise fields, springs and dashpots that no joint or tendon says;"
+        " controls and applied forces are constant over a step, also within Runge-Kutta; the"
+        " callback is compiled",
     ),
     Default(
         "bodies that do not turn",
@@ -122,6 +123,13 @@ _CONSTRAINTS = (
         "soft-constraint values",
         "-stiffness/m_eff, -damping/m_eff; impedance 0.5",
         "direct form; the impedance cancels where no other force acts on the pair",
+    ),
+    Default(
+        "impratio, solreffriction where the linear law slides",
+        "1, as solref",
+        "2^-30, -1/h",
+        "slip would lift what slides, the more the shorter the step; noslip then makes friction"
+        " hard at mu times the law's own force",
     ),
     Default(
         "friction coefficients",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.engines.mujoco.joints import Array, Columns, Freedom
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Body, Scene
@@ -61,9 +62,9 @@ def of_ball_joints(scene: Scene) -> str | None:
     if not joints:
         return None
     if any(element.kind not in ("ball_joint", "uniform_gravity") for element in scene.elements):
-        return "the adapter supports ball joints with gravity only"
+        return adapter_lacks("ball joints beside other elements than gravity")
     if any(joint.b >= 0 for joint in joints) or len({joint.a for joint in joints}) < len(joints):
-        return "the adapter supports ball joints to the world only, one per body"
+        return adapter_lacks("ball joints between bodies, or more than one on a body")
     for joint in joints:
         body = scene.bodies.single()[joint.a]
         arm = rotated(np.array(body.attitude), -np.array(joint.anchor_a))
@@ -72,9 +73,9 @@ def of_ball_joints(scene: Scene) -> str | None:
         slip = np.subtract(body.velocity, np.cross(omega, arm))
         size = float(np.linalg.norm(arm))
         if body.fixed or not any(body.inertia):
-            return "a ball joint on a body without rotation"
+            return engine_cannot("a ball joint on a body without rotation")
         if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(
             slip
         ) > FITS * size * np.linalg.norm(omega):
-            return "an initially open joint, which a ball joint cannot represent"
+            return engine_cannot("an initially open joint, which a ball joint cannot represent")
     return None

@@ -35,17 +35,17 @@ def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> N
         ]
         if not friction:
             continue
+        if law.law == "linear":
+            pair = solver.linear_rubbing(scene, law, step)
+        else:
+            pair = solver.rubbing(law.friction, step, _size(scene))
         for one, other in chain(combinations(geoms, 2), product(geoms, planes)):
-            spec.add_pair(
-                geomname1=one.name,
-                geomname2=other.name,
-                **solver.rubbing(law.friction, step, _size(scene)),
-            )
+            spec.add_pair(geomname1=one.name, geomname2=other.name, **pair)
 
 
 def rubs(scene: Scene, law: Contact) -> bool:
-    """Rigid shapes may slide on one another: something moves, or gravity acts along a plane."""
-    if law.law != "rigid" or not law.friction > 0 or not scene.has_shapes():
+    """Shapes may slide on one another: something moves, or gravity acts along a plane."""
+    if not law.friction > 0 or not scene.has_shapes():
         return False
     pulls = [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
     along = [

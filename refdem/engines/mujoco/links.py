@@ -4,6 +4,7 @@ in a few words.
 
 import numpy as np
 
+from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.rod import Rod
@@ -15,32 +16,18 @@ def of_springs(scene: Scene) -> str | None:
     """None if every one of the springs can be said."""
     rods = {body for rod in scene.all(Rod) for body in (rod.a, rod.b)} - {-1}
     for spring in scene.all(Spring):
-        if spring.exponent not in (1, 3):
-            return (
-                f"a spring of exponent {spring.exponent:g}: MuJoCo's spring force is a"
-                " polynomial, linear or odd and cubic"
-            )
-        if spring.quadratic:
-            return (
-                "a spring with a quadratic term: even powers of MuJoCo's polynomial"
-                " change sign with the stretch"
-            )
         if rods & {spring.a, spring.b}:
-            return "the adapter does not support a spring on a body that hangs on a rod"
+            return adapter_lacks("a spring on a body that hangs on a rod")
     return None
 
 
 def of_dashpots(scene: Scene) -> str | None:
-    """None if every one of the dashpots can be said."""
-    ends = [dashpot.a for dashpot in scene.all(Dashpot)]
+    """None if every one of the dashpots can be said, by joints or by the callback."""
     for dashpot in scene.all(Dashpot):
-        if dashpot.van_der_pol or dashpot.damping < 0:
-            return "damping that depends on position or is negative"
-        if dashpot.b >= 0 or ends.count(dashpot.a) > 1:
-            return "the adapter supports one dashpot per body, against the world only"
-        turns = "rotation" in scene.features and scene.bodies.inertia[dashpot.a].any()
-        if turns or any(rod.a == dashpot.a for rod in scene.all(Rod)):
-            return "the adapter does not support a dashpot on a body that rotates or hangs on a rod"
+        if any(dashpot.anchor_a):
+            return adapter_lacks("a dashpot off the centre of a body")
+        if any(rod.a == dashpot.a for rod in scene.all(Rod)):
+            return adapter_lacks("a dashpot on a body that hangs on a rod")
     return None
 
 
@@ -48,22 +35,22 @@ def of_sliders(scene: Scene) -> str | None:
     """None if every one of the sliders can be said."""
     for slider in scene.all(Slider):
         if slider.b >= 0:
-            return "the adapter supports dry friction against the world only"
+            return adapter_lacks("dry friction between bodies")
         if slider.law != "coulomb":
-            return (
+            return engine_cannot(
                 "dry friction that depends on speed: frictionloss and contacts"
                 " (surfacevel) have one coefficient"
             )
         if sorted(np.abs(slider.axis)) != [0, 0, 1]:
-            return "the adapter supports dry friction along x, y or z only"
+            return adapter_lacks("dry friction along other axes than x, y or z")
         if "rotation" in scene.features and scene.bodies.inertia[slider.a].any():
-            return "dry friction along an axis on a free joint"
+            return engine_cannot("dry friction along an axis on a free joint")
         if any(rod.a == slider.a for rod in scene.all(Rod)):
-            return "the adapter does not support dry friction on a body that hangs on a rod"
+            return adapter_lacks("dry friction on a body that hangs on a rod")
         if slider.belt_velocity and (
             abs(slider.axis[0]) < 1 or "dimension:1" not in scene.features
         ):
-            return "the adapter supports a belt for motion along x only"
+            return adapter_lacks("a belt for motion other than along x")
     return None
 
 
@@ -71,21 +58,18 @@ def of_rods(scene: Scene) -> str | None:
     """None if every one of the rods can be said."""
     rods = scene.all(Rod)
     if rods and "dimension:3" in scene.features:
-        return (
-            "the adapter supports a rod in a plane only (as a hinge); otherwise it"
-            " would be a soft constraint"
-        )
+        return adapter_lacks("a rod out of a plane (in one it is a hinge)")
     above = {rod.a: rod.b for rod in rods}
     if len(above) < len(rods) or not all(_reaches_the_world(above, rod.a) for rod in rods):
-        return (
-            "the adapter supports only rods that hang from the world or one below the"
-            " other; others would be soft constraints"
+        return engine_cannot(
+            "rods that do not hang from the world or one below the other: they would be soft"
+            " constraints"
         )
     place = scene.bodies.position
     velocity = scene.bodies.velocity
     for rod in rods:
         if any(rod.anchor_a) or (rod.b >= 0 and any(rod.anchor_b)) or scene.bodies.fixed[rod.a]:
-            return "the adapter supports a rod to the centre of a body only"
+            return adapter_lacks("a rod to a point other than the centre of a body")
         if rod.b >= 0:
             arm = place[rod.a] - place[rod.b]
             relative = velocity[rod.a] - velocity[rod.b]
@@ -96,7 +80,7 @@ def of_rods(scene: Scene) -> str | None:
         if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (
             1 + slip
         ):
-            return "a start off the rod, which a hinge cannot represent"
+            return engine_cannot("a start off the rod, which a hinge cannot represent")
     return None
 
 

@@ -33,7 +33,7 @@ def _step_address() -> int:
     return ctypes.cast(ctypes.CDLL(str(library)).mj_step, ctypes.c_void_p).value or 0
 
 
-def _clock_address(data: Any) -> int:
+def clock_address(data: Any) -> int:
     """Address of `data.time`, which stands before `data.energy` in the structure; raises
     EngineError if it does not.
     """
@@ -59,7 +59,7 @@ def recorded(model: Any, data: Any, request: Request) -> tuple[Array, float]:
     lib = recorder.lib
     sizes = [model.nq, model.nv, 1]
     rows = np.full((len(request.problem.times), sum(sizes)), np.nan)
-    places = [data.qpos.ctypes.data, data.qvel.ctypes.data, _clock_address(data)]
+    places = [data.qpos.ctypes.data, data.qvel.ctypes.data, clock_address(data)]
     source = ffi.new("void *[]", [ffi.cast("void *", place) for place in places])
     step, a, b = (
         ffi.cast("void *", address) for address in (_step_address(), model._address, data._address)

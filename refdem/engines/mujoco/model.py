@@ -8,6 +8,7 @@ from refdem.core.problem import Request
 from refdem.engines.mujoco import belts, contacts, options, solver
 from refdem.engines.mujoco.ball import BallFreedom
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
+from refdem.engines.mujoco.passive import is_passive
 from refdem.engines.mujoco.turning import Free, Hinge
 from refdem.mechanics.quaternion import rotated
 from refdem.scene import Scene
@@ -34,7 +35,7 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     contacts.add(mujoco, spec, scene, said, step)
     belts.add(mujoco, spec, scene, said, step)
     for number, spring in enumerate(scene.all(Spring)):
-        if not _is_of_joints(scene, spring):
+        if not _is_of_joints(scene, spring) and not is_passive(spring, scene):
             _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
     for rod in scene.all(Rod):
         spec.add_sensor(
@@ -97,7 +98,11 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
         stiffness = (springs[0].stiffness, 0.0, 0.0)
         reference = springs[0].anchor_b
     friction, words = _dry_friction(scene, number, step)
-    damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
+    damping = sum(
+        dashpot.damping
+        for dashpot in scene.all(Dashpot)
+        if dashpot.a == number and not is_passive(dashpot, scene)
+    )
     return Slides(
         body,
         dimension,
@@ -134,7 +139,12 @@ def _is_of_joints(scene: Scene, spring: Spring) -> bool:
     plain = [
         s
         for s in scene.all(Spring)
-        if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1 and not s.cubic
+        if s.a == spring.a
+        and s.b < 0
+        and s.length == 0
+        and s.exponent == 1
+        and not s.cubic
+        and not s.quadratic
     ]
     return (
         spring in plain
@@ -149,7 +159,7 @@ def _add_tendon(
 ) -> None:
     """A spring as a spatial tendon between two sites."""
     tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
-    # F = linear s + cubic s^3 in the stretch s; exponents other than 1 and 3 are unsupported.
+    # F = linear s + cubic s^3 in the stretch s; the callback has other exponents.
     if spring.exponent == 1:
         linear = spring.stiffness
         cubic = spring.cubic

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from refdem.engines.mujoco import solver
 from refdem.engines.mujoco.claims import INTEGRATORS
+from refdem.engines.mujoco.passive import is_passive
 from refdem.scene import Scene
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -51,7 +53,10 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
         option.noslip_iterations = NOSLIP
     else:
         option.noslip_iterations = 0
-    option.impratio = FRICTION_TO_NORMAL
+    if {"contact:linear", "contact:friction"} <= scene.features:
+        option.impratio = solver.LIFTLESS
+    else:
+        option.impratio = FRICTION_TO_NORMAL
     for name in (*NEVER, *unneeded(scene)):
         option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))
     option.enableflags = int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
@@ -67,8 +72,10 @@ def unneeded(scene: Scene) -> tuple[str, ...]:
         "CONSTRAINT": not meets and "slider" not in features,
         "FRICTIONLOSS": all(slider.belt_velocity for slider in scene.all(Slider)),
         "SPRING": (
-            not features & {"spring", "force"}
-        ),  # without springs and dampers MuJoCo leaves out its callback as well
+            # Without springs and dampers MuJoCo leaves out its callback as well.
+            "spring" not in features
+            and not any(is_passive(element, scene) for element in scene.elements)
+        ),
         "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,
     }

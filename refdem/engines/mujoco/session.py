@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.mujoco.belts import press
-from refdem.engines.mujoco.drive import driving
 from refdem.engines.mujoco.joints import Freedom
-from refdem.engines.mujoco.loop import recorded
+from refdem.engines.mujoco.loop import clock_address, recorded
 from refdem.engines.mujoco.model import compiled
+from refdem.engines.mujoco.passive import acting
 from refdem.engines.mujoco.turning import Hinge
 from refdem.errors import EngineError
 
@@ -32,11 +32,8 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     try:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
-        with driving(
-            mujoco,
-            request.problem.scene,
-            [_columns(model, freedoms, n)[1] for n in range(len(freedoms))],
-        ):
+        places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
+        with acting(mujoco, request.problem.scene, places, data, clock_address(data)):
             mujoco.mj_step(
                 model, _started(mujoco, model, freedoms, request)
             )  # raises here what would end the process in the loop

@@ -20,6 +20,12 @@ SLIDING = 2.0**-10
 """Impedance of contacts that slide: a convex contact law lifts what slides (see `rubbing`), the
 less, the smaller this is.
 """
+LIFTLESS = 2.0**-30
+"""impratio of the linear law: friction is so soft in the first solve that slip does not lift what
+slides. The lift ends where the acceleration by the normal force is this part of slip/step. The
+forces are rounded to u/impratio: at 2^-40 two runs that differ by a boost part by 2e-10, here by
+7e-13.
+"""
 ANY = 0.5
 """Impedance of the linear law; it cancels (see `linear_law`) and halves exactly."""
 
@@ -47,6 +53,24 @@ def linear_law(scene: Scene, law: Contact) -> list[float]:
     """
     (effective_mass,) = pairs(scene)
     return [-law.stiffness / effective_mass, -law.damping / effective_mass]
+
+
+def linear_rubbing(scene: Scene, law: Contact, step: float) -> dict[str, Any]:
+    """Parameters of a pair under the linear law with sliding friction of full size.
+
+    With the tangential regularisation R_t = (1 - d)/d A_n / impratio slip lifts what slides (see
+    `rubbing`) while `A_n f_n < impratio b_t |v_t| / mu`: with LIFTLESS at no force worth the name,
+    so that the normal force is that of the linear law. The post-solver knows no R_t: it takes the
+    normal force as it is, and stops the slip within a step (b_t = 1/step) or holds friction at
+    mu f_n.
+    """
+    return {
+        "condim": 3,
+        "friction": (law.friction, law.friction, 0.0, 0.0, 0.0),
+        "solref": linear_law(scene, law),
+        "solimp": impedance(ANY),
+        "solreffriction": [-np.finfo(float).tiny, -ANY / step],
+    }
 
 
 def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:

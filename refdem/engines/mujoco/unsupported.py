@@ -7,9 +7,10 @@ from itertools import islice
 import numpy as np
 
 from refdem.core.problem import Motion
+from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.engines.mujoco import contacts, links, solver
 from refdem.engines.mujoco.ball import of_ball_joints
-from refdem.engines.mujoco.drive import of_forces
+from refdem.engines.mujoco.passive import of_passive
 from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
@@ -18,8 +19,10 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SAID = {
     "ball_joint",
+    "central_field",
     "dashpot",
     "force",
+    "piecewise_field",
     "spring",
     "slider",
     "rod",
@@ -28,16 +31,20 @@ SAID = {
     "uniform_gravity",
 }
 UNSAID = {
-    "central_field": "a central field: gravity is uniform",
-    "moving_anchor": (
+    "moving_anchor": engine_cannot(
         "a joint that follows a function of time: a mocap body is moved between"
         " steps and has no velocity"
     ),
-    "string_over_wheel": "a taut string: a tendon holds its length as a soft constraint",
-    "catch": (
+    "string_over_wheel": engine_cannot(
+        "a taut string: a tendon holds its length as a soft constraint"
+    ),
+    "catch": engine_cannot(
         "a constraint that begins at closest approach: constraints are switched"
         " between steps only, and are soft"
     ),
+    "periodic_box": engine_cannot("a periodic box"),
+    "wedge": adapter_lacks("wedge (a force by mjcb_passive, and a body that turns)"),
+    "internal_damping": adapter_lacks("internal_damping (a torque by mjcb_passive)"),
 }
 SMALLEST = 1e-15
 """mjMINVAL: mass [kg] and principal inertia [kg m^2] of a moving body may not be below it."""
@@ -58,10 +65,12 @@ def unsupported(problem: Motion) -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
     if problem.interval < 0:
-        return "negative time steps: MuJoCo accepts them but does not document their meaning"
+        return engine_cannot(
+            "negative time steps: MuJoCo accepts them but does not document their meaning"
+        )
     for element in scene.elements:
         if element.kind not in SAID:
-            return UNSAID.get(element.kind, f"no element {element.kind}")
+            return UNSAID.get(element.kind, adapter_lacks(f"the element {element.kind}"))
     for judged in (
         _of_bodies,
         links.of_springs,
@@ -69,7 +78,7 @@ def unsupported(problem: Motion) -> str | None:
         links.of_sliders,
         links.of_rods,
         of_ball_joints,
-        of_forces,
+        of_passive,
         _of_contact,
         _of_soft_constraints,
     ):
@@ -82,10 +91,10 @@ def _of_bodies(scene: Scene) -> str | None:
     bodies = scene.bodies
     moving = ~bodies.fixed
     if np.any(bodies.mass[moving] < SMALLEST):
-        return f"a mass below {SMALLEST:g} kg"
+        return engine_cannot(f"a mass below {SMALLEST:g} kg")
     solid = bodies.inertia[moving & bodies.inertia.any(axis=1)]
     if "rotation" in scene.features and np.any(solid < SMALLEST):
-        return "a rotating body with zero inertia about one axis"
+        return engine_cannot("a rotating body with zero inertia about one axis")
     return None
 
 
@@ -94,47 +103,57 @@ def _of_contact(scene: Scene) -> str | None:
     if not found or not scene.has_shapes():
         return None
     if len(found) > 1:
-        return "the adapter supports one contact law per scene"
+        return adapter_lacks("more than one contact law per scene")
     law = found[0]
     if law.law == "rigid":
         return _of_rigid_contact(scene, law)
     if law.law == "linear":
         return _of_linear_contact(scene, law)
-    return f"contact law {law.law}: MuJoCo's contacts are springs and dampers in the acceleration"
+    return engine_cannot(
+        f"contact law {law.law}: MuJoCo's contacts are linear springs and dampers in the"
+        " acceleration"
+    )
 
 
 def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
     """MuJoCo keeps bodies apart; it has no law of how they rebound."""
     if law.restitution > 0:
-        return "a coefficient of restitution"
+        return engine_cannot("a coefficient of restitution")
     if not scene.all(UniformGravity):
-        return "impacts without rebound: MuJoCo's contacts are springs and dampers that give back"
+        return engine_cannot("impacts without rebound: its contacts are springs that give back")
     solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
     if any(box_sides(solid) is None for solid in solids):
-        return "the adapter supports boxes only, no other polyhedra"
+        return adapter_lacks("polyhedra other than boxes")
     return None
 
 
 def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
-    """Springs and dampers of one frictionless pair can be said in the acceleration, nothing
-    more.
+    """Springs and dampers of one pair can be said in the acceleration, with friction that has no
+    spring of its own.
     """
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
-        return "a linear contact law for polyhedra"
-    if law.friction > 0:
-        return (
+        return engine_cannot("a linear contact law for polyhedra")
+    if law.friction > 0 and law.tangential_stiffness > 0:
+        return engine_cannot(
             "a tangential contact spring with a Coulomb limit: MuJoCo's friction is a"
             " velocity constraint"
         )
+    if law.friction > 0 and law.branch != "R-d/2":
+        return engine_cannot(
+            f"friction at the lever arm {law.branch}: MuJoCo's contacts are in the middle of the"
+            " overlap"
+        )
     if law.damping > 0 and law.cutoff == "zero_overlap":
-        return "an attractive contact force: MuJoCo's force ends before the overlap does"
+        return engine_cannot(
+            "an attractive contact force: MuJoCo's force ends before the overlap does"
+        )
     if len(list(islice(pairs(scene), 2))) > 1:
-        return (
+        return engine_cannot(
             "a linear contact law for more than one pair: contacts that share a body"
             " change each other"
         )
     if scene.elements and {e.kind for e in scene.elements} - {"contact", "plane"}:
-        return "a linear contact law beside other forces"
+        return engine_cannot("a linear contact law beside other forces")
     return None
 
 
@@ -152,7 +171,7 @@ def _of_soft_constraints(scene: Scene) -> str | None:
         softened += [(impedance, effective_mass) for effective_mass in pairs(scene)]
     for impedance, mass in softened:
         if mass > heaviest(impedance):
-            return (
+            return engine_cannot(
                 f"a contact or dry friction with more than {heaviest(impedance):.0e} kg:"
                 f" MuJoCo softens every constraint by at least mjMINVAL = {SMALLEST:g} per"
                 " kg"

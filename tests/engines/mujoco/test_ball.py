@@ -67,10 +67,13 @@ def test_motion_is_that_of_the_reference(engine):
         (top(position=(0.0, 0.0, 0.0)), "open"),
         (
             Scene(top().bodies, (*top().elements, Rod(a=0, length=0.5, anchor_b=(1.0, 2.0, 3.0)))),
-            "plane only",
+            "out of a plane",
         ),
-        (Scene(top().bodies, (*top().elements, top().elements[0])), "one per body"),
-        (Scene.of([*PAIR], [BallJoint(a=1, b=0, anchor_a=(-1.0, 0.0, 0.0))]), "to the world only"),
+        (Scene(top().bodies, (*top().elements, top().elements[0])), "more than one on a body"),
+        (
+            Scene.of([*PAIR], [BallJoint(a=1, b=0, anchor_a=(-1.0, 0.0, 0.0))]),
+            "ball joints between bodies",
+        ),
     ],
 )
 def test_what_is_no_top_is_refused(scene, reason):

@@ -55,7 +55,7 @@ def test_it_is_carried_at_the_speed_of_the_belt(played, axis):
         (
             [Body(mass=1.0, velocity=(0.0, 1.0, 0.0))],
             [Slider(a=0, normal_force=1.0, friction=0.4, belt_velocity=1.0)],
-            "along x only",
+            "other than along x",
         ),
     ],
     ids=str,

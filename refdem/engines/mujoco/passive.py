@@ -1,0 +1,173 @@
+"""Forces that MuJoCo has no element for: its callback for passive forces (mjcb_passive), called in
+every stage of an integrator at that stage's time, places and velocities.
+"""
+
+import ctypes
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from refdem import kernels
+from refdem.core.refusal import adapter_lacks
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.spring import Spring
+
+FAMILY = "mujoco_forces"
+(DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE) = range(5)
+"""Kinds of forces, as the compiled callback numbers them."""
+NUMBERS = 10
+Places = tuple[list[int], list[int]]
+"""Where the coordinates of a body and its velocities lie in MuJoCo's state; a missing third or
+second one is 0."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force on body `a`, and with the opposite sign on body `b` unless that is the world (-1);
+    the numbers of its kind are as the compiled callback has them (mujoco_forces_kernel.h).
+    """
+
+    a: int
+    b: int
+    kind: int
+    numbers: tuple[float, ...]
+
+
+@contextmanager
+def acting(
+    mujoco: Any, scene: Scene, places: Sequence[Places], data: Any, clock: int
+) -> Iterator[None]:
+    """While a run of `data` lasts the scene's forces act on its bodies, whose coordinates are at
+    `places`; `clock` is the address of its time.
+
+    The callback is the process's, not a model's.
+    """
+    pushes = list(_pushes(scene))
+    if not pushes:
+        yield
+        return
+    library = kernels.load(FAMILY)
+    (struct, *_kept_alive) = _told(pushes, places, data, clock)
+    kept = mujoco.get_mjcb_passive()
+    library.lib.refdem_mujoco_forces_set(struct)
+    mujoco.set_mjcb_passive(_callback())
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_passive(kept)
+        library.lib.refdem_mujoco_forces_set(library.ffi.NULL)
+
+
+@cache
+def _callback() -> Any:
+    """The compiled callback as MuJoCo's Python package takes a raw function."""
+    library = kernels.load(FAMILY)
+    address = int(library.ffi.cast("uintptr_t", library.lib.refdem_mujoco_forces_callback()))
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
+
+
+def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: int) -> list[Any]:
+    """The struct of the compiled callback, and the arrays that it points to."""
+    ffi = kernels.load(FAMILY).ffi
+    number = np.zeros((len(pushes), NUMBERS))
+    column = np.full((len(pushes), 12), -1, np.int64)
+    for row, push in enumerate(pushes):
+        number[row, : len(push.numbers)] = push.numbers
+        column[row, :6] = _columns(places, push.a)
+        column[row, 6:] = _columns(places, push.b)
+    arrays = {
+        "kind": ffi.from_buffer("int64_t[]", np.array([push.kind for push in pushes], np.int64)),
+        "column": ffi.from_buffer("int64_t[]", column),
+        "number": ffi.from_buffer("double[]", number),
+    }
+    addresses = {
+        "q": data.qpos.ctypes.data,
+        "v": data.qvel.ctypes.data,
+        "felt": data.qfrc_passive.ctypes.data,
+        "clock": clock,
+    }
+    pointers = {name: ffi.cast("double *", address) for name, address in addresses.items()}
+    struct = ffi.new("refdem_mujoco_forces *", {"pushes": len(pushes), **pointers, **arrays})
+    return [struct, *arrays.values()]
+
+
+def _columns(places: Sequence[Places], body: int) -> list[int]:
+    """Where the place (3) and the velocity (3) of a body lie; -1 for what there is none of."""
+    if body < 0:
+        return [-1] * 6
+    columns: list[int] = []
+    for where in places[body]:
+        columns += [*where[:3], *[-1] * (3 - len(where[:3]))]
+    return columns
+
+
+def is_passive(element: Any, scene: Scene) -> bool:
+    """True if the callback says the element, for MuJoCo has none that does."""
+    if isinstance(element, Force | CentralField | PiecewiseField):
+        return True
+    if isinstance(element, Spring):
+        # MuJoCo's spring is a polynomial, linear or odd and cubic.
+        return element.exponent not in (1, 3) or bool(element.quadratic)
+    if isinstance(element, Dashpot):
+        depends = bool(element.van_der_pol) or element.damping < 0
+        turns = "rotation" in scene.features and bool(scene.bodies.inertia[element.a].any())
+        return depends or element.b >= 0 or turns
+    return False
+
+
+def of_passive(scene: Scene) -> str | None:
+    """None if every force of the callback acts at the centre of a body that moves along the axes of
+    space; else why not.
+    """
+    elements = [element for element in scene.elements if is_passive(element, scene)]
+    linked = [element for element in elements if isinstance(element, Force | Spring | Dashpot)]
+    for link in linked:
+        if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)):
+            return adapter_lacks(f"a {link.kind} by mjcb_passive off the centre of a body")
+        if any(scene.bodies.fixed[end] for end in (link.a, link.b) if end >= 0):
+            return adapter_lacks(f"a {link.kind} by mjcb_passive on a fixed body")
+    if elements and any(element.kind in ("rod", "ball_joint") for element in scene.elements):
+        return adapter_lacks(
+            "a force by mjcb_passive beside rotating joints, whose coordinates are not positions"
+        )
+    return None
+
+
+def _pushes(scene: Scene) -> Iterator[Push]:
+    """The forces of the callback, element by element."""
+    moving = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
+    for element in scene.elements:
+        if not is_passive(element, scene):
+            continue
+        if isinstance(element, Force | Spring | Dashpot):
+            yield _of_link(element)
+        elif isinstance(element, CentralField | PiecewiseField):
+            for number in moving:
+                yield _of_field(element, number, float(scene.bodies.mass[number]))
+
+
+def _of_link(link: Force | Spring | Dashpot) -> Push:
+    """The force of a drive, a spring or a dashpot."""
+    if isinstance(link, Force):
+        numbers: tuple[float, ...] = (link.amplitude, link.frequency, link.phase, *link.axis)
+        return Push(link.a, link.b, DRIVE, numbers)
+    if isinstance(link, Spring):
+        numbers = (link.stiffness, link.length, link.exponent, *link.anchor_b)
+        return Push(link.a, link.b, SPRING, (*numbers, link.quadratic, link.cubic))
+    return Push(link.a, link.b, DASHPOT, (link.damping, link.van_der_pol, *link.anchor_b))
+
+
+def _of_field(field: CentralField | PiecewiseField, body: int, mass: float) -> Push:
+    """The force of a field on one body."""
+    if isinstance(field, CentralField):
+        return Push(body, -1, CENTRAL, (field.gm * mass,))
+    numbers = (field.k1, field.k2, field.x1, field.x2, *field.point, *field.axis)
+    return Push(body, -1, PIECEWISE, numbers)
