@@ -394,6 +394,7 @@ class ValidatedFlow(Guarded, Truth):
             flow = self.integration()
 
             def step() -> bool:
+                """Makes one more piece; False where that is not proved."""
                 try:
                     flow.advance()
                 except UndecidedError:

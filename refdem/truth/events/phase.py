@@ -193,7 +193,9 @@ class Phase(Chain):
 
     def section(self, guard: Guard, states: Sequence[arb], rate: arb) -> arb_mat:
         """The projection 1 - f grad g/(grad g . f) of errors along the field f onto the section g =
-        0; `rate` is grad g . f.
+        0, at the `states` in which the motions cross it; `rate` is grad g . f.
+
+        A motion that is off by e meets the section later by -grad g . e/(grad g . f).
         """
         gradient = self.mode.gradients[guard.name].run(states)
         rates = self.field.run(states)
