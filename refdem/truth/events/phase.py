@@ -90,7 +90,7 @@ class Phase(Chain):
         for attempt in range(RETRIES):
             high = self.searched + width * SHORTER**attempt
             try:
-                crossing = self.found(piece, self.searched, high)
+                crossing = self.event_in(piece, self.searched, high)
             except SwitchError as error:
                 # A zero too near the end of this window may lie inside, or after, a shorter one.
                 if error.code != "precision" or attempt == RETRIES - 1:
@@ -103,7 +103,7 @@ class Phase(Chain):
                 self.searched = high
             return
 
-    def found(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
+    def event_in(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
         """The name of the guard that is zero first in the window (low, high] of the last piece, and
         a ball of the time since the entry at which it is; None if none is.
         """
