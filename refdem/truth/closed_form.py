@@ -106,7 +106,8 @@ class ClosedForm(Guarded, Truth):
         return self.refiner.digits
 
     def refined(self, digits: int) -> Self:
-        """The same truth with radii of at most 10^-digits; what is kept serves both."""
+        """This truth with radii of at most 10^-digits; results that are kept serve both."""
+        # Makes the dictionary now, so that the copy shares it.
         _ = self.kept
         other = copy(self)
         other.refiner = self.refiner.to(digits)

@@ -233,6 +233,7 @@ class PlanarPhases(LinearContact):
         """
 
         def rates(y: State) -> list[Any]:
+            """a' = u, u' (`falling`), phi' (`turning`), w' = r g, o_i', s', clock' = 1."""
             r = 1 - y[0] * self.eps
             if friction:
                 g = friction(y)

@@ -351,9 +351,12 @@ class Elliptic(Nodal):
         self.shift = self.jacobi.argument(sn, cn)
 
     def _begin_nodes(self) -> None:
-        """Sets what exp(i phi) needs: the constant a of Theta(u + i a), nu and the phase at 0."""
+        """Sets the numbers of exp(i phi): a of Theta(u + i a), nu, and the phase at t = 0."""
         _, _, c = self.sizes
+        # sn(i a) = i C/A: cs = A/C, ds = B/C, ns = L/C are those of a with parameter 1 - m, and a =
+        # R_F(cs^2, ds^2, ns^2) (DLMF 19.25).
         self.imaginary = c * carlson_f(arb_of(self.a2), arb_of(self.b2), arb_of(self.l2))
+        # nu = L/J_a -+ z u', with Z(i a) = i z.
         zeta = self.jacobi.zeta_on_imaginary_axis(self.imaginary)
         self.drift = self.length / arb_of(self.inertia[self.other]) - self.sense * zeta * self.rate
         self.phase0 = self._phase(self.shift)

@@ -765,8 +765,11 @@ class PeriodicGrowth:
         return bounded(max(this_period, earlier + rounding))
 
     def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
-        """The growth of errors made in earlier periods by products of doubles, and a bound of what
+        """The growth of errors made in earlier periods, by products of doubles, and a bound of what
         rounding may have lost of it.
+
+        `since` is tau, the time since the last period ended, at which `readings` are made; `turns`
+        is the number k of whole periods.
         """
         growth = self.first
         norm = growth.norm
@@ -778,6 +781,7 @@ class PeriodicGrowth:
         by_cell = norm(period.answers) + norm(period.carried) * period.slack
         largest = bounded(float(by_cell.max()) + period.rounding)
         one = np.eye(len(period.whole))
+        # N = D(P) - 1.
         drift = period.whole - one
         growth_bound = 0.0
         rounding_bound = 0.0
@@ -798,11 +802,14 @@ class PeriodicGrowth:
         return growth_bound, rounding_bound
 
     def of_earlier_in_balls(self, since: arb, readings: arb_mat | None, turns: int) -> float:
-        """The growth of errors made in earlier periods by products of balls."""
+        """The growth of errors made in earlier periods, by products of balls; the arguments are
+        those of `of_earlier`.
+        """
         growth = self.first
         if self.over_a_period_in_balls is None:
             self.over_a_period_in_balls = growth.effect_in_balls(self.period, None)
         period = self.over_a_period_in_balls
+        # D(tau), and N = D(P) - 1.
         now = growth.effect_in_balls(since, readings).whole
         one = unit_matrix(period.whole.nrows())
         drift = period.whole - one

@@ -148,8 +148,9 @@ class CentralGrowth:
         return (place_change + speed_change) * UPWARDS
 
     def moment(self, middle: Fraction, half: Fraction) -> Moment:
-        """The numbers of the cell middle +- half; kept for later calls."""
+        """The numbers of the cell middle +- half [s]; kept for later calls."""
         if (middle, half) not in self.moments:
+            # w^2 bounds |dG| at all times of the cell.
             times = arb_of(middle - half).union(arb_of(middle + half))
             rate = self.gradient(times) ** 0.5 * UPWARDS
             inverse = inverted(self.fundamental(arb_of(middle)))

@@ -82,6 +82,7 @@ class Real(Enclosed):
         return self.sign() != 0
 
     def __add__(self, other: Any) -> Any:
+        """The sum; with an exact 0 the number itself, so that its kind (Root) stays."""
         if not is_number(other):
             return NotImplemented
         if is_zero(other):
@@ -89,6 +90,7 @@ class Real(Enclosed):
         return Real(lambda: self.ball() + arb_of(other))
 
     def __mul__(self, other: Any) -> Any:
+        """The product; with an exact 0 an exact 0, which no ball could prove."""
         if not is_number(other):
             return NotImplemented
         if is_zero(other):
@@ -168,6 +170,9 @@ class Root(Real):
     side: int
 
     def __mul__(self, other: Any) -> Any:
+        """The product: sqrt(a) sqrt(b) = sqrt(a b), and with a rational r sqrt(r^2 a), of its
+        sign.
+        """
         if isinstance(other, Root):
             return self.side * other.side * root(self.square * other.square)
         if isinstance(other, int | Fraction) and other:
@@ -183,6 +188,7 @@ class Root(Real):
         return signed_root(1 / self.square, self.side)
 
     def __truediv__(self, other: Any) -> Any:
+        """The quotient, as the product with the inverse."""
         if isinstance(other, Root):
             return self * other.inverse()
         if isinstance(other, int | Fraction) and other:
@@ -198,6 +204,7 @@ class Root(Real):
         return signed_root(self.square, -self.side)
 
     def __pow__(self, power: int) -> Any:
+        """The whole power, which is rational where `power` is even."""
         # sqrt(square)^(2 half + odd) = square^half sqrt(square)^odd.
         half, odd = divmod(power, 2)
         even_power = self.square**half

@@ -128,13 +128,13 @@ class SpatialPhases(LinearContact):
         """
 
         def rates(y: State) -> list[Any]:
+            """r' = v, v' = -F n + f, o_i' = l_i mu_i n x f, the spring's rate, clock' = 1."""
             normal = self.normal(y)
             force = self.force(y)
             if friction:
                 tangential: Vector = friction(y)
             else:
                 tangential = [0, 0, 0]
-            # v' = -F n + f, and o_i' = l_i mu_i n x f.
             acceleration = [f - n * force for f, n in zip(tangential, normal, strict=True)]
             torque = cross(normal, tangential)
             spin_rates = [

@@ -79,6 +79,7 @@ class Node:
         return value
 
     def __add__(self, other: object) -> "Node":
+        """The node of a sum with a node or an exact number."""
         other = self.trace.constant(other)
         a = self.exact()
         b = other.exact()
@@ -92,6 +93,7 @@ class Node:
         return self.trace.node("+", self.index, other.index)
 
     def __mul__(self, other: object) -> "Node":
+        """The node of a product with a node or an exact number."""
         other = self.trace.constant(other)
         # A constant factor makes a "scale", whose series needs no product.
         if self.exact() is None:
@@ -110,6 +112,7 @@ class Node:
         return self.trace.node("scale", factor, node.index)
 
     def __truediv__(self, other: object) -> "Node":
+        """The node of a quotient by a node, or of a product with the inverse of an exact number."""
         other = self.trace.constant(other)
         value = other.exact()
         if value is None:

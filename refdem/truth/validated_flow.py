@@ -381,7 +381,7 @@ class ValidatedFlow(Guarded, Truth):
         time = float(t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
-            """As `climbed` (balls.py) raises them: twofold, or by the bits that are lacking."""
+            """The next precision, raised as by `climbed`: twofold, or by the bits that lack."""
             if lacking is None:
                 more = bits
             else:
@@ -394,6 +394,7 @@ class ValidatedFlow(Guarded, Truth):
             flow = self.integration()
 
             def step() -> bool:
+                """Makes one more piece; False where that is not proved."""
                 try:
                     flow.advance()
                 except UndecidedError:

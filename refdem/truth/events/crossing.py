@@ -71,7 +71,7 @@ class Watched:
 
     @property
     def rate(self) -> Along:
-        """Its first derivative: D of the theorem."""
+        """The first derivative of the function: D of the theorem."""
         return self.rates[1]
 
 

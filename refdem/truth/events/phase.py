@@ -90,7 +90,7 @@ class Phase(Chain):
         for attempt in range(RETRIES):
             high = self.searched + width * SHORTER**attempt
             try:
-                crossing = self.found(piece, self.searched, high)
+                crossing = self.event_in(piece, self.searched, high)
             except SwitchError as error:
                 # A zero too near the end of this window may lie inside, or after, a shorter one.
                 if error.code != "precision" or attempt == RETRIES - 1:
@@ -103,7 +103,7 @@ class Phase(Chain):
                 self.searched = high
             return
 
-    def found(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
+    def event_in(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
         """The name of the guard that is zero first in the window (low, high] of the last piece, and
         a ball of the time since the entry at which it is; None if none is.
         """
@@ -193,7 +193,9 @@ class Phase(Chain):
 
     def section(self, guard: Guard, states: Sequence[arb], rate: arb) -> arb_mat:
         """The projection 1 - f grad g/(grad g . f) of errors along the field f onto the section g =
-        0; `rate` is grad g . f.
+        0, at the `states` in which the motions cross it; `rate` is grad g . f.
+
+        A motion that is off by e meets the section later by -grad g . e/(grad g . f).
         """
         gradient = self.mode.gradients[guard.name].run(states)
         rates = self.field.run(states)

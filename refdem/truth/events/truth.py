@@ -89,7 +89,7 @@ class Switching(Protocol[Motion]):
         """
 
     def parts(self) -> list[int]:
-        """How many coordinates are measured together (Norm)."""
+        """The number of coordinates in each part that the norm measures together (Norm)."""
 
     def struck(self) -> Sequence[int] | None:
         """The coordinates of `chart` in which errors are made; None for all."""
@@ -199,6 +199,7 @@ class EventProof(Guarded, Generic[Motion]):
             return next((rung for rung in LADDER if rung > bits), None)
 
         def step() -> bool:
+            """Follows the motion by one window; False where it is over or cannot be followed."""
             nonlocal followed
             followed += 1
             try:
@@ -490,7 +491,9 @@ class HybridFlow(Guarded, Truth):
         return [arb_of(self.scale[name]) for name in self.state]
 
     def parts(self) -> list[int]:
-        """How many coordinates are measured together (Norm)."""
+        """The number of coordinates in each part of the norm: every coordinate is measured
+        alone.
+        """
         return [1] * len(self.state)
 
     def struck(self) -> None:

@@ -237,11 +237,11 @@ def highest(value: Callable[[float], float], first: float) -> float:
     return best
 
 
-def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) -> Disc | None:
+def grown(candidate: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) -> Disc | None:
     """The disc with the rings that make the series of the flow Jacobian shortest; None if the step
     is not inside any that is proved.
 
-    `found` is the disc without rings, `start` the norm of the set about T(0), `stiff` a guess of
+    `candidate` is a disc without rings, `start` the norm of the set about T(0), `stiff` a guess of
     |J|.
 
     Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <=
@@ -249,25 +249,27 @@ def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) ->
     can be the first to leave.
     """
     best = None
-    step = float(found.step)
-    widest = float(found.outer) * 0.95
+    step = float(candidate.step)
+    widest = float(candidate.outer) * 0.95
     # Rings at half the step and at the step, then in equal ratios up to nearly the outer radius.
     radii = [step / 2] + [step * (widest / step) ** (k / RINGS) for k in range(RINGS + 1)]
     for number, ring in enumerate(radii):
         radius = arb(ring)
         # The margin is guessed with the |J| of the ring before, and tried: 4 times what it says.
-        guess = replace(found, rings=[*found.rings, (radius, stiff)])
-        motion = norm([size(radius) for size in tube.sizes], found.weights)
+        guess = replace(candidate, rings=[*candidate.rings, (radius, stiff)])
+        motion = norm([size(radius) for size in tube.sizes], candidate.weights)
         margin = 4 * guess.apart(radius, start) + ROOM * motion
-        stiff = matrix_norm(jacobian.run(tube.box(radius, found.sides(margin))), found.weights)
-        found = replace(found, rings=[*found.rings, (radius, stiff)])
-        if not found.apart(radius, start) <= margin:
+        stiff = matrix_norm(
+            jacobian.run(tube.box(radius, candidate.sides(margin))), candidate.weights
+        )
+        candidate = replace(candidate, rings=[*candidate.rings, (radius, stiff)])
+        if not candidate.apart(radius, start) <= margin:
             break
         if number > 1:
             # The step lies inside. A wider disc is taken while it makes the series shorter.
             if best is not None:
-                order = found.jacobian_order(JACOBIAN_BITS)
+                order = candidate.jacobian_order(JACOBIAN_BITS)
                 if order > best.jacobian_order(JACOBIAN_BITS):
                     break
-            best = found
+            best = candidate
     return best

@@ -67,7 +67,7 @@ def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
 
 
 def flow_series(
-    jacobian: Program, polynomials: Sequence[arb_poly], found: Disc, start: arb, order: int
+    jacobian: Program, polynomials: Sequence[arb_poly], proved: Disc, start: arb, order: int
 ) -> list[arb_mat]:
     """The Taylor coefficients V_0 .. V_order of the flow Jacobian, for every start within the norm
     `start` of T(0).
@@ -80,17 +80,17 @@ def flow_series(
     solution from T(0) up to N, and 0 beyond.
     """
     size = len(polynomials)
-    radius = found.radius
-    near = found.gronwall(radius) * start
-    far = found.apart(radius, start)
+    radius = proved.radius
+    near = proved.gronwall(radius) * start
+    far = proved.apart(radius, start)
     # Bounds of what the n-th coefficients of solutions are apart from those of T.
     margins = []
     for n in range(order):
-        if n <= found.order:
+        if n <= proved.order:
             difference = near
         else:
             difference = far
-        margins.append(found.sides(difference / radius**n))
+        margins.append(proved.sides(difference / radius**n))
     solution = [
         [one[n] + arb(0, margins[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
     ]
@@ -118,7 +118,7 @@ def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> lis
     return [arb_mat(size, size, [entry[k] for entry in entries]) for k in range(order)]
 
 
-def flow_jacobian(terms: Sequence[arb_mat], found: Disc, since: arb) -> arb_mat:
+def flow_jacobian(terms: Sequence[arb_mat], proved: Disc, since: arb) -> arb_mat:
     """Enclosure of the derivative of y(since) by y(0): the series and its remainder.
 
     A matrix of norm r in the weighted norm has entries |V_ij| <= r w_i/w_j.
@@ -127,9 +127,9 @@ def flow_jacobian(terms: Sequence[arb_mat], found: Disc, since: arb) -> arb_mat:
     total = terms[-1]
     for term in terms[-2::-1]:
         total = total * since + term
-    rest = found.jacobian_remainder(outward(since), len(terms) - 1)
-    weights = found.weights
-    remainder = [[arb(0, outward(rest * a / b)) for b in weights] for a in weights]
+    remainder_bound = proved.jacobian_remainder(outward(since), len(terms) - 1)
+    weights = proved.weights
+    remainder = [[arb(0, outward(remainder_bound * a / b)) for b in weights] for a in weights]
     return total + arb_mat(remainder)
 
 

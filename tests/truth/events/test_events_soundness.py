@@ -126,7 +126,7 @@ def last_turn(self, level, clock):
 SECTION = Phase.section
 STATES = Phase.crossing
 WATCHED = Phase.watched
-FOUND = Phase.found
+FOUND = Phase.event_in
 NEXT = stick_slip.StickSlip.next_time
 FIRST = CROSSING = crossing.first_crossing
 EARLIEST = crossing.earliest
@@ -194,7 +194,7 @@ BUGS = {
     "guard at the middle of an interval": (Phase, "watched", middle_watched),
     "zero at the entry forgotten": (Phase, "watched", without_touching),
     "zero at the entry not looked at": (crossing, "touches", lambda watched, begin: True),
-    "every other window is skipped": (Phase, "found", every_other_window),
+    "every other window is skipped": (Phase, "event_in", every_other_window),
     "sign of the midpoint": (
         systems,
         "sign",
