@@ -34,12 +34,15 @@ WITNESS = (
 def final_axis(
     omega: Sequence[Fraction], inertia: Sequence[Fraction], damping: Fraction, flow: ValidatedFlow
 ) -> dict[str, arb]:
-    """`final_axis`, the principal axis (1, 2 or 3) about which the body ends, where that is
-    proved.
+    """The scalar `final_axis`, the principal axis (1, 2 or 3) about which the body ends.
+
+    A start exactly about an axis stays there. Else it is the axis of the largest moment as soon as
+    2 E < L^2/J_middle, which is looked for at times that are doubled. Nothing is told where that is
+    not proved.
     """
-    about = [i for i in range(3) if omega[i]]
-    if len(about) == 1:
-        return {"final_axis": arb(about[0] + 1)}
+    started_about = [i for i in range(3) if omega[i]]
+    if len(started_about) == 1:
+        return {"final_axis": arb(started_about[0] + 1)}
     order = sorted(range(3), key=lambda i: inertia[i])
     middle, largest = (inertia[i] for i in order[1:])
     if middle == largest or not damping:
@@ -49,31 +52,33 @@ def final_axis(
         values = flow.evaluate(arb_of(t))
         pairs = [(values[name], j) for name, j in zip(NAMES, inertia, strict=True)]
         # 2 E = sum J w^2 and L^2 = sum (J w)^2; about the middle axis 2 E J2 = L^2.
-        twice_energy = sum((w * w * arb_of(j) for w, j in pairs), arb(0))
-        square = sum((w * w * arb_of(j**2) for w, j in pairs), arb(0))
-        if twice_energy * arb_of(middle) < square:
+        double_energy = sum((w * w * arb_of(j) for w, j in pairs), arb(0))
+        momentum_square = sum((w * w * arb_of(j**2) for w, j in pairs), arb(0))
+        if double_energy * arb_of(middle) < momentum_square:
             return {"final_axis": arb(order[2] + 1)}
         t = 2 * t or first_time(omega, inertia)
     return {}
 
 
 def first_time(omega: Sequence[Fraction], inertia: Sequence[Fraction]) -> Fraction:
-    """A quarter of a fast turn [s], about: min J over the sum of |J w|."""
+    """About a quarter of the time of a turn by 1 rad [s]: min J over the sum of |J w|, over 4."""
     momentum = sum(j * abs(w) for w, j in zip(omega, inertia, strict=True))
     return Fraction(1, 4) / momentum * min(inertia)
 
 
 def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
-    """The time derivative of omega_body [rad/s^2]."""
+    """The field of omega_body: J omega' = L x omega + c L x (L x omega) with L = J omega."""
 
     def crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
         return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
     def rates(omega: Sequence[Any]) -> Sequence[Any]:
         momentum = [w * j for w, j in zip(omega, inertia, strict=True)]
-        torque = crossed(momentum, omega)
-        lost = crossed(momentum, torque)
-        return [(a + b * damping) / j for a, b, j in zip(torque, lost, inertia, strict=True)]
+        gyroscopic = crossed(momentum, omega)
+        dissipative = crossed(momentum, gyroscopic)
+        return [
+            (a + b * damping) / j for a, b, j in zip(gyroscopic, dissipative, inertia, strict=True)
+        ]
 
     return rates
 

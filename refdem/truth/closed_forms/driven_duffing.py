@@ -39,13 +39,14 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     values = numbers(p, "alpha", "beta", "delta", "f0", "drive", "x0", "v0")
 
     def field(y: Sequence[Any]) -> list[Any]:
-        x, v, c, s = y
-        push = (
-            values["f0"] * c
+        """The rates of (x, v, cos w t, sin w t)."""
+        x, v, cosine, sine = y
+        acceleration = (
+            values["f0"] * cosine
             - 2 * values["delta"] * v
             - (values["alpha"] + values["beta"] * (x * x)) * x
         )
-        return [v, push, -values["drive"] * s, values["drive"] * c]
+        return [v, acceleration, -values["drive"] * sine, values["drive"] * cosine]
 
     start = [values["x0"], values["v0"], Fraction(1), Fraction(0)]
     escape: Escape = never

@@ -18,8 +18,9 @@ DIMENSIONS = 3
 
 
 class HaffTime(Guarded, Truth):
-    """tau of T = T0/(1 + t/tau)^2, a scalar; not among the scalars of an elastic gas, where it is
-    infinite, or of a rough one.
+    """The truth of a granular gas: the time tau of Haff's law T = T0/(1 + t/tau)^2, a scalar.
+
+    An elastic gas, where it is infinite, and a rough one have none.
     """
 
     method = "closed form"
@@ -54,21 +55,21 @@ class HaffTime(Guarded, Truth):
         return balls
 
     def _scalars(self) -> dict[str, arb]:
+        """The scalars at the current precision."""
         g = self.given
-        found = {"collision_frequency": collision_frequency(g["diameter"], g["density"], g["t0"])}
+        scalars = {"collision_frequency": collision_frequency(g["diameter"], g["density"], g["t0"])}
         if g["restitution"] == 1 or g.get("friction"):
-            return found
-        return {
-            **found,
-            "haff_time": haff_time(
-                **{name: value for name, value in g.items() if name != "friction"}
-            ),
-        }
+            return scalars
+        smooth = {name: value for name, value in g.items() if name != "friction"}
+        scalars["haff_time"] = haff_time(**smooth)
+        return scalars
 
 
 def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> arb:
-    """w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi [1/s] of one sphere; chi = (1 - phi/2)/(1 - phi)^3,
-    phi = pi n sigma^3/6.
+    """The collision frequency w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi [1/s] of one sphere.
+
+    chi = (1 - phi/2)/(1 - phi)^3 is the contact value of the pair distribution (Carnahan and
+    Starling), phi = pi n sigma^3/6 the packing fraction.
     """
     packing = arb.pi() * arb_of(density * diameter**3 / 6)
     chi = (1 - packing / 2) / (1 - packing) ** 3
@@ -76,10 +77,9 @@ def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> 
 
 
 def haff_time(*, diameter: Fraction, density: Fraction, restitution: Fraction, t0: Fraction) -> arb:
-    """tau = 2 D/((1 - e^2) w_c) [s]."""
-    return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / collision_frequency(
-        diameter, density, t0
-    )
+    """Haff's time tau = 2 D/((1 - e^2) w_c) [s] in D dimensions."""
+    frequency = collision_frequency(diameter, density, t0)
+    return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / frequency
 
 
 def truth(p: Parameters) -> Truth:

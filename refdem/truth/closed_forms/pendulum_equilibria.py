@@ -24,8 +24,9 @@ SEEN = ("x", "y", "vx", "vy")
 
 
 class PendulumEquilibria(ClosedForm, SmoothFlow):
-    """x, y, vx and vy of a pendulum; theta and thetadot are the coordinates in which the start is
-    displaced.
+    """The truth of a pendulum near an equilibrium: x, y [m], vx and vy [m/s].
+
+    theta and thetadot are the coordinates in which the start is displaced.
     """
 
     method = Pendulum.method
@@ -41,35 +42,37 @@ class PendulumEquilibria(ClosedForm, SmoothFlow):
         self.pendulum = pendulum
 
     def evaluate(self, t: arb) -> dict[str, arb]:
+        """x = l sin theta, y = -l cos theta and their rates; at rest these are told exactly."""
         pendulum = self.pendulum
-        angle = pendulum.evaluate(t)
+        quantities = pendulum.evaluate(t)
         length = arb_of(pendulum.length)
         if isinstance(pendulum.motion(), Equilibrium):
             if pendulum.half_turns:
-                side = length
+                height = length
             else:
-                side = -length
-            return angle | {"x": arb(0), "y": side, "vx": arb(0), "vy": arb(0)}
-        sine, cosine = angle["theta"].sin_cos()
-        speed = length * angle["thetadot"]
-        place = {name: angle[name] for name in ("theta", "thetadot", "x", "y")}
-        return place | {"vx": speed * cosine, "vy": speed * sine}
+                height = -length
+            return quantities | {"x": arb(0), "y": height, "vx": arb(0), "vy": arb(0)}
+        sine, cosine = quantities["theta"].sin_cos()
+        speed = length * quantities["thetadot"]
+        position = {name: quantities[name] for name in ("theta", "thetadot", "x", "y")}
+        return position | {"vx": speed * cosine, "vy": speed * sine}
 
     def displaced(self, axis: int, amount: Fraction) -> "PendulumEquilibria":
+        """The motion whose theta0 (axis 0) or thetadot0 (axis 1) is larger by `amount`."""
         return PendulumEquilibria(self.pendulum.displaced(axis, amount))
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, by the operations of a traced field."""
-        theta, rate = y
-        sine = theta.sin() * self.pendulum.length
-        cosine = theta.cos() * self.pendulum.length
+        theta, thetadot = y
+        l_sine = theta.sin() * self.pendulum.length
+        l_cosine = theta.cos() * self.pendulum.length
         return {
             "theta": theta,
-            "thetadot": rate,
-            "x": sine,
-            "y": -cosine,
-            "vx": cosine * rate,
-            "vy": sine * rate,
+            "thetadot": thetadot,
+            "x": l_sine,
+            "y": -l_cosine,
+            "vx": l_cosine * thetadot,
+            "vy": l_sine * thetadot,
         }
 
     @per_precision
@@ -82,13 +85,18 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     length = number(p, "length")
     gravity = number(p, "gravity")
     delta = number(p, "delta")
-    top = p["position"] == "top"
+    # From the top delta counts against the angle: theta = pi - delta.
+    is_top = p["position"] == "top"
+    if is_top:
+        theta0 = -delta
+    else:
+        theta0 = delta
     start = {
         "mass": Fraction(1),
         "length": length,
         "gravity": gravity,
-        "theta0": -delta if top else delta,
+        "theta0": theta0,
         "thetadot0": Fraction(0),
     }
     sizes = {**scale, "theta": 1.0, "thetadot": scale["vx"] / scale["x"]}
-    return PendulumEquilibria(Pendulum(start, sizes, half_turns=int(top)))
+    return PendulumEquilibria(Pendulum(start, sizes, half_turns=int(is_top)))

@@ -38,14 +38,15 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     ]
 
     def field(y: Sequence[Any]) -> list[Any]:
+        """The rates of (x, v) and of (cos w t, sin w t) for each drive."""
         x, v, *phases = y
-        rate = -2 * values["delta"] * v - (values["w0"] ** 2 + values["eps"] * x) * x
-        turning = []
+        acceleration = -2 * values["delta"] * v - (values["w0"] ** 2 + values["eps"] * x) * x
+        phase_rates = []
         for number, (force, w) in enumerate(drives):
-            c, s = phases[2 * number : 2 * number + 2]
-            rate = rate + force * c
-            turning += [-w * s, w * c]
-        return [v, rate, *turning]
+            cosine, sine = phases[2 * number : 2 * number + 2]
+            acceleration = acceleration + force * cosine
+            phase_rates += [-w * sine, w * cosine]
+        return [v, acceleration, *phase_rates]
 
     start = [values["x0"], values["v0"], *([Fraction(1), Fraction(0)] * len(drives))]
     escape: Escape = never

@@ -116,15 +116,20 @@ def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat
     p_matrix = of_numbers(vector(p, "p"))
     r_matrix = of_numbers(vector(p, "r"))
     product = p_matrix * q_matrix
-    return {
+    reversed_product = q_matrix * p_matrix
+    of_product = {
         "p-q": product,
-        "q-p": q_matrix * p_matrix,
-        "commutator": product - q_matrix * p_matrix,
+        "q-p": reversed_product,
+        "commutator": product - reversed_product,
         "q-r": q_matrix * r_matrix,
         "left": product * r_matrix,
         "right": product * r_matrix,
         # (p q)* = q* p*
         "conjugate-of-product": conjugated(q_matrix) * conjugated(p_matrix),
+        "real-product": product,
+        "complex-product": product,
+    }
+    return of_product | {
         "sum": p_matrix + q_matrix,
         "conjugate-of-sum": conjugated(p_matrix) + conjugated(q_matrix),
         # q^-1 = q*/|q|^2
@@ -132,8 +137,6 @@ def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat
         # q q^-1 = 1
         "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3),
         "u": q_matrix / acb(length),
-        "real-product": product,
-        "complex-product": product,
     }
 
 
@@ -146,8 +149,9 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
     omega = of_numbers(vector(p, "omega"))
     omega_rate = of_numbers(vector(p, "rise"))
     half = acb(1) / 2
-    # (1.67): u' = omega u/2.
+    # (1.67): u' = omega u/2, and u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2.
     rate = omega * u * half
+    second_rate = (omega_rate * u + omega * omega * u * half) * half
     # The row "back" goes through the rotation matrix, which cannot tell u from -u: w >= 0 is meant.
     if numbers_of(u)[0] < 0:
         sign = acb(-1)
@@ -158,8 +162,7 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
         "back": u * sign,
         "turned-twice": u * u,
         "rate": rate,
-        # u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2
-        "second-rate": (omega_rate * u + omega * omega * u * half) * half,
+        "second-rate": second_rate,
         "rate-conjugate": conjugated(rate),
         "u-conjugate": conjugated(u),
         # u u'* = -omega/2 and u' u* = omega/2, so that their sum is 0.
@@ -184,13 +187,14 @@ def rotation_rows(
     # Column k of the rotation matrix is the rotated unit vector along axis k.
     unit_vectors = [of_numbers([Fraction(int(i == k)) for i in range(3)]) for k in range(3)]
     columns = [rotated(u, unit_vector) for unit_vector in unit_vectors]
+    matrix = [columns[k][i] for i in range(3) for k in range(3)]
     rotated_once = rotated(u, v)
     return {
         "absolute": [length],
         "complex-eigenvalue": [w, imaginary_square.sqrt()],
         "rotated": rotated_once,
         "rotated-by-minus-u": rotated_once,
-        "matrix": [columns[k][i] for i in range(3) for k in range(3)],
+        "matrix": matrix,
         "euler": euler(u),
         "rotated-twice": rotated(u, of_balls(rotated_once)),
         # The scalar product of u and u' is 0, because |u| = 1.

@@ -147,12 +147,11 @@ def by_euler(p: Parameters) -> dict[str, list[arb]]:
     near_quaternion = quaternion(phi, near, psi)
     w, x, y, z = near_quaternion
     # The product omega q of quaternions; q' = omega q/2 (1.67).
-    omega_q = [
-        -omega_x * x - omega_y * y - omega_z * z,
-        omega_x * w + omega_y * z - omega_z * y,
-        omega_y * w + omega_z * x - omega_x * z,
-        omega_z * w + omega_x * y - omega_y * x,
-    ]
+    product_w = -omega_x * x - omega_y * y - omega_z * z
+    product_x = omega_x * w + omega_y * z - omega_z * y
+    product_y = omega_y * w + omega_z * x - omega_x * z
+    product_z = omega_z * w + omega_x * y - omega_y * x
+    omega_q = [product_w, product_x, product_y, product_z]
     return {
         "euler-matrix": euler_matrix(phi, theta, psi),
         "euler-back": [phi, theta, psi],

@@ -141,7 +141,7 @@ class Orbit(ClosedForm, SmoothFlow):
         return [bits for bits in GROWTH_BITS if bits >= least]
 
     def constants(self) -> dict[str, arb]:
-        """The period 2 pi/n [s], with n^2 = gm/a^3 in Kepler's field and the stiffness else."""
+        """The period 2 pi/n [s]: n^2 = gm/a^3 in Kepler's field, the stiffness on the spring."""
         if self.stiffness is None:
             inverse_square = self.semi_major**3 / self.gm
         else:

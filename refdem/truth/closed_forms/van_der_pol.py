@@ -25,14 +25,18 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     values = numbers(p, "mu", "p", "drive", "x0", "v0")
 
     def field(y: Sequence[Any]) -> list[Any]:
+        """The rates of (x, v), and of (sin w t, cos w t) where a drive acts."""
         x, v, *phase = y
-        rate = values["mu"] * (1 - x * x) * v - x
+        acceleration = values["mu"] * (1 - x * x) * v - x
         if not phase:
-            return [v, rate]
+            return [v, acceleration]
         sine, cosine = phase
-        return [v, rate + values["p"] * sine, values["drive"] * cosine, -values["drive"] * sine]
+        driven = acceleration + values["p"] * sine
+        return [v, driven, values["drive"] * cosine, -values["drive"] * sine]
 
-    start = [values["x0"], values["v0"], *([Fraction(0), Fraction(1)] if values["p"] else [])]
+    start = [values["x0"], values["v0"]]
+    if values["p"]:
+        start += [Fraction(0), Fraction(1)]
     return ValidatedFlow(
         field,
         start,

@@ -23,36 +23,39 @@ METHOD = (
 
 
 def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The motion of every corner of the outline, and the area; under dry friction that at the start
-    alone.
+    """The motion of every corner of the polygon, and its area from dA/dt = A div F.
+
+    div F is -2 delta in a fluid and 0 else; under dry friction the area is told at the start alone.
     """
     corners = p["corners"]
-    (x, v), halves = corners[0], Fraction(0)
+    # The area as a sum of triangles with the first corner.
+    x, v = corners[0]
+    double_area = Fraction(0)
     for (xa, va), (xb, vb) in pairwise(corners[1:]):
-        halves += (xa - x) * (vb - v) - (xb - x) * (va - v)
-    yield None, {"area_0": arb_of(halves / 2)}
+        double_area += (xa - x) * (vb - v) - (xb - x) * (va - v)
+    yield None, {"area_0": arb_of(double_area / 2)}
+    if p["flow"] == "pendulum":
+        names = ("theta", "thetadot")
+    else:
+        names = ("x", "v")
     for k, corner in enumerate(corners):
         for t, values in moved(p, corner, times):
             if t is not None:
-                place, rate = (
-                    values[name]
-                    for name in (("theta", "thetadot") if p["flow"] == "pendulum" else ("x", "v"))
-                )
-                yield t, {f"x_{k}": place, f"v_{k}": rate}
+                yield t, {f"x_{k}": values[names[0]], f"v_{k}": values[names[1]]}
     if p["flow"] != "coulomb":
         if p["flow"] == "viscous":
-            lost = 2 * arb_of(number(p, "delta"))
+            decay = 2 * arb_of(number(p, "delta"))
         else:
-            lost = arb(0)
-        shrinking = Solution(lambda t, y: [-lost * y[0]], [arb_of(halves / 2)])
+            decay = arb(0)
+        area = Solution(lambda t, y: [-decay * y[0]], [arb_of(double_area / 2)])
         for t in times:
-            yield t, {"area": shrinking.at(t)[0]}
+            yield t, {"area": area.at(t)[0]}
 
 
 def moved(
     p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]
 ) -> Said:
-    """The motion of one corner of the outline."""
+    """The motion of one corner (x, v) at the start, by the witness of its flow."""
     if p["flow"] == "pendulum":
         return points.pendulum({**p, "theta0": corner[0], "thetadot0": corner[1]}, times, {})
     start = {**p, "gravity": Fraction(0), "x0": corner[0], "v0": corner[1]}

@@ -21,34 +21,37 @@ FAR = 20
 
 
 def moment(power: int) -> arb:
-    """Integral of u^power exp(-u^2/2) over u > 0."""
-    found: arb = acb.integral(lambda u, _: u**power * (-u * u / 2).exp(), 0, FAR).real
-    return found
+    """The integral of u^power exp(-u^2/2) over u > 0."""
+    integral: arb = acb.integral(lambda u, _: u**power * (-u * u / 2).exp(), 0, FAR).real
+    return integral
 
 
 def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """One component of the relative velocity has the variance 2 T/m (m = 1); along the line of
-    centres those that meet are weighed by it.
+    """The collision frequency of a sphere and Haff's time, from how two spheres meet.
 
-    Meetings with one sphere: n sigma^2 chi times half the sphere, 2 pi, times the mean of the
-    positive part of that component, twice over for both senses of the line; each loses (1 - e^2)/4
-    of m u^2, shared by two spheres of energy 3 T/2.
+    A component u of the relative velocity along a given line is Gaussian with the variance 2 T/m (m
+    = 1). Per time, a sphere meets n sigma^2 chi times the integral over all directions, 4 pi, of
+    the mean of the positive part of u, chi being the contact value of the pair distribution.
+    Spheres that meet have u weighed by u, so that a collision loses (1 - e^2)/4 of the mean of m
+    u^2 under that weight, shared by two spheres of energy 3 T/2. Haff: tau = 2 E/(dE/dt).
     """
     e = {
         name: arb_of(x)
         for name, x in numbers(p, "diameter", "density", "restitution", "t0").items()
     }
     packing = arb.pi() * e["density"] * e["diameter"] ** 3 / 6
-    near = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
-    width = (2 * e["t0"]).sqrt()
+    chi = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
+    # The standard deviation of u, and the integral of its unnormalised distribution.
+    deviation = (2 * e["t0"]).sqrt()
     norm = 2 * moment(0)
-    towards = width * moment(1) / norm
-    rate = e["density"] * e["diameter"] * e["diameter"] * near * 4 * arb.pi() * towards
-    lost = (1 - e["restitution"] * e["restitution"]) / 4 * width * width * moment(3) / moment(1)
-    found = {"collision_frequency": rate}
-    if lost > 0:
-        found["haff_time"] = 2 * (arb(3) / 2 * e["t0"]) / (rate * lost / 2)
-    yield None, found
+    mean_approach = deviation * moment(1) / norm
+    rate = e["density"] * e["diameter"] * e["diameter"] * chi * 4 * arb.pi() * mean_approach
+    inelasticity = 1 - e["restitution"] * e["restitution"]
+    loss = inelasticity / 4 * deviation * deviation * moment(3) / moment(1)
+    scalars = {"collision_frequency": rate}
+    if loss > 0:
+        scalars["haff_time"] = 2 * (arb(3) / 2 * e["t0"]) / (rate * loss / 2)
+    yield None, scalars
 
 
 WITNESSES = {"granular-gas": Witness(METHOD, cooling)}

@@ -87,43 +87,48 @@ def damping(p: Mapping[str, Any], mass: arb) -> arb:
     else:
         loss = pressing_swing
     with precision(MORE_BITS):
-        goal = -arb_of(p["restitution"]).log()
+        # The loss falls as q rises.
+        target = -arb_of(p["restitution"]).log()
         low = arb(0)
         high = arb(1)
-        while loss(high) > goal:
+        while loss(high) > target:
             high = 2 * high
         for _ in range(MORE_BITS):
             middle = ((low + high) / 2).mid()
-            if loss(middle) > goal:
+            if loss(middle) > target:
                 low = middle
             else:
                 high = middle
-        ratio = (low + high) / 2
-        found: arb = 2 * (mass * arb_of(p["stiffness"]) / (1 + ratio * ratio)).sqrt()
-    return found
+        q = (low + high) / 2
+        dashpot: arb = 2 * (mass * arb_of(p["stiffness"]) / (1 + q * q)).sqrt()
+    return dashpot
 
 
-def half_swing(ratio: arb) -> arb:
-    """b t_c until the overlap ends."""
-    return arb.pi() / ratio
+def half_swing(q: arb) -> arb:
+    """b t_c = pi/q, with t_c until the overlap ends."""
+    return arb.pi() / q
 
 
-def pressing_swing(ratio: arb) -> arb:
-    """b t_c until the force ends."""
-    return 2 * ratio.atan() / ratio
+def pressing_swing(q: arb) -> arb:
+    """b t_c = 2 atan(q)/q, with t_c until the force ends."""
+    return 2 * q.atan() / q
 
 
 def stiffnesses(p: Mapping[str, Any]) -> dict[str, arb]:
-    """Hertz's stiffness of the contact, and Mindlin's of a sphere on a wall [N/m^(3/2)]."""
+    """Hertz's stiffness of the contact, and Mindlin's of a sphere on a wall [N/m^(3/2)].
+
+    With E' = E/(1 - nu^2) and G = E/(2 (1 + nu)): F = 4/3 E' sqrt(R) d^(3/2), and k_t = 8 G/(2 -
+    nu) sqrt(R).
+    """
     modulus = arb_of(p["modulus"])
     poisson = arb_of(p["poisson"])
-    size = arb_of(p["radius"])
-    plane = modulus / (1 - poisson * poisson)
-    shear = modulus / (2 * (1 + poisson))
+    radius = arb_of(p["radius"])
+    plane_modulus = modulus / (1 - poisson * poisson)
+    shear_modulus = modulus / (2 * (1 + poisson))
     if p["member"] == "co-1":
-        # Two equal spheres: F = 4/3 (plane/2) sqrt(R/2) d^(3/2).
-        return {"hertz": plane * (2 * size).sqrt() / 3}
+        # Two equal spheres: F = 4/3 (E'/2) sqrt(R/2) d^(3/2).
+        return {"hertz": plane_modulus * (2 * radius).sqrt() / 3}
     return {
-        "hertz": 4 * plane * size.sqrt() / 3,
-        "mindlin": 8 * shear / (2 - poisson) * size.sqrt(),
+        "hertz": 4 * plane_modulus * radius.sqrt() / 3,
+        "mindlin": 8 * shear_modulus / (2 - poisson) * radius.sqrt(),
     }

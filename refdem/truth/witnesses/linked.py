@@ -281,11 +281,10 @@ def _moment(
 def rotation(q: Sequence[Any]) -> list[list[Any]]:
     """The rotation matrix of q, from body to space axes."""
     w, x, y, z = q
-    return [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
+    row_x = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
+    row_y = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
+    row_z = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    return [row_x, row_y, row_z]
 
 
 def spun(
@@ -298,12 +297,11 @@ def spun(
     # (a, b, c) is omega_body/2.
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))
     w, x, y, z = q
-    return [
-        -x * a - y * b - z * c,
-        w * a + y * c - z * b,
-        w * b + z * a - x * c,
-        w * c + x * b - y * a,
-    ]
+    w_rate = -x * a - y * b - z * c
+    x_rate = w * a + y * c - z * b
+    y_rate = w * b + z * a - x * c
+    z_rate = w * c + x * b - y * a
+    return [w_rate, x_rate, y_rate, z_rate]
 
 
 WITNESSES = {

@@ -15,12 +15,12 @@ from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "iteration at many digits, unproven (refdem/truth/witnesses/maps.py)"
 SCALE = 4096
-"""Bits after the point of whole-number arithmetic: two are lost by an iterate."""
+"""Bits after the point of the fixed-point numbers: an iterate loses two."""
 
 
 def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """x -> eta x (1 - x) in whole numbers of 2^-4096; the equation of the same right-hand side by
-    Taylor integration.
+    """The logistic map x -> eta x (1 - x) in fixed-point numbers of 2^-4096; the logistic equation
+    x' = eta x (1 - x) by Taylor integration.
     """
     eta = number(p, "eta")
     x0 = number(p, "x0")
@@ -40,66 +40,69 @@ def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
 
 def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Place and direction after each bounce, by the nearest wall in front: straight walls by their
-    line, half circles by their chord.
+    """Position and direction after each bounce, by the nearest wall ahead.
+
+    Straight walls are met by their line, half circles by their chord.
     """
+    names = ("position.x", "position.y", "direction.x", "direction.y")
     with precision(1024):
-        (a, b) = (arb_of(x) for x in vector(p, "size"))
-        stadium = p["geometry"] == "stadium"
-        place = [arb_of(x) for x in vector(p, "start")]
-        along = [arb_of(x) for x in vector(p, "direction")]
-        size = (along[0] * along[0] + along[1] * along[1]).sqrt()
-        along = [x / size for x in along]
-        if stadium:
-            straight = (a - b) / 2
+        a, b = (arb_of(x) for x in vector(p, "size"))
+        is_stadium = p["geometry"] == "stadium"
+        position = [arb_of(x) for x in vector(p, "start")]
+        direction = [arb_of(x) for x in vector(p, "direction")]
+        length = (direction[0] * direction[0] + direction[1] * direction[1]).sqrt()
+        direction = [x / length for x in direction]
+        # Half the length of the straight walls.
+        if is_stadium:
+            half_length = (a - b) / 2
         else:
-            straight = a / 2
+            half_length = a / 2
         n = 0
         for t in times:
             for _ in range(int(t) - n):
-                place, along = bounced(place, along, straight, b / 2, stadium)
+                position, direction = bounced(position, direction, half_length, b / 2, is_stadium)
             n = int(t)
-            yield (
-                t,
-                dict(
-                    zip(
-                        ("position.x", "position.y", "direction.x", "direction.y"),
-                        [*place, *along],
-                        strict=True,
-                    )
-                ),
-            )
+            yield t, dict(zip(names, [*position, *direction], strict=True))
 
 
 def bounced(
-    place: list[arb], along: list[arb], straight: arb, half: arb, stadium: bool
+    position: list[arb], direction: list[arb], half_length: arb, radius: arb, is_stadium: bool
 ) -> tuple[list[arb], list[arb]]:
-    """The next place on the wall and the direction after it, midpoints alone."""
-    (x, y) = place
-    (u, v) = along
+    """The next position on the wall and the direction after it, midpoints alone.
+
+    Straight walls lie at y = +-radius; a stadium has half circles of that radius about
+    (+-half_length, 0), a rectangle walls at x = +-half_length. The direction u becomes u - 2 (u.n)
+    n at the unit normal n.
+    """
+    x, y = position
+    u, v = direction
+    # Distance along the path and normal of every wall that it meets.
     hits: list[tuple[arb, arb, arb]] = []
     for side in (1, -1):
         if side * v > 0:
-            way = (side * half - y) / v
-            hits += [(way, arb(0), arb(side))] if abs(x + way * u) <= straight else []
-        if not stadium and side * u > 0:
-            hits.append(((side * straight - x) / u, arb(side), arb(0)))
-        if stadium:
-            dx = x - side * straight
+            distance = (side * radius - y) / v
+            if abs(x + distance * u) <= half_length:
+                hits.append((distance, arb(0), arb(side)))
+        if not is_stadium and side * u > 0:
+            hits.append(((side * half_length - x) / u, arb(side), arb(0)))
+        if is_stadium:
+            # The larger root of |d + s u|^2 = r^2, d being the position from the centre.
+            dx = x - side * half_length
             dy = y
-            middle = dx * u + dy * v
-            under = middle * middle - dx * dx - dy * dy + half * half
-            if under > 0 and side * (dx + (under.sqrt() - middle) * u) > 0:
-                way = under.sqrt() - middle
-                hits.append((way, (dx + way * u) / half, (dy + way * v) / half))
-    way, nx, ny = min(
-        (hit for hit in hits if hit[0] > arb(2) ** -200), key=lambda hit: float(hit[0])
-    )
-    turn = 2 * (u * nx + v * ny)
-    return [(x + way * u).mid(), (y + way * v).mid()], [
-        (u - turn * nx).mid(),
-        (v - turn * ny).mid(),
-    ]
+            d_u = dx * u + dy * v
+            discriminant = d_u * d_u - dx * dx - dy * dy + radius * radius
+            if discriminant > 0 and side * (dx + (discriminant.sqrt() - d_u) * u) > 0:
+                distance = discriminant.sqrt() - d_u
+                nx = (dx + distance * u) / radius
+                ny = (dy + distance * v) / radius
+                hits.append((distance, nx, ny))
+    # The wall on which it is lies at the distance 0.
+    ahead = [hit for hit in hits if hit[0] > arb(2) ** -200]
+    distance, nx, ny = min(ahead, key=lambda hit: float(hit[0]))
+    double_normal = 2 * (u * nx + v * ny)
+    next_position = [(x + distance * u).mid(), (y + distance * v).mid()]
+    next_direction = [(u - double_normal * nx).mid(), (v - double_normal * ny).mid()]
+    return next_position, next_direction
 
 
 WITNESSES = {"logistic": Witness(METHOD, logistic), "billiards": Witness(METHOD, billiard)}

@@ -24,17 +24,29 @@ METHOD = "Taylor integration of x'' at 58 digits, unproven (refdem/truth/witness
 def motion(
     acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Fraction], claimed: Claimed
 ) -> Said:
-    """x and v at the times, and the period if one is claimed: twice the time from one turning
-    point, or crossing, to the next.
+    """x and v at the times, and the period if one is claimed.
+
+    The period is the time near the claimed one at which v is 0 again after a start at rest, or x
+    has its first value again.
     """
-    found = Solution(lambda t, y: [y[1], acceleration(t, y[0], y[1])], [arb_of(x0), arb_of(v0)])
+    start = [arb_of(x0), arb_of(v0)]
+    solution = Solution(lambda t, y: [y[1], acceleration(t, y[0], y[1])], start)
     for t in times:
-        x, v = found.at(t)
+        x, v = solution.at(t)
         yield t, {"x": x, "v": v}
     if "period" in claimed and (x0 or v0):
-        which, level = (1, v0) if v0 == 0 else (0, x0)
-        near = float(claimed["period"])
-        yield None, {"period": found.crossing(lambda y: y[which] - arb_of(level), near, near / 64)}
+        period = float(claimed["period"])
+        if v0 == 0:
+            component = 1
+            level = v0
+        else:
+            component = 0
+            level = x0
+
+        def change(y: Sequence[arb]) -> arb:
+            return y[component] - arb_of(level)
+
+        yield None, {"period": solution.crossing(change, period, period / 64)}
 
 
 def of(
@@ -42,37 +54,34 @@ def of(
     *names: str,
     start: tuple[str, str] = ("x0", "v0"),
 ) -> Witness:
-    """A witness of a case whose start is in `start` and whose acceleration needs the parameters
-    `names`.
+    """The witness of an oscillator with this acceleration, a function of the parameters `names`.
+
+    `start` names the parameters of x0 and v0; an empty name stands for 0.
     """
 
     def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-        begin = [number(p, name) if name else Fraction(0) for name in start]
-        if "delta" in names and begin[1]:  # only turning points come back after a damped period
+        x0, v0 = (number(p, name) if name else Fraction(0) for name in start)
+        # Of a damped motion only turning points come back after a period.
+        if "delta" in names and v0:
             claimed = {}
-        return motion(
-            acceleration({name: arb_of(number(p, name)) for name in names}),
-            begin[0],
-            begin[1],
-            times,
-            claimed,
-        )
+        force = acceleration({name: arb_of(number(p, name)) for name in names})
+        return motion(force, x0, v0, times, claimed)
 
     return Witness(METHOD, values)
 
 
 def hanging(p: dict[str, arb]) -> Force:
-    """A spring, and gravity along +x."""
+    """x'' = g - (k/m) x: a spring, and gravity along +x."""
     return lambda t, x, v: p["gravity"] - p["stiffness"] / p["mass"] * x
 
 
 def viscous(p: dict[str, arb]) -> Force:
-    """The same in a fluid: - 2 delta v."""
+    """x'' = g - (k/m) x - 2 delta v: the same in a fluid."""
     return lambda t, x, v: p["gravity"] - p["stiffness"] / p["mass"] * x - 2 * p["delta"] * v
 
 
 def driven(p: dict[str, arb]) -> Force:
-    """The same driven with f0 cos(drive t) per mass."""
+    """x'' = f0 cos(drive t) - (k/m) x - 2 delta v + g: the same, driven by a force f0 per mass."""
     return lambda t, x, v: (
         (t * p["drive"]).cos() * p["f0"]
         - p["stiffness"] / p["mass"] * x
@@ -82,12 +91,12 @@ def driven(p: dict[str, arb]) -> Force:
 
 
 def duffing(p: dict[str, arb]) -> Force:
-    """The force of x'' = -alpha x - beta x^3."""
+    """x'' = -alpha x - beta x^3."""
     return lambda t, x, v: -p["alpha"] * x - p["beta"] * x * x * x
 
 
 def driven_duffing(p: dict[str, arb]) -> Force:
-    """The same damped and driven."""
+    """x'' = f0 cos(drive t) - alpha x - beta x^3 - 2 delta v."""
     return lambda t, x, v: (
         (t * p["drive"]).cos() * p["f0"]
         - p["alpha"] * x

@@ -34,12 +34,11 @@ def rates(inertia: Sequence[arb]) -> Any:
         b_rate = c * a * ((j3 - j1) / j2)
         c_rate = a * b * ((j1 - j2) / j3)
         # The quaternion product q omega_body.
-        q_omega = [
-            -x * a - y * b - z * c,
-            w * a + y * c - z * b,
-            w * b + z * a - x * c,
-            w * c + x * b - y * a,
-        ]
+        product_w = -x * a - y * b - z * c
+        product_x = w * a + y * c - z * b
+        product_y = w * b + z * a - x * c
+        product_z = w * c + x * b - y * a
+        q_omega = [product_w, product_x, product_y, product_z]
         return [a_rate, b_rate, c_rate, *(component / 2 for component in q_omega)]
 
     return field
@@ -52,11 +51,10 @@ def quantities(state: Sequence[arb]) -> dict[str, arb]:
     if not q[0] >= 0:
         q = [-component for component in q]
     w, x, y, z = q
-    r = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
+    row_x = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
+    row_y = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
+    row_z = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+    r = [row_x, row_y, row_z]
     values = {f"omega_body.{axis}": rate for axis, rate in zip("xyz", omega_body, strict=True)}
     values |= {f"attitude.{axis}": component for axis, component in zip("wxyz", q, strict=True)}
     for axis, row in zip("xyz", r, strict=True):

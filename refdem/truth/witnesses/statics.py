@@ -292,14 +292,13 @@ def _inertia(arms: Sequence[tuple[arb, Sequence[arb]]], i: int, j: int) -> arb:
 
 def hamilton(a: Point, b: Point) -> list[Any]:
     """Hamilton's product of two quaternions."""
-    w, x, y, z = a
-    s, t, u, v = b
-    return [
-        w * s - x * t - y * u - z * v,
-        w * t + x * s + y * v - z * u,
-        w * u - x * v + y * s + z * t,
-        w * v + x * u - y * t + z * s,
-    ]
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    w = aw * bw - ax * bx - ay * by - az * bz
+    x = aw * bx + ax * bw + ay * bz - az * by
+    y = aw * by - ax * bz + ay * bw + az * bx
+    z = aw * bz + ax * by - ay * bx + az * bw
+    return [w, x, y, z]
 
 
 def matrix_of(q: Point) -> list[list[Any]]:
@@ -368,7 +367,7 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
     inverse = [x / sum(y * y for y in b) for x in conjugate(b)]
     # The eigenvalues of the complex matrix of q are w +- i |(x, y, z)|.
     imaginary = (length * length - arb_of(b[0] * b[0])).sqrt()
-    return {
+    of_product: dict[str, Sequence[Any]] = {
         "p-q": pq,
         "q-p": qp,
         "commutator": [x - y for x, y in zip(pq, qp, strict=True)],
@@ -376,13 +375,15 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
         "left": hamilton(pq, c),
         "right": hamilton(a, hamilton(b, c)),
         "conjugate-of-product": conjugate(pq),
+        "real-product": pq,
+        "complex-product": pq,
+    }
+    return of_product | {
         "sum": both,
         "conjugate-of-sum": conjugate(both),
         "inverse": inverse,
         "one": hamilton(b, inverse),
         "absolute": [length],
-        "real-product": pq,
-        "complex-product": pq,
         "complex-eigenvalue": [b[0], imaginary],
     }
 
@@ -508,14 +509,16 @@ def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     turn = about("z", arb_of(number(p, "angle")))
     turned_v = [turn[i, 0] * v[0] + turn[i, 1] * v[1] for i in (0, 1)]
     along_line = turn[0, 0] * v[0] + turn[1, 0] * v[1]
+    mirrored_v = [2 * along_line * turn[i, 0] - v[i] for i in (0, 1)]
+    # The eigenvalues are cos +- i |sin| of the angle.
+    absolute_sine = (turn[0, 1] * turn[0, 1]).sqrt()
     return {
         "plane-turn": turned_v,
         "complex-turn": turned_v,
         "plane-determinant": [turn.det()],
         "mirror-determinant": [-turn.det()],
-        # cos and |sin| of the angle: eigenvalues exp(+-i angle).
-        "plane-eigenvalue": [turn[0, 0], (turn[0, 1] * turn[0, 1]).sqrt()],
-        "mirror": [2 * along_line * turn[i, 0] - v[i] for i in (0, 1)],
+        "plane-eigenvalue": [turn[0, 0], absolute_sine],
+        "mirror": mirrored_v,
     }
 
 
