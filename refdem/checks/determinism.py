@@ -38,10 +38,10 @@ class Determinism(Check):
         same with denser output.
         """
         level = self._level(subject)
-        asked = (Variant(level), Variant(level, "repeated"))
+        variants = (Variant(level), Variant(level, "repeated"))
         if not isinstance(subject.instance.problem, Motion):
-            return asked
-        return (*asked, Variant(level, "denser_output", DENSER))
+            return variants
+        return (*variants, Variant(level, "denser_output", DENSER))
 
     def _level(self, subject: Subject) -> float:
         """The coarsest level with at least DENSER steps a sample, or the finest if none has so

@@ -216,7 +216,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     earlier_change = _changes(instance, coarse, middle, count)
     last_change = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
-    room = room_of(subject)
+    safety = room_of(subject)
     # Factor by which the error falls from one level to the next.
     ratio = 2.0**order
     if method.control == "tolerance":
@@ -224,14 +224,14 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         if not np.any(earlier_change > rounding):
             return None
     elif not kinked(instance):
-        room /= ratio - 1.0
+        safety /= ratio - 1.0
     # The larger of the last change and of what the one before implies for it, so far.
     change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
     if method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.
         change = np.full(count, change[-1])
     may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
-    allowed: Array = room * change + rounding
+    allowed: Array = safety * change + rounding
     if may_straddle:
         allowed = allowed + ROOM * (_kink_rate(instance, fine, count) * subject.levels[-1])
     return allowed

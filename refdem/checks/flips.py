@@ -47,20 +47,20 @@ class Flips(Check):
         # Within the bound of 0 the run may have either sign: such samples are left out.
         has_sign = np.abs(true_omega) > bound[:count] * subject.instance.quantities[name].scale
         run_omega = subject.instance.observe(runs[subject.finest].trajectory)[name][:count]
-        seen = _flips(run_omega[has_sign])
-        true = _flips(true_omega[has_sign])
+        n_observed = _flips(run_omega[has_sign])
+        n_true = _flips(true_omega[has_sign])
         until = f"up to t = {subject.instance.times[count - 1]:.4g} s"
         what = (
-            f"The difference in the number of flips about axis {axis} (true: {true},"
-            f" run: {seen}, {until})"
+            f"The difference in the number of flips about axis {axis} (true: {n_true},"
+            f" run: {n_observed}, {until})"
         )
         return [
             judged(
                 check=self.name,
                 quantity="flips",
-                value=float(abs(seen - true)),
+                value=float(abs(n_observed - n_true)),
                 bound=0.0,
-                sight=Sight(0.0, float(true)),
+                sight=Sight(0.0, float(n_true)),
                 unit="1",
                 basis="the number of flips is an integer, so it must agree exactly",
                 what=what,

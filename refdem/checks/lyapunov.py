@@ -92,19 +92,19 @@ class Lyapunov(Check):
         return (subject.finest, Variant(subject.levels[-1], "perturbed", APART))
 
     def _of_regular_motion(
-        self, subject: Subject, run: CompletedRun, apart: Array, seen: Growth
+        self, subject: Subject, run: CompletedRun, separation: Array, observed: Growth
     ) -> Finding:
         """The finding on the power of time with which neighbours separate in a regular motion.
 
-        `apart` (T,) is their distance. Where the true motion is unstable for a while (S grows
+        `separation` (T,) is their distance. Where the true motion is unstable for a while (S grows
         faster than t^2), neighbours may separate as fast as S: only if the run follows the true
         motion is this judged.
         """
-        count = len(apart)
+        count = len(separation)
         t = subject.instance.times[:count]
         truth = certified(subject)
         if truth is None or truth.until < count:
-            return self._regular(seen, None)
+            return self._regular(observed, None)
         sensitivity = truth.growth()[:count]
         true_growth = growth(t, sensitivity)
         is_unstable = true_growth.power > LARGEST_POWER
@@ -119,10 +119,10 @@ class Lyapunov(Check):
         # Neighbours of a regular motion part as the square of time at most.
         largest_regular = (t[-1] - t[0]) ** 2 / subject.instance.scales.tau**2
         if not is_unstable and sensitivity[-1] <= largest_regular:
-            return self._regular(seen, true_growth)
+            return self._regular(observed, true_growth)
         # log2 of how much further S would let them separate.
-        octaves_left = float(np.log2(FASTER * sensitivity[-1] * apart[0] / np.max(apart)))
-        return self._regular(seen, true_growth, octaves_left)
+        octaves_left = float(np.log2(FASTER * sensitivity[-1] * separation[0] / np.max(separation)))
+        return self._regular(observed, true_growth, octaves_left)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Findings on the class of the motion, and, where truth is certified, on the exponent."""
@@ -130,22 +130,22 @@ class Lyapunov(Check):
         if beside not in runs:
             why = "the engine refused the perturbed start during the run"
             return [undecided(self.name, "exponent", why)]
-        apart = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
-        if not apart[0] > 0:
+        separation = distances(subject.instance, runs[beside].trajectory, runs[plain].trajectory)
+        if not separation[0] > 0:
             return [undecided(self.name, "exponent", "the perturbed start equals the plain one")]
-        count = _until_saturated(apart)
+        count = _until_saturated(separation)
         if count < FEWEST:
             why = f"neighbouring trajectories saturate after {count} samples; request more samples"
             return [undecided(self.name, "exponent", why)]
         t = subject.instance.times[:count]
         # Neighbours that meet by rounding have distance 0, whose logarithm is infinite: a floor of
         # 2^-20.
-        seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
+        observed = growth(t, np.maximum(separation[:count], separation[0] * 2.0**-20))
         if subject.instance.case.is_chaotic(subject.instance.p):
-            return self._of_chaotic_motion(subject, t, seen)
-        return [self._of_regular_motion(subject, runs[plain], apart[:count], seen)]
+            return self._of_chaotic_motion(subject, t, observed)
+        return [self._of_regular_motion(subject, runs[plain], separation[:count], observed)]
 
-    def _of_chaotic_motion(self, subject: Subject, t: Array, seen: Growth) -> list[Finding]:
+    def _of_chaotic_motion(self, subject: Subject, t: Array, observed: Growth) -> list[Finding]:
         """The findings that the motion is chaotic and its exponent that of truth, over times t
         (T,).
 
@@ -158,7 +158,7 @@ class Lyapunov(Check):
                 why = f"truth is certified for only {truth.until} of {count} samples"
             else:
                 why = no_truth(subject)
-            return [self._positive(seen), undecided(self.name, "exponent", why)]
+            return [self._positive(observed), undecided(self.name, "exponent", why)]
         true_growth = growth(t, truth.growth()[:count])
         is_fast = true_growth.power > CLEAR * LARGEST_POWER
         is_positive = true_growth.exponent > CLEAR * ERRORS * true_growth.error
@@ -171,21 +171,21 @@ class Lyapunov(Check):
                 " chaotic"
             )
             return [undecided(self.name, "class", why)]
-        return [self._positive(seen), self._against_truth(subject, seen, true_growth, t)]
+        return [self._positive(observed), self._against_truth(subject, observed, true_growth, t)]
 
-    def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
+    def _regular(self, observed: Growth, true: Growth | None, octaves: float = 0.0) -> Finding:
         """The finding that neighbours separate no faster than a power of time, or than those of the
         true motion do.
 
         A body that passes close by a centre separates from its neighbour for a moment, which the
         samples may show only near the end. Where the true motion is unstable for a while, S allows
-        neighbours to separate by `left` octaves more than they did.
+        neighbours to separate by `octaves` octaves more than they did.
         """
         bound = LARGEST_POWER
         if true is not None:
             bound = max(bound, true.power)
-        if left > 0 and seen.power > bound:
-            bound = seen.power + left
+        if octaves > 0 and observed.power > bound:
+            bound = observed.power + octaves
         basis = (
             "in a regular motion neighbours separate no faster than t^2 (1.132), so"
             " the exponent is zero"
@@ -195,21 +195,21 @@ class Lyapunov(Check):
         return judged(
             check=self.name,
             quantity="power",
-            value=max(0.0, seen.power),
+            value=max(0.0, observed.power),
             bound=bound,
             unit="1",
             basis=basis,
             what=(
                 "The power of time with which neighbours separate at the end (exponent"
-                f" {seen.exponent:.2g} +- {seen.error:.1g})"
+                f" {observed.exponent:.2g} +- {observed.error:.1g})"
             ),
         )
 
-    def _positive(self, seen: Growth) -> Finding:
+    def _positive(self, observed: Growth) -> Finding:
         """The finding that the exponent is positive by two standard errors and the growth faster
         than any power of time.
         """
-        if seen.is_exponential(ERRORS):
+        if observed.is_exponential(ERRORS):
             contradiction = 0.0
             verdict = "is that of"
         else:
@@ -225,12 +225,12 @@ class Lyapunov(Check):
                 "in a chaotic motion neighbours separate as exp(lambda t) with lambda > 0 (1.133)"
             ),
             statement=(
-                f"The exponent {seen.exponent:.4g} +- {seen.error:.2g} (power of time"
-                f" {seen.power:.3g}) {verdict} a chaotic motion"
+                f"The exponent {observed.exponent:.4g} +- {observed.error:.2g} (power of time"
+                f" {observed.power:.3g}) {verdict} a chaotic motion"
             ),
         )
 
-    def _against_truth(self, subject: Subject, seen: Growth, true: Growth, t: Array) -> Finding:
+    def _against_truth(self, subject: Subject, observed: Growth, true: Growth, t: Array) -> Finding:
         """The finding on the exponent against that of S over the same time t (T,).
 
         The bound is three standard errors plus ln(FACTOR)/T for the initial direction. While the
@@ -238,8 +238,8 @@ class Lyapunov(Check):
         ln(FASTER)/T or ln(SLOWER)/T, if that is smaller.
         """
         duration = float(t[-1] - t[0])
-        is_faster = seen.exponent > true.exponent
-        bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / duration
+        is_faster = observed.exponent > true.exponent
+        bound = 3 * (observed.error + true.error) + float(np.log(FACTOR)) / duration
         basis = (
             "three standard errors of both exponents, plus ln 10 over the time for"
             " the initial direction"
@@ -264,23 +264,23 @@ class Lyapunov(Check):
         return judged(
             check=self.name,
             quantity="exponent",
-            value=abs(seen.exponent - true.exponent),
+            value=abs(observed.exponent - true.exponent),
             bound=bound,
             unit=unit,
             basis=basis,
             what=(
-                f"The error of the exponent ({seen.exponent:.4g} +- {seen.error:.2g}, true"
+                f"The error of the exponent ({observed.exponent:.4g} +- {observed.error:.2g}, true"
                 f" {true.exponent:.4g})"
             ),
         )
 
 
-def _until_saturated(apart: Array) -> int:
+def _until_saturated(separation: Array) -> int:
     """Number of samples before the distance (T,) of neighbours first exceeds SATURATED."""
-    saturated = np.flatnonzero(apart > SATURATED)
+    saturated = np.flatnonzero(separation > SATURATED)
     if len(saturated):
         return int(saturated[0])
-    return len(apart)
+    return len(separation)
 
 
 CHECK = Lyapunov()

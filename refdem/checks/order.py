@@ -322,13 +322,13 @@ class Order(Check):
             )
         if len(steps) < 2:
             return undecided(self.name, "state", "only one level is above round-off")
-        # `deviation` is expected of errors that kinks scatter, `shown` that of these errors.
-        slope, deviation, shown = mean_order(steps, largest)
+        # `deviation` is expected of errors that kinks scatter, the other is that of these errors.
+        slope, deviation, from_residuals = mean_order(steps, largest)
         deficit = claimed - slope
         # The scatter that excuses a deficit: SURE deviations, or less if these errors lie close to
         # a line, by Student's quantile for their degrees of freedom.
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
-        scatter = min(SURE * deviation, max(LINE, quantile * shown))
+        scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
         if 0.5 < deficit <= scatter:
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"
@@ -372,10 +372,10 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     residual = float(np.sum((y - slope * x) ** 2))
     expected = SCATTER / float(np.sqrt(spread))
     # The standard error of a slope: residual variance over the spread of the abscissae.
-    shown = float("inf")
+    from_residuals = float("inf")
     if degrees_of_freedom:
-        shown = float(np.sqrt(residual / (degrees_of_freedom * spread)))
-    return slope, expected, shown
+        from_residuals = float(np.sqrt(residual / (degrees_of_freedom * spread)))
+    return slope, expected, from_residuals
 
 
 def lack(orders: list[float], claimed: float) -> float:

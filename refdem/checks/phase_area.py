@@ -120,9 +120,9 @@ def rounding(subject: Subject, x: Array, v: Array) -> Array:
     reverse.
     """
     largest_x, largest_v = (np.abs(column).max(axis=1) for column in (x, v))
-    size: Any = largest_v * _length(x) + largest_x * _length(v)
-    result: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * size
-    return result
+    perimeter_area: Any = largest_v * _length(x) + largest_x * _length(v)
+    area: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * perimeter_area
+    return area
 
 
 def _length(column: Array) -> Array:

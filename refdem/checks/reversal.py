@@ -276,11 +276,11 @@ def _defect_from_observed_error(
     ):
         return math.inf
     if subject.method.control == "tolerance":
-        room = ROOM
+        safety = ROOM
     else:
-        room = room_of(subject)
+        safety = room_of(subject)
     run = runs[Variant(compared_level)].trajectory
-    observed = room * float(largest_so_far(subject, compared_level, run, truth)[-1])
+    observed = safety * float(largest_so_far(subject, compared_level, run, truth)[-1])
     reached = observed + COUNTING_FLOOR * subject.noise(level)
     # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":

@@ -238,12 +238,12 @@ def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Arra
     close passage, grows as its own perturbed start shows from there on.
     """
     truth = certified(subject)
-    shown = growth_shown(subject.instance, subject.method, perturbed, base)
+    observed = growth_shown(subject.instance, subject.method, perturbed, base)
     if truth is None or truth.until != len(base.t):
-        return shown
+        return observed
     growth = truth.growth()
     departure = followed(subject, level_for(subject), base, truth)
-    combined: Array = np.concatenate([growth[:departure], np.maximum(growth, shown)[departure:]])
+    combined: Array = np.concatenate([growth[:departure], np.maximum(growth, observed)[departure:]])
     return combined
 
 

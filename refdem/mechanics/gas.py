@@ -38,8 +38,8 @@ def collisions(t: Array, temperature: Array, rate: float, n: int) -> Array:
     return np.concatenate([[0.0], np.cumsum(per_interval)])
 
 
-def loss_error(restitution: float, n: int, met: Array) -> Array:
-    """Standard error (T,) of ln T after `met` (T,) collisions.
+def loss_error(restitution: float, n: int, n_collisions: Array) -> Array:
+    """Standard error (T,) of ln T after `n_collisions` (T,) collisions.
 
     A collision takes the energy (1 - e^2) m v_n^2/4, with v_n^2 exponentially distributed and of
     mean 4 T/m, from a total of 3 (n - 1) T/2. The sum over collisions is a compound Poisson sum,
@@ -47,7 +47,7 @@ def loss_error(restitution: float, n: int, met: Array) -> Array:
     less reduces the scatter, and is left out.
     """
     relative_loss = 2 * (1 - restitution**2) / (3 * (n - 1))
-    return np.asarray(relative_loss * np.sqrt(2 * met))
+    return np.asarray(relative_loss * np.sqrt(2 * n_collisions))
 
 
 def velocity_kurtosis(velocity: Array) -> float:

@@ -158,8 +158,8 @@ def middle(scene: Scene) -> Array:
     if not len(positions) or scene.all(CentralField):
         return ORIGIN
     centre: Array = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
-    size = float(np.ptp(positions, axis=0).max() + scene.bodies.radius[shapes].max())
-    if np.abs(centre).max() > FAR * size:
+    extent = float(np.ptp(positions, axis=0).max() + scene.bodies.radius[shapes].max())
+    if np.abs(centre).max() > FAR * extent:
         return centre
     return ORIGIN
 
@@ -202,7 +202,7 @@ class Packed:
             fields |= _law_fields(law)
         self.struct = Struct(FAMILY, "refdem_particles", fields)
 
-    def start(self, scene: Scene, size: int) -> Array:
+    def start(self, scene: Scene, length: int) -> Array:
         """The initial state (size,): positions [m] of all bodies, then velocities [m/s], then, if
         they rotate, omega and attitudes; zeros for what the kernel keeps after them (the state of
         tangential springs).
@@ -212,7 +212,7 @@ class Packed:
         if self.turning:
             columns += [bodies.omega, bodies.attitude]
         flat = np.concatenate([column.ravel() for column in columns])
-        return np.concatenate([flat, np.zeros(size - len(flat))])
+        return np.concatenate([flat, np.zeros(length - len(flat))])
 
 
 def _turn_ease(bodies: Bodies) -> Array:
@@ -273,9 +273,9 @@ class ParticleSolver(KernelSolver):
         stride = self.stride(request)
         packed = Packed(scene, self.origin(scene))
         lib = kernels.load(FAMILY).lib
-        size = lib.refdem_particles_size(packed.struct.address)
-        states = np.zeros((count, size))
-        states[0] = packed.start(scene, size)
+        length = lib.refdem_particles_size(packed.struct.address)
+        states = np.zeros((count, length))
+        states[0] = packed.start(scene, length)
         if request.step is None:
             step = request.problem.interval / stride
         else:
@@ -304,12 +304,17 @@ class ParticleSolver(KernelSolver):
 
 
 def _trajectory(
-    scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array
+    scene: Scene,
+    times: Array,
+    packed: Packed,
+    state_rows: Array,
+    channel_rows: Array,
+    event_rows: Array,
 ) -> Trajectory:
     """The trajectory from the kernel's rows.
 
-    `out` (T, size) holds the state vectors; `channel` (T, 4) the _CHANNELS; `event` rows of time
-    [s], kind (1 contact, else release) and body.
+    `state_rows` (T, size) holds the state vectors; `channel_rows` (T, 4) the _CHANNELS;
+    `event_rows` rows of time [s], kind (1 contact, else release) and body.
     """
     count = len(times)
     n = len(scene.bodies)
@@ -321,7 +326,7 @@ def _trajectory(
     else:
         widths = _MOVING
     for name, width in widths.items():
-        block = out[:, first_column : first_column + width * n]
+        block = state_rows[:, first_column : first_column + width * n]
         columns[name] = np.ascontiguousarray(block).reshape(count, n, width)
         first_column += width * n
     columns["position"] += packed.origin
@@ -330,7 +335,7 @@ def _trajectory(
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
     events = []
-    for t, code, body in event:
+    for t, code, body in event_rows:
         if code == 1:
             kind = "contact"
         else:
@@ -338,7 +343,7 @@ def _trajectory(
         events.append(Event(time=float(times[0] + t), kind=kind, body=int(body)))
     channels = {}
     if len(packed.pairs):
-        channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True))
+        channels = dict(zip(_CHANNELS, channel_rows.T.copy(), strict=True))
     return Trajectory(t=times, channels=channels, events=tuple(events), **columns)
 
 

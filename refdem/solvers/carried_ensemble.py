@@ -128,19 +128,19 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
         slider.normal_force,
         float(axis @ single.gravity(scene)),
     )
-    out = np.empty((len(x0), len(t), 3))
+    rows = np.empty((len(x0), len(t), 3))
     stop = np.empty(1)
     kernel = load("coulomb").lib.refdem_coulomb
-    rows = pointer("coulomb", out, output=True)
+    output_pointer = pointer("coulomb", rows, output=True)
     samples = pointer("coulomb", t)
     stopped = pointer("coulomb", stop, output=True)
     start = float(t[0])
     count = len(t)
     for member, (x, v) in enumerate(zip(x0.tolist(), v0.tolist(), strict=True)):
         # The rows of a member begin 3 T numbers after those of the one before.
-        kernel(*law, x, v, start, count, samples, stopped, rows + 3 * count * member)
-    position[:, :, 0] = origin + out[..., :1].transpose(1, 0, 2) * axis
-    velocity[:, :, 0] = out[..., 1:2].transpose(1, 0, 2) * axis
+        kernel(*law, x, v, start, count, samples, stopped, output_pointer + 3 * count * member)
+    position[:, :, 0] = origin + rows[..., :1].transpose(1, 0, 2) * axis
+    velocity[:, :, 0] = rows[..., 1:2].transpose(1, 0, 2) * axis
 
 
 def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
@@ -154,8 +154,12 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
         np.ascontiguousarray(column.reshape(-1)) for column in (problem.position, problem.velocity)
     ]
     fixed = [pointer("pendulum", column) for column in (single.gravity(scene), single.anchor(rod))]
-    out = [np.empty((members, count, 3)), np.empty((members, count, 3)), np.empty((members, count))]
-    x, v, force = (pointer("pendulum", column, output=True) for column in out)
+    outputs = [
+        np.empty((members, count, 3)),
+        np.empty((members, count, 3)),
+        np.empty((members, count)),
+    ]
+    x, v, force = (pointer("pendulum", column, output=True) for column in outputs)
     r, u = (pointer("pendulum", column) for column in starts)
     samples = pointer("pendulum", t)
     kernel = load("pendulum").lib.refdem_pendulum
@@ -177,8 +181,8 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
             v + first_row,
             force + count * member,
         )
-    position[:, :, 0] = out[0].transpose(1, 0, 2)
-    velocity[:, :, 0] = out[1].transpose(1, 0, 2)
+    position[:, :, 0] = outputs[0].transpose(1, 0, 2)
+    velocity[:, :, 0] = outputs[1].transpose(1, 0, 2)
 
 
 FLOWS: tuple[tuple[Any, Flow], ...] = (

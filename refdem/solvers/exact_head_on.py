@@ -123,22 +123,22 @@ def unrounded(scene: Scene, overlap: float) -> float:
 
 def met(
     problem: Problem,
-    pressed: Array,
+    overlap_growth: Array,
     rate: Array,
     channels: dict[str, Array],
-    told: dict[str, float],
+    event_times: dict[str, float],
 ) -> Trajectory:
     """The trajectory of two spheres from their relative motion.
 
-    `pressed` (T,) [m] is the growth of the overlap since the start, `rate` (T,) [m/s] the overlap's
-    rate in elapsed time, `told` the elapsed times [s] of events by kind.
+    `overlap_growth` (T,) [m] is the growth of the overlap since the start, `rate` (T,) [m/s] the
+    overlap's rate in elapsed time, `event_times` the elapsed times [s] of events by kind.
     """
     scene = problem.scene
     bodies = scene.bodies
     elapsed = Elapsed(problem)
     _, closing, _ = approach(scene)
     rate_change = elapsed.sense * rate - closing
-    position, velocity = states(scene, elapsed.since * elapsed.sense, pressed, rate_change)
+    position, velocity = states(scene, elapsed.since * elapsed.sense, overlap_growth, rate_change)
     return Trajectory(
         t=problem.times,
         position=position,
@@ -146,7 +146,7 @@ def met(
         attitude=np.repeat(bodies.attitude[None], len(problem.times), axis=0),
         omega=np.zeros_like(velocity),
         channels=channels,
-        events=elapsed.events(told),
+        events=elapsed.events(event_times),
     )
 
 
@@ -156,9 +156,11 @@ def along(scene: Scene) -> Array:
     return line / hypot(*line)
 
 
-def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
-    """Positions and velocities (T, 2, 3) after the overlap has grown by `pressed` [m] and its rate
-    by `sped` [m/s].
+def states(
+    scene: Scene, t: Array, overlap_growth: Array, rate_growth: Array
+) -> tuple[Array, Array]:
+    """Positions and velocities (T, 2, 3) after the overlap has grown by `overlap_growth` [m] and
+    its rate by `rate_growth` [m/s].
     """
     bodies = scene.bodies
     total_mass = bodies.mass.sum()
@@ -166,8 +168,10 @@ def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, 
     # The centre of mass does not feel the contact: of a change of the overlap m2/(m1 + m2) moves
     # the first sphere forward, and m1/(m1 + m2) the second one back.
     share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / total_mass * along(scene)
-    position = bodies.position + centre_velocity * t[:, None, None] + pressed[:, None, None] * share
-    return position, bodies.velocity + sped[:, None, None] * share
+    position = (
+        bodies.position + centre_velocity * t[:, None, None] + overlap_growth[:, None, None] * share
+    )
+    return position, bodies.velocity + rate_growth[:, None, None] * share
 
 
 METHOD = ExactHeadOn()

@@ -195,15 +195,15 @@ def _fields(scene: Scene) -> dict[str, Any]:
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     walls = [(*plane.point, *plane.normal) for plane in scene.all(Plane)]
-    size = 0.0
+    box_size = 0.0
     for box in scene.all(PeriodicBox):
-        size = box.size
-    return _capacities(scene, size) | {
+        box_size = box.size
+    return _capacities(scene, box_size) | {
         "bodies": len(bodies),
         "planes": len(walls),
         "plane": np.array(walls, float),
         "turning": law.friction > 0 or bool(bodies.omega.any()),
-        "size": size,
+        "size": box_size,
         "mass": bodies.mass[0],
         "inertia": bodies.inertia[0, 0],
         "diameter": 2 * float(bodies.radius[0]),
@@ -216,18 +216,18 @@ def _fields(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _capacities(scene: Scene, size: float) -> dict[str, int]:
+def _capacities(scene: Scene, box_size: float) -> dict[str, int]:
     """Capacities of the kernel's lists: the most pairs and contacts at three times the initial
     density, at most closest packing.
 
-    `size` [m] is the edge of the box, or 0 without one.
+    `box_size` [m] is the edge of the box, or 0 without one.
     """
     bodies = scene.bodies
     n = len(bodies)
     planes = len(scene.all(Plane))
     diameter = 2 * float(bodies.radius[0])
-    if size > 0:
-        volume = float(np.prod([size] * 3))
+    if box_size > 0:
+        volume = float(np.prod([box_size] * 3))
     else:
         volume = float(np.prod(np.maximum(np.ptp(bodies.position, axis=0), diameter)))
     # The part of space that the spheres would fill at three times their density.

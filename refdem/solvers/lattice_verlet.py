@@ -120,16 +120,16 @@ def _reach(line: Line) -> tuple[float, float] | None:
         return energy
 
     energy = potential(line.x0) + line.mass * line.v0**2 / 2
-    size = ldexp(1.0, frexp(abs(line.x0) or abs(line.v0) or 1.0)[1] - 2)
+    half_width = ldexp(1.0, frexp(abs(line.x0) or abs(line.v0) or 1.0)[1] - 2)
     for _ in range(WIDEST):
-        lowest = min(potential(size * sixteenth / 16) for sixteenth in range(-16, 17))
+        lowest = min(potential(half_width * sixteenth / 16) for sixteenth in range(-16, 17))
         # The barrier, and what the motion has of it, with room.
-        barrier = min(potential(size), potential(-size)) - lowest
+        barrier = min(potential(half_width), potential(-half_width)) - lowest
         needed = ROOM * (energy - lowest)
         if barrier >= needed > 0:
             fastest = sqrt(2 * ROOM * (energy - lowest) / line.mass)
-            return size, ldexp(1.0, ceil(log2(fastest)))
-        size *= 2
+            return half_width, ldexp(1.0, ceil(log2(fastest)))
+        half_width *= 2
     return None
 
 

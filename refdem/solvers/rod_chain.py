@@ -150,11 +150,11 @@ def _not_a_chain(scene: Scene) -> str | None:
     if anchors and any(rod.b < 0 for rod in rods):
         return "a rod hangs beside the moved pivot"
     chain = _chain(scene)
-    held = {*chain.bobs, *(anchor.a for anchor in anchors)}
+    chain_bodies = {*chain.bobs, *(anchor.a for anchor in anchors)}
     if (
         len(chain.bobs) < len(rods)
         or len(set(chain.bobs)) < len(rods)
-        or held != set(range(len(scene.bodies)))
+        or chain_bodies != set(range(len(scene.bodies)))
     ):
         return "the rods do not hang one below the other from one pivot"
     return None

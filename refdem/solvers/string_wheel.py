@@ -60,9 +60,9 @@ class StringWheel(KernelSolver):
         """Masses, wheel and gravity; rows for r, theta, u and theta'."""
         scene = request.problem.scene
         t = request.problem.times
-        string, down, out = _frame(scene)
+        string, down, sideways = _frame(scene)
         states = np.empty((len(t), 4))
-        states[0] = _start(scene, string, down, out)
+        states[0] = _start(scene, string, down, sideways)
         pendulum, counter = scene.bodies.mass[[string.a, string.b]]
         gravity = float(np.linalg.norm(single.gravity(scene)))
         return KernelCall(
@@ -91,36 +91,36 @@ class StringWheel(KernelSolver):
 
 
 def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
-    """The string, the unit vector `down` of gravity, and the unit vector `out` across it on the
-    pendulum's side.
+    """The string, the unit vector `down` of gravity, and the unit vector `sideways` across it on
+    the pendulum's side.
     """
     string = scene.all(StringOverWheel)[0]
     gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
-    out = np.array([-down[1], down[0], 0.0])
+    sideways = np.array([-down[1], down[0], 0.0])
     # The pendulum is on the other side than the counterweight; without a radius sides are equal.
-    side = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
+    side = (scene.bodies.position[string.b] - np.array(string.centre)) @ sideways
     if string.radius > 0 and side > 0:
-        out = -out
-    return string, down, out
+        sideways = -sideways
+    return string, down, sideways
 
 
-def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
+def _start(scene: Scene, string: StringOverWheel, down: Array, sideways: Array) -> Array:
     """r, theta, u and theta' at the start (4,).
 
-    With complex numbers y + i x (x along `out`, y along `down`) the pendulum is at (r + i R) exp(i
-    theta), so r^2 = x^2 + y^2 - R^2, and theta is the argument of (y + i x)(r - i R).
+    With complex numbers y + i x (x along `sideways`, y along `down`) the pendulum is at (r + i R)
+    exp(i theta), so r^2 = x^2 + y^2 - R^2, and theta is the argument of (y + i x)(r - i R).
     """
     arm = scene.bodies.position[string.a] - np.array(string.centre)
     velocity = scene.bodies.velocity[string.a]
-    x = arm @ out
+    x = arm @ sideways
     y = arm @ down
     radius = string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
     # The argument of (y + i x)(r - i R) = (y r + x R) + i (x r - y R).
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
-    along = np.sin(theta) * out + np.cos(theta) * down
-    across = np.cos(theta) * out - np.sin(theta) * down
+    along = np.sin(theta) * sideways + np.cos(theta) * down
+    across = np.cos(theta) * sideways - np.sin(theta) * down
     if r > 0:
         rate = velocity @ across / r
     else:
@@ -132,16 +132,19 @@ def _misfit(scene: Scene) -> str | None:
     """None if the counterweight hangs vertically from its side of the wheel, the pendulum is off
     the wheel, and the string does not stretch, else the reason.
     """
-    string, down, out = _frame(scene)
+    string, down, sideways = _frame(scene)
     arm = scene.bodies.position[string.b] - np.array(string.centre)
     velocity = scene.bodies.velocity[string.b]
-    r, _, u, _ = _start(scene, string, down, out)
+    r, _, u, _ = _start(scene, string, down, sideways)
     extent = r + string.radius + np.linalg.norm(arm)
     speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
     # The counterweight hangs a radius to the other side of the axis.
-    if abs(arm @ out + string.radius) > FITS * extent or abs(velocity @ out) > FITS * speed:
+    if (
+        abs(arm @ sideways + string.radius) > FITS * extent
+        or abs(velocity @ sideways) > FITS * speed
+    ):
         return "the mass does not hang straight down from the wheel"
     # The string is inextensible: what the pendulum draws, u, the counterweight rises.
     if abs(velocity @ down + u) > FITS * speed:
@@ -150,12 +153,12 @@ def _misfit(scene: Scene) -> str | None:
 
 
 def _positions_and_velocities(
-    scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array
+    scene: Scene, string: StringOverWheel, down: Array, sideways: Array, states: Array
 ) -> tuple[Array, Array]:
     """Position and velocity (T, 2, 3) from rows r, theta, u, theta'; row 0 is the given start."""
     r, theta, u, rate = (column[:, None] for column in states.T)
-    along = np.sin(theta) * out + np.cos(theta) * down
-    across = np.cos(theta) * out - np.sin(theta) * down
+    along = np.sin(theta) * sideways + np.cos(theta) * down
+    across = np.cos(theta) * sideways - np.sin(theta) * down
     position = np.empty((len(states), 2, 3))
     velocity = np.empty((len(states), 2, 3))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along

@@ -155,9 +155,9 @@ def lines(record: StressRecord) -> list[str]:
             printed.append(f"       {_name(climb)}: {_sentence(climb)}")
     required = [climb for climb in record.climbs if climb.required is not None]
     rungs = sum(len(climb.rungs) for climb in record.climbs)
-    held = sum(climb.kept is True for climb in required)
+    n_kept = sum(climb.kept is True for climb in required)
     printed.append(
-        f"{len(record.climbs)} climbs, {rungs} rungs; {held} of {len(required)} promises kept,"
+        f"{len(record.climbs)} climbs, {rungs} rungs; {n_kept} of {len(required)} promises kept,"
         f" {len(broken)} broken"
     )
     return printed

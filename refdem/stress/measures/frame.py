@@ -52,9 +52,9 @@ class Frame(Measure):
     show: Show
     told_apart: bool = False
 
-    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The case with its own parameters, whatever the rung."""
-        return case.at(**given)
+        return case.at(**parameters)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
         """A short refinement; the check chooses a level from it."""
@@ -69,11 +69,11 @@ class Frame(Measure):
         if not isinstance(instance.problem, Motion):
             return f"{instance.problem.words} does not have a frame of reference"
         broken = symmetry.broken(instance.scene, self.change)
-        shown = self.show(instance, float(x))
+        frame = self.show(instance, float(x))
         return (
             broken
             or engine.unsupported(instance.problem, method)
-            or engine.unsupported(shown.applied(instance.motion), method)
+            or engine.unsupported(frame.applied(instance.motion), method)
         )
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
@@ -81,12 +81,12 @@ class Frame(Measure):
         if variant.change != self.change:
             return plan.request(task, variant)
         plain = plan.request(task, variant.base)
-        shown = self.show(task.subject.instance, float(x))
+        frame = self.show(task.subject.instance, float(x))
         if plain.step is None:
             step = None
         else:
-            step = plain.step * shown.units[2]
-        problem = shown.applied(task.subject.instance.motion)
+            step = plain.step * frame.units[2]
+        problem = frame.applied(task.subject.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:

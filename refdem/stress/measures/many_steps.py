@@ -36,11 +36,11 @@ class ManySteps(Measure):
 
     needs_truth: bool = False
 
-    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The case with the duration of x steps of tau/PER_TAU."""
-        tau = case.at(**given).scales.tau
+        tau = case.at(**parameters).scales.tau
         duration = x * Fraction(tau) / PER_TAU
-        return case.at(**{"samples": str(SAMPLES), **given, "duration": str(duration)})
+        return case.at(**{"samples": str(SAMPLES), **parameters, "duration": str(duration)})
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
         """The step; for methods with a tolerance the finest one."""

@@ -29,7 +29,7 @@ class Measure(ABC):
     needs_truth: bool = True
 
     @abstractmethod
-    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The instance of a rung; raises UsageError where the case has none."""
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
@@ -69,9 +69,9 @@ class Measure(ABC):
         return Task(engine, subject, unsupported, checks)
 
 
-def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:
+def with_samples(parameters: Mapping[str, str], count: int) -> dict[str, str]:
     """The parameters, with `count` sample intervals unless they set another number."""
-    return {"samples": str(count), **given}
+    return {"samples": str(count), **parameters}
 
 
 def plain_checks(subject: Subject) -> tuple[Check, ...]:

@@ -25,9 +25,9 @@ class Parameters(Measure):
     samples: int = SAMPLES
     needs_truth: bool = True
 
-    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The case at the rung's parameters, which given ones override."""
-        return case.at(**with_samples({**self.given(x), **given}, self.samples))
+        return case.at(**with_samples({**self.given(x), **parameters}, self.samples))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The checks of `refdem run` that need one run only."""

@@ -22,9 +22,9 @@ class StepLimit(Measure):
 
     needs_truth: bool = False
 
-    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The case as given: the rung changes only the step."""
-        return case.at(**given)
+        return case.at(**parameters)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
         """The one level, the step [s] of the rung."""
