@@ -40,8 +40,9 @@ and steps are measured in the program's own pace."""
 
 
 def counted(engine: Engine, method: Method) -> list[Finding]:
-    """At most one finding: whether the method takes the steps that were asked for, on the first
-    scene that it supports. None for a method without steps.
+    """The finding on the steps that a method takes, on the first scene that it supports.
+
+    The list is empty for a method without steps, or if it supports no scene.
     """
     if method.control != "step":
         return []
@@ -52,7 +53,8 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
             return [_judged(engine, method, scene)]
         except UnsupportedError:
             continue
-        except Exception as error:  # whatever an adapter raises is its fault, and a finding
+        # Whatever an adapter raises is its fault, and becomes a finding.
+        except Exception as error:
             sentence = f"{method.name} on a {scene.name}: {type(error).__name__}: {error}"
             return [Finding(check="smoke", quantity=QUANTITY, outcome="error", sentence=sentence)]
     return []

@@ -46,10 +46,10 @@ def held(
 
 
 def _required(specification: Specification, engine: Engine) -> set[str]:
-    """The ids that the campaign requires of an engine.
+    """The ids of the findings that the campaign requires of an engine.
 
-    None if it was asked with other steps, checks or starts than those of its file, which make other
-    findings; and none of a program with a refdem.toml, which has no list here.
+    There are none where the campaign was asked with other steps, checks or starts than those of its
+    file, which make other findings, and for a program with a refdem.toml, which has no list here.
     """
     is_altered = (
         specification.step

@@ -114,7 +114,8 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
         return [
             Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))
         ]
-    except Exception as error:  # whatever an adapter raises is its fault, and a finding
+    # Whatever an adapter raises is its fault, and becomes a finding.
+    except Exception as error:
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
     findings = [

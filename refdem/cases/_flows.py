@@ -87,6 +87,7 @@ def scales(p: Parameters, corners: list[tuple[Fraction, Fraction]]) -> Scales:
     if p.flow == "viscous":
         rate = _line.damped_rate(w0**2, p.delta)
     elif is_pendulum:
+        # At the bottom the pendulum turns at most at w0 times its amplitude [rad].
         rate = w0 * max(1.0, amplitude)
     else:
         rate = w0

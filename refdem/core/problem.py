@@ -151,9 +151,11 @@ class Request:
 
     @classmethod
     def from_json(cls, text: bytes, file: bytes | None = None) -> "Request":
-        """Reads what `document` wrote as JSON, and the bodies' file if it names one; raises
-        UsageError with the path of the first fault.
+        """The request in a JSON text, with the bytes of the bodies' file if it names one.
+
+        Raises UsageError with the path of the first fault.
         """
+        # Only the document of a question other than a motion has a `problem`.
         if bytes(json_as(_Kind, text, "request").problem):
             other = json_as(OtherRequestDocument, text, "request")
             _refuse_format(other.format)

@@ -205,7 +205,7 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
 
 
 def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
-    """One event; raises EngineError if it is none."""
+    """The event in one line of the file `name`; raises EngineError if it is malformed."""
     time = None
     body = None
     if len(line) == len(EVENT_COLUMNS):

@@ -59,14 +59,15 @@ class Gate:
 
         Raises UsageError if nothing was decided and there is no baseline to compare with.
         """
-        sheets = Campaign(
+        campaign = Campaign(
             self.specification(), self.store, self.jobs, use_store=False, progress=self.progress
-        ).sheets()
+        )
+        sheets = campaign.sheets()
         findings = [finding for _, finding in findings_of(sheets)]
-        if not self.baseline.is_file() and not any(
-            f.outcome in (*DECIDED, "error") for f in findings
-        ):
-            reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no case"
+        has_outcome = any(finding.outcome in (*DECIDED, "error") for finding in findings)
+        if not self.baseline.is_file() and not has_outcome:
+            sentences = dict.fromkeys(finding.sentence for finding in findings)
+            reasons = "; ".join(sentences) or "no case"
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
         return sheets
 
