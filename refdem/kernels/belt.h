@@ -278,16 +278,23 @@ static inline double release_time(const belt *p, const motion *m)
     return INFINITY;
 }
 
-/* The next segment of the motion: its series, then its end, the first event or the step. */
-static inline void next_segment(const belt *p, const motion *m, int with_work, segment *restrict y)
+/* The series of the next segment. */
+static inline void expand(const belt *p, const motion *m, int with_work, segment *restrict y)
+{
+    if (m->side == 0)
+        expand_stick(p, m, y);
+    else
+        expand_slip(p, m, with_work, y);
+}
+
+/* The end of the segment: the first event, or the step. */
+static inline void locate(const belt *p, const motion *m, segment *restrict y)
 {
     if (m->side == 0) { /* it sticks until it is released */
-        expand_stick(p, m, y);
         y->end = release_time(p, m);
         y->event = LEAVES;
         return;
     }
-    expand_slip(p, m, with_work, y);
     double h = step_size(p, y);
     double stop = stop_time(m, y, &h);
     y->event = 0;

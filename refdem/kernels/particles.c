@@ -389,8 +389,10 @@ static void record(const runner *r, const double *restrict y, double *restrict c
     }
 }
 
+/* See kernels.h. */
 int64_t refdem_particles_size(const refdem_particles *p)
 {
+    assert(p);
     return work_at(p) + 1;
 }
 

@@ -24,7 +24,8 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
     motion m = begin(p, x0, v0, t0);
     int64_t events = 0;
     for (int64_t row = 0; row < samples;) {
-        next_segment(p, &m, 1, &y);
+        expand(p, &m, 1, &y);
+        locate(p, &m, &y);
         for (; row < samples; row++, out += 3) {
             double since = dd_round(dd_sub(dd_of(t[row]), m.now));
             if (since > y.end)
@@ -108,7 +109,8 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
         for (int64_t k = 0; k < blocks; k++)
             sums[k] = 0.0;
         while (m.now.hi < keep_until) {
-            next_segment(&driven, &m, 0, &y);
+            expand(&driven, &m, 0, &y);
+            locate(&driven, &m, &y);
             if (!isfinite(y.end))
                 break;
             if (m.now.hi >= keep_from && m.side)
@@ -120,8 +122,8 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
                 double growth = fmax(hypot(m.tangent[0], m.tangent[1]), 1e-300);
                 m.tangent[0] /= growth;
                 m.tangent[1] /= growth;
-                if (segment_start
-                    >= keep_from) { /* the transient is over: the block of the segment's start */
+                /* The transient is over: the growth belongs to the block of the segment's start. */
+                if (segment_start >= keep_from) {
                     double block
                         = (segment_start - keep_from) / (keep_until - keep_from) * (double)blocks;
                     sums[(int64_t)fmin(block, (double)(blocks - 1))] += log(growth);

@@ -255,12 +255,12 @@ static double step_size(const motion *m)
 
 /* When the guard sign a(s) first falls through zero in (0, h]; -1 if it does not. A fresh guard is
  * zero at the begin, exactly: that zero does not count. */
-static double zero_of_guard(const double *a, double sign, int fresh, double h)
+static double zero_of_guard(const double *a, double sign, int begins_at_zero, double h)
 {
     line guard;
     for (int k = 0; k <= ORDER; k++)
         guard[k] = sign * a[k];
-    if (fresh)
+    if (begins_at_zero)
         guard[0] = 0.0;
     else if (guard[0] <= 0.0 && guard[1] < 0.0) /* it has failed already */
         return 0.0;
