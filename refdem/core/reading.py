@@ -68,7 +68,11 @@ def said(error: Exception, kind: Any) -> str:
     unknown = UNKNOWN.search(text)
     if unknown is None:
         return text
-    return f"{text}; {nearest(unknown[1], set(names(kind)))}"
+    name = unknown[1]
+    known = set(names(kind))
+    if name in known:
+        return f"{text}; {name!r} is a field of another table: move it there"
+    return f"{text}; {nearest(name, known)}"
 
 
 def names(kind: Any) -> Iterator[str]:

@@ -162,6 +162,7 @@ def test_a_loop_of_links_is_refused_in_one_sentence(tmp_path: Path) -> None:
         (b'{trajectory}"', b'{traj}"', "{traj}"),
         (b'cases = ["two-spheres"]', b'cases = ["two-spheres", "two-spheres"]', "twice"),
         (b'inputs = ["src/*.cpp"]', b'inputs = ["**a"]', "**a"),
+        (b"[gate]", b"[gate]\nmemory = 1", "'memory' is a field of another table"),
     ],
 )
 def test_a_slip_in_a_description_is_said_with_what_was_expected(
