@@ -30,8 +30,13 @@ TURNED = "off by at most what the normal turns within a step that sees the impac
 class Exchange:
     """What one impact changed: the speed along the normal at which the bodies close and part
     [m/s], and the impulse on the first one along and across the normal [N s].
+
+    `approach` is their relative speed before, `speeds` the sum of all speeds whose rounding counts
+    [m/s].
     """
 
+    approach: float
+    speeds: float
     closing: float
     parting: float
     pressing: float
@@ -79,10 +84,11 @@ class RigidImpact(Check):
             return [undecided(self.name, "restitution", "no impact is due before the last sample")]
         speed = subject.instance.scales.speed
         fastest = _fastest(scene)
-        # A place that is rounded turns the normal by more where spheres nearly pass each other.
-        rounding = subject.noise(subject.levels[-1]) * fastest / found.closing
         turned = _turn_of_normal(subject, fastest)
-        off = SIDES * fastest * (turned * (1 + turned) + rounding)
+        rounding = subject.noise(subject.levels[-1]) * found.speeds
+        # A place that is rounded turns the normal by more where spheres nearly pass each other.
+        steep = max(1.0, found.approach / found.closing)
+        off = SIDES * fastest * turned * (1 + turned) + rounding * steep
         allowed = off / found.closing
         if allowed > HORIZON:
             why = (
@@ -159,6 +165,8 @@ def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
     pressing = -float(impulse @ normal)
     rubbing = float(np.linalg.norm(impulse + pressing * normal))
     return Exchange(
+        approach=float(np.linalg.norm(relative[0])),
+        speeds=float(np.linalg.norm(run.velocity[[0, -1]], axis=-1).sum()),
         closing=float(relative[0] @ normal),
         parting=-float(relative[1] @ normal),
         pressing=pressing,
