@@ -110,7 +110,7 @@ class Duffing(FromRest, ClosedForm):
         )
 
     def _equilibrium(self) -> DuffingMotion:
-        """x = A for ever."""
+        """The motion x = A for ever, of an equilibrium."""
         return DuffingMotion(lambda u: (arb(1), arb(0)), arb(0), None)
 
     def _linear_motion(self) -> DuffingMotion:

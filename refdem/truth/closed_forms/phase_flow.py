@@ -232,7 +232,7 @@ def _side_integral(
 
 
 def _point(p: tuple[arb, arb], d: tuple[arb, arb], s: arb) -> tuple[arb, arb]:
-    """The point p + s d."""
+    """The point p + s d of a side, for s in [0, 1]."""
     return p[0] + s * d[0], p[1] + s * d[1]
 
 

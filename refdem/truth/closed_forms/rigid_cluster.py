@@ -96,7 +96,7 @@ class AboutAxis(FreeBody):
         return length_of(self.start)
 
     def lead(self, t: arb) -> arb:
-        """That of a steady rotation (free_body.steady_lead), times t."""
+        """The lead of a steady rotation per time (free_body.steady_lead), times t."""
         square = rotation.dot(self.start, self.start)
         return steady_lead(self.moment, self.twice_energy, self.length, square) * t
 

@@ -51,7 +51,7 @@ class LogisticMap(Stepped, Iterated):
         return arb_of(self.eta) * (arb_of(HALF * HALF) - state * state) - arb_of(HALF)
 
     def slope(self, state: arb, after: arb) -> arb_mat:
-        """-2 eta y."""
+        """The derivative of a step, -2 eta y."""
         return arb_mat(1, 1, [-2 * arb_of(self.eta) * state])
 
     def values(self, state: arb) -> dict[str, arb]:

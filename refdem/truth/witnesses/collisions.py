@@ -210,15 +210,15 @@ class Spheres(Colliding):
         return [radius - self.beta * (self.reach - distance) for radius in self.radii]
 
     def slip(self, s: Sequence[Any]) -> Any:
-        """v_t - l1 w1 - l2 w2."""
+        """The slip v_t - l1 w1 - l2 w2 of the surfaces."""
         _, _, distance, _, across, _ = self.geometry(s)
         first, second = self.levers(distance)
         return across - first * s[4] - second * s[5]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0, from
+        """The f with slip' = 0, which is linear in f.
 
-        0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 + l2^2/J2).
+        slip' = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 + l2^2/J2).
         """
         _, _, distance, along, across, _ = self.geometry(s)
         inverse_mass = 1 / self.mass + sum(

@@ -51,7 +51,7 @@ class Struck(Colliding):
         return self.reach - self.beta * self.overlap(s)
 
     def slip(self, s: Sequence[Any]) -> Any:
-        """v_t - l w = -v_y - l w."""
+        """The slip v_t - l w = -v_y - l w of the surface."""
         return -s[3] - self.lever(s) * s[4]
 
     def holding(self, s: Sequence[Any]) -> Any:
@@ -60,7 +60,7 @@ class Struck(Colliding):
         return -self.beta * s[2] * s[4] / inverse_mass
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """dF/dt = k v_x - c F/m."""
+        """The rate dF/dt = k v_x - c F/m of the normal force."""
         return self.k * s[2] - self.c * self.force(s) / self.mass
 
     def field(self, friction: Value) -> Any:

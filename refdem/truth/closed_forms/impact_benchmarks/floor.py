@@ -170,7 +170,7 @@ def stack(
     radius = floor.radius
 
     def overlaps(y: Sequence[Any]) -> list[Any]:
-        """Those with the floor, between the spheres, and with the ceiling."""
+        """The overlaps with the floor, between the spheres, and with the ceiling."""
         y1, _, y2 = y[:3]
         return [radius - y1, 2 * radius - (y2 - y1), y2 + radius - ceiling]
 
