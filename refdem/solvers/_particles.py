@@ -180,8 +180,6 @@ class Packed:
         self.pairs = np.zeros((0, 2), np.int64)
         if law:
             self.pairs = pairs(scene)
-        springs = scene.all(Spring)
-        planes = scene.all(Plane)
         fields: dict[str, Any] = {
             "mass": bodies.mass,
             "inverse_mass": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
@@ -189,15 +187,12 @@ class Packed:
             "radius": bodies.radius,
             "gravity": gravity(scene),
             "gm": sum(field.gm for field in scene.all(CentralField)),
-            "spring": np.array([_spring_row(spring, origin) for spring in springs], float),
-            "spring_end": np.array([(spring.a, spring.b) for spring in springs], np.int64),
-            "plane": np.array([_plane_row(plane, origin) for plane in planes], float),
             "pair": self.pairs,
             "bodies": len(bodies),
-            "springs": len(springs),
             "pairs": len(self.pairs),
             "turning": self.turning,
         }
+        fields |= _element_fields(scene, origin)
         if law:
             fields |= _law_fields(law)
         self.struct = Struct(FAMILY, "refdem_particles", fields)
@@ -233,6 +228,20 @@ def _law_fields(law: Contact) -> dict[str, Any]:
         "branch": BRANCH[law.branch],
         "no_pull": law.cutoff == "zero_force",
         "hertz": law.law == "hertz",
+    }
+
+
+def _element_fields(scene: Scene, origin: Array) -> dict[str, Any]:
+    """Springs and planes as fields of the kernel's struct, counted from `origin` (3,) [m]."""
+    springs = scene.all(Spring)
+    rows = [_spring_row(spring, origin) for spring in springs]
+    ends = [(spring.a, spring.b) for spring in springs]
+    planes = [_plane_row(plane, origin) for plane in scene.all(Plane)]
+    return {
+        "spring": np.array(rows, float),
+        "spring_end": np.array(ends, np.int64),
+        "springs": len(springs),
+        "plane": np.array(planes, float),
     }
 
 
