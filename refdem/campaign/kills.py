@@ -219,30 +219,35 @@ class FaultTrial:
         the transparent engine's `method`.
         """
         if self.engine is not None:
-            able = (
+            supporting = (
                 m.name for m in engine.methods if engine.unsupported(instance.problem, m) is None
             )
-            method = next(able, engine.methods[0].name)
+            method = next(supporting, engine.methods[0].name)
         return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
-        """Records of the engine without any fault, on every setting that a fault uses."""
-        used: dict[str, None] = {}
+        """Record, setting and seed of the engine without any fault, on every setting that a fault
+        uses.
+        """
+        settings: dict[str, None] = {}
         for fault in self.faults:
-            used |= dict.fromkeys(fault.on)
-        work = list(product(self.drawn, used))
-        for seed, name in counted(work, "sound engine", len(work), self.progress):
-            instance, truth = self.instance(name, seed)
+            settings |= dict.fromkeys(fault.on)
+        work = list(product(self.drawn, settings))
+        for seed, setting in counted(work, "sound engine", len(work), self.progress):
+            instance, truth = self.instance(setting, seed)
             engine = self.engine or Transparent()
-            for method in self._methods(name, seed):
-                yield self._record(engine, method, instance, truth, FEWEST, ()), name, seed
+            method = self._method(setting, seed)
+            yield self._record(engine, method, instance, truth, FEWEST, ()), setting, seed
 
-    def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
-        """The method to run at a seed: those of the transparent engine take turns."""
+    def _method(self, setting: str, seed: int) -> str:
+        """The transparent engine's method at a seed; the methods of a setting take turns.
+
+        Empty for an engine that the caller brought, whose method `_record` chooses.
+        """
         if self.engine is not None:
-            return ("",)
+            return ""
         methods = SETTINGS[setting].methods
-        return (methods[seed % len(methods)],)
+        return methods[seed % len(methods)]
 
     def instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
         """The instance of a setting at a seed, and its truth."""

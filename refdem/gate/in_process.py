@@ -16,8 +16,9 @@ from refdem.gate.gate import supported
 
 def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:
     """The records of an engine object in the given cases (`pendulum[theta0=2]`), or in all that it
-    supports.
+    supports, with at most `levels` refinement levels.
     """
+    # A campaign names its engines, and needs a store: both exist only while this one runs.
     with discovery.engine_here(engine), tempfile.TemporaryDirectory() as folder:
         entries = [Entry(*labelled(case)) for case in cases] or supported(engine)
         specification = Specification(
