@@ -43,10 +43,6 @@ help:
 validate: .venv/refdem
 	$(BIN)/refdem run --campaign main --out reports
 
-# Gases move by two threads there, so that barriers and shares run as well; the bits are the same
-# for any number of threads.
-validate test kernel-lines: export REFDEM_THREADS = 2
-
 test: .venv/refdem .venv/for-tests
 	$(BIN)/pytest tests validation -n $(JOBS) $(TIMES) $(ELSEWHERE:%=--ignore=%) --ignore=$(MATRIX)
 
