@@ -87,7 +87,7 @@ class Watch:
         self._whole = self._spent() + seconds
 
     def say(self, text: str) -> None:
-        """A line of its own."""
+        """Prints a text in a line of its own, whatever is redrawn."""
         start = ""
         if self._tty:
             start = ERASE
