@@ -83,7 +83,7 @@ class Watch:
             print(ERASE, end="", file=sys.stderr, flush=True)
 
     def expect(self, seconds: float) -> None:
-        """So many CPU seconds are left."""
+        """Notes how many CPU seconds are left."""
         self._whole = self._spent() + seconds
 
     def say(self, text: str) -> None:
