@@ -83,11 +83,11 @@ class Watch:
             print(ERASE, end="", file=sys.stderr, flush=True)
 
     def expect(self, seconds: float) -> None:
-        """So many CPU seconds are left."""
+        """Notes how many CPU seconds are left."""
         self._whole = self._spent() + seconds
 
     def say(self, text: str) -> None:
-        """A line of its own."""
+        """Prints a text in a line of its own, whatever is redrawn."""
         start = ""
         if self._tty:
             start = ERASE

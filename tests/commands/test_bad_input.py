@@ -161,7 +161,7 @@ def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
     ) as begun:
         for line in begun.stderr:
-            if line.startswith("truths"):
+            if line.startswith("truths: 1 done"):
                 begun.send_signal(signal.SIGINT)
                 break
         said = begun.stderr.read()
