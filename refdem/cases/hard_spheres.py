@@ -124,15 +124,19 @@ class HardSpheres(Case):
         return Scene.of(bodies, [_rigid.contact(p)])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = R1 + R2, tau = L/v; about twice the time to the impact."""
+        """L = R1 + R2, tau = L/v with the fastest of centres and surfaces; about twice the time to
+        the impact.
+        """
         reach = float(p.radii.sum())
         # The first root of |d + w t| = L with w along x: t = (d_x - L sqrt(1 - offset^2))/v.
         depth = np.sqrt(1.0 - float(p.offset @ p.offset))
         impact_time = reach * (p.distance - depth) / p.closing_speed
+        surfaces = p.radii * np.linalg.norm(p.spins, axis=1)
+        fastest = max(p.closing_speed, float(surfaces.max()))
         mass = float(p.masses[0] * p.masses[1] / p.masses.sum())
         return Scales(
             length=reach,
-            tau=reach / p.closing_speed,
+            tau=reach / fastest,
             duration=_rigid.clear_of(float(impact_time), int(p.samples)),
             mass=mass,
         )

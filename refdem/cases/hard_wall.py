@@ -97,13 +97,17 @@ class HardWall(Case):
         return Scene.of([body], [_rigid.contact(p), Plane(normal=tuple(unit.tolist()))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = |r|, tau = L/|v|; about twice the time to the impact."""
+        """L = |r|, tau = L/v with the faster of centre and surface; about twice the time to the
+        impact.
+        """
         unit = p.normal / np.linalg.norm(p.normal)
         impact_time = float((p.position @ unit - p.radius) / -(p.velocity @ unit))
         length = float(np.linalg.norm(p.position))
+        surface = p.radius * float(np.linalg.norm(p.spin))
+        fastest = max(float(np.linalg.norm(p.velocity)), surface)
         return Scales(
             length=length,
-            tau=length / float(np.linalg.norm(p.velocity)),
+            tau=length / fastest,
             duration=_rigid.clear_of(impact_time, int(p.samples)),
             mass=p.mass,
         )
@@ -112,7 +116,7 @@ class HardWall(Case):
         """Place, velocity and angular velocity."""
         scales = self.scales(p)
         # The largest spin, or that of rolling at the speed of the start.
-        spin = max(float(np.linalg.norm(p.spin)), scales.speed / p.radius)
+        spin = max(float(np.linalg.norm(p.spin)), float(np.linalg.norm(p.velocity)) / p.radius)
         kinds = (("r", "m", scales.length), ("v", "m/s", scales.speed), ("omega", "rad/s", spin))
         found = []
         for kind, unit, size in kinds:
