@@ -33,7 +33,7 @@ LAW = (
 
 
 def contact(p: Parameters) -> Contact:
-    """The rigid law."""
+    """The rigid law of the parameters."""
     return Contact(
         law="rigid",
         restitution=p.restitution,

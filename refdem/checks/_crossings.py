@@ -55,7 +55,7 @@ Pair = tuple[float, float, float, int]
 
 def has_crossings(scene: Scene) -> bool:
     """Truth may tell when something sticks, slips, stops, touches or parts."""
-    return is_belt(scene) or bool(touches(scene))
+    return is_belt(scene) or bool(touches(scene)) or is_impact(scene)
 
 
 def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
@@ -66,6 +66,8 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
         return rubbing(subject, truth)
     if "max_overlap" in truth.scalars:
         return parting(subject, truth)
+    if "impact_time" in truth.scalars:
+        return meeting(subject, truth)
     return {}
 
 
@@ -293,6 +295,50 @@ def _met(scene: Scene) -> Iterator[Pair]:
                 float(np.linalg.norm(bodies.velocity[i])),
                 1,
             )
+
+
+def is_impact(scene: Scene) -> bool:
+    """Two free spheres under the rigid law, or one and a plane, and nothing else acts."""
+    laws = scene.all(Contact)
+    planes = len(scene.all(Plane))
+    bodies = scene.bodies
+    is_alone = len(scene.elements) == 1 + planes and len(bodies) + planes == 2
+    is_free = bool((bodies.radius > 0).all()) and not bodies.fixed.any()
+    return is_alone and is_free and len(laws) == 1 and laws[0].law == "rigid"
+
+
+def closing_speed(scene: Scene) -> tuple[float, float]:
+    """The closing speed [m/s] of an impact, by straight lines from the start, and how fast it
+    changes before it [m/s^2].
+
+    With d and w the place and velocity of the second sphere against the first, and R the sum of
+    radii, w.n at |d + w t| = R is -sqrt(w^2 R^2 - |d x w|^2)/R.
+    """
+    bodies = scene.bodies
+    planes = scene.all(Plane)
+    if planes:
+        return -float(bodies.velocity[0] @ np.array(planes[0].normal)), 0.0
+    reach = float(bodies.radius.sum())
+    apart = bodies.position[1] - bodies.position[0]
+    relative = bodies.velocity[1] - bodies.velocity[0]
+    swept = np.cross(apart, relative)
+    squared = float(relative @ relative)
+    across = float(swept @ swept) / reach**2
+    return sqrt(max(0.0, squared - across)), across / reach
+
+
+def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
+    """The impact of rigid bodies, where their gap closes.
+
+    The gap is off by at most the sum of what the places of both are off by along the normal.
+    """
+    scene = subject.instance.scene
+    closing, bend = closing_speed(scene)
+    dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    reach = subject.instance.scales.length * len(scene.bodies) * sqrt(dimension)
+    time, radius = truth.scalars["impact_time"]
+    growth = 1 / subject.instance.scales.tau
+    return {"contact": [Crossing(time, radius, closing / reach, bend / reach, growth)]}
 
 
 def parting(subject: Subject, truth: SampledTruth) -> Crossings:

@@ -12,6 +12,7 @@ from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR
 from refdem.core.variant import Variant
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 
 TERMS = 2.0
@@ -49,8 +50,9 @@ class Energy(Check):
             return (
                 "a drive does work on the system, and the method does not claim to account for it"
             )
-        if "contact:rigid" in subject.instance.scene.features:
-            return "rigid contacts have no potential energy"
+        scene = subject.instance.scene
+        if "contact:rigid" in scene.features and not _is_impacts_alone(scene):
+            return "rigid contacts that carry a load have no potential energy"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -210,6 +212,15 @@ class Energy(Check):
                 " of the first), relative to the initial energy,"
             ),
         )
+
+
+def _is_impacts_alone(scene: Scene) -> bool:
+    """Nothing but impacts of spheres, with each other and with planes: between them bodies are
+    free.
+    """
+    return set(scene.all(Contact)) | set(scene.all(Plane)) == set(scene.elements) and bool(
+        (scene.bodies.radius > 0).all()
+    )
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:

@@ -343,7 +343,7 @@ ALONG_WALL: Rows = (
 CLASH: Rows = (
     ("masses", unequal(0.75, 1.25)),
     ("radii", unequal(0.375, 0.625)),
-    ("inertia_factors", unequal(0.3125, 0.4375)),
+    ("inertia_factors", listed(between(0.3125, 0.4375), between(0.5, 0.625))),
     ("closing_speed", between(0.75, 1.25)),
     ("restitution", between(0.5, 0.75)),
     ("offset", listed(signed(0.5, 0.625), between(-0.25, 0.25))),
@@ -352,10 +352,24 @@ CLASH: Rows = (
 """Two unequal rigid spheres that meet off their line, without friction."""
 SPUN_CLASH: Rows = (*CLASH, ("spins", listed(*6 * [signed(0.5, 1)])))
 """The same with spins about all axes."""
-RUB: Rows = (*SPUN_CLASH, ("friction", between(0.03125, 0.0625)))
-"""Friction that is cut."""
+RUB: Rows = (
+    *CLASH,
+    ("spins", listed(*6 * [signed(4 / 128, 8 / 128, 128)])),
+    ("friction", between(4 / 256, 6 / 256, 256)),
+)
+"""Spins that do not stop the slip of the centres, and friction that is cut."""
 GRIP: Rows = (*SPUN_CLASH, ("friction", "8"), ("tangential_restitution", between(0.375, 0.625)))
 """Friction that reverses a part of the slip."""
+REBOUND: Rows = (
+    ("mass", between(0.75, 1.5)),
+    ("restitution", between(0.5, 0.75)),
+    ("normal", listed(between(-0.25, 0.25), between(1, 2), between(-0.25, 0.25))),
+    ("velocity", listed(signed(0.625, 0.75), between(-1, -0.75), between(-0.25, 0.25))),
+    ("spin", listed(*3 * [signed(4 / 128, 8 / 128, 128)])),
+    ("friction", between(4 / 256, 6 / 256, 256)),
+    ("samples", "16"),
+)
+"""A rigid sphere that slides along a wall while it meets it."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -442,6 +456,7 @@ SETTINGS: Mapping[str, Setting] = {
     "clash": Setting("hard-spheres", CLASH, TOUCHING),
     "rub": Setting("hard-spheres", RUB, TOUCHING),
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
+    "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

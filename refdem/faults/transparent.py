@@ -128,7 +128,7 @@ class Transparent(Engine):
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
-        if reason := _corners_refused(scene) or _rigid_refused(scene):
+        if reason := _rigid_refused(scene) or _corners_refused(scene):
             return reason
         if (
             method.name in ("drift-first", "explicit-euler")

@@ -112,7 +112,7 @@ class World:
 
     @cached_property
     def is_rigid(self) -> bool:
-        """Contacts are impacts."""
+        """Contacts are impacts of the rigid law."""
         return self.law is not None and self.law.law == "rigid"
 
     @cached_property

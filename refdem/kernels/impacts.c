@@ -1,14 +1,14 @@
 /* Rigid spheres that move on straight lines from impact to impact (Alder and Wainwright 1959).
  *
  * A body knows its place at its own time, that of its last impact, and its next event: the earliest
- * of those with every other body and plane. With d = r_j - r_i, w = v_j - v_i and b = d.w < 0 two
- * spheres meet when |d + w s| = R = R_i + R_j, at the first root
+ * of those with every other body and plane. Let d = (r_j - r_i)/R with R = R_i + R_j, w = v_j - v_i
+ * and u = w/|w|. With b = d.u < 0 two spheres meet when |d + u |w| s/R| = 1, at the first root
  *
- *     s = c / (-b + sqrt(q)),   c = (|d| - R) (|d| + R),   q = w^2 R^2 - |d x w|^2,
+ *     s = (R/|w|) c / (-b + sqrt(q)),   c = (|d| - 1) (|d| + 1),   q = 1 - |d x u|^2,
  *
- * both without cancellation; at a plane at s = (height - R)/closing speed. An event is made by
- * impulses: with n from i to j, the velocity g of the points that touch, its part c along n and its
- * slip s across,
+ * without cancellation, and whatever the units; at a plane at s = (height - R)/closing speed. An
+ * event is made by impulses: with n from i to j, the velocity g of the points that touch, its part
+ * c along n and its slip s across,
  *
  *     P = -p n - k s,   p = (1 + e) c / (1/m_i + 1/m_j),
  *     k = min((1 + b) / (1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j), mu p / |s|)   (Walton 1993).
@@ -93,19 +93,24 @@ static double until_spheres(const refdem_impacts *p, const motion *m, int64_t i,
     place(m, i, now, ri);
     place(m, j, now, rj);
     for (int c = 0; c < 3; c++) {
-        apart[c] = rj[c] - ri[c];
+        apart[c] = (rj[c] - ri[c]) / reach;
         relative[c] = vj[c] - vi[c];
     }
+    const double speed = size(relative);
+    if (!(speed > 0.0))
+        return INFINITY;
+    for (int c = 0; c < 3; c++)
+        relative[c] /= speed;
     const double distance = size(apart);
     const double b = dot(apart, relative);
-    if (!(-b > ROUNDINGS * distance * (size(vi) + size(vj))))
+    if (!(-b * speed > ROUNDINGS * distance * (size(vi) + size(vj))))
         return INFINITY;
     cross(apart, relative, swept);
-    const double q = reach * reach * dot(relative, relative) - dot(swept, swept);
+    const double q = 1.0 - dot(swept, swept);
     if (!(q > 0.0))
         return INFINITY;
-    const double gap = (distance - reach) * (distance + reach);
-    return fmax(0.0, gap / (sqrt(q) - b));
+    const double gap = (distance - 1.0) * (distance + 1.0);
+    return fmax(0.0, gap / (sqrt(q) - b)) * (reach / speed);
 }
 
 /* Time from now until a sphere meets a plane, or infinity. */

@@ -16,12 +16,11 @@ Aizerman and Gantmacher 1958). DP comes from the formulas of the impulses by the
 where friction is just enough P has a kink, and S is the larger one of both sides.
 """
 
-from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 from flint import arb, arb_mat
 
@@ -50,7 +49,7 @@ OF_BODY = 9
 
 
 def motions(numbers: Sequence[Any]) -> list[Motion]:
-    """The motions of bodies from all their numbers in order."""
+    """The motions of bodies, from all of their numbers in order."""
     found = []
     for begin in range(0, len(numbers), OF_BODY):
         own = numbers[begin : begin + OF_BODY]
@@ -61,6 +60,18 @@ def motions(numbers: Sequence[Any]) -> list[Motion]:
 def flat(states: Sequence[Motion]) -> list[Any]:
     """All numbers of some motions in order."""
     return [number for state in states for number in state.numbers()]
+
+
+class Meeting(Protocol):
+    """Where and when round bodies meet: two spheres, or one and a wall."""
+
+    def time(self, states: Sequence[Motion]) -> Surd:
+        """When bodies that start so meet [s], in exact numbers; UndecidedError if they do not."""
+
+    def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
+        """The unit normal n (3,) from the first body to what it meets, at the impact, in numbers of
+        the kind of the places: exact ones, balls, or balls with derivatives.
+        """
 
 
 class RigidCollision(ClosedForm):
@@ -74,28 +85,20 @@ class RigidCollision(ClosedForm):
         scale: Mapping[str, Size],
         bodies: Sequence[RoundBody],
         law: ImpactLaw,
+        meeting: Meeting,
         start: Sequence[Fraction],
     ) -> None:
         self.refiner = Refiner.of(scale)
         self.state = tuple(scale)
         self.bodies = bodies
         self.law = law
+        self.meeting = meeting
         self.start = start
 
-    @abstractmethod
-    def time_of_impact(self) -> Surd:
-        """When they meet [s], in exact numbers."""
-
-    @abstractmethod
-    def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
-        """The unit normal n (3,) from the first body to what it meets, at the impact, in numbers of
-        the kind of the places: exact ones, balls, or balls with derivatives.
-        """
-
     @cached_property
-    def meeting(self) -> Surd:
-        """When they meet [s]."""
-        return self.time_of_impact()
+    def moment(self) -> Surd:
+        """When they meet [s], in exact numbers."""
+        return self.meeting.time(motions(self.start))
 
     @cached_property
     def impact(self) -> Impact:
@@ -107,14 +110,16 @@ class RigidCollision(ClosedForm):
         """1 where Coulomb's law cuts the tangential impulse, 0 where it is just enough, -1 below,
         exactly.
         """
-        states = [state.after(self.meeting) for state in motions(self.start)]
-        closing, slip = self.impact.approach(self.normal([state.r for state in states]), states)
+        states = [state.after(self.moment) for state in motions(self.start)]
+        closing, slip = self.impact.approach(
+            self.meeting.normal([state.r for state in states]), states
+        )
         return self.impact.excess(closing, slip)
 
     @per_precision
     def before(self) -> list[Motion]:
         """The states in balls right before the impact."""
-        moment = self.meeting.ball()
+        moment = self.moment.ball()
         starts = motions([arb_of(number) for number in self.start])
         return [state.after(moment) for state in starts]
 
@@ -123,11 +128,11 @@ class RigidCollision(ClosedForm):
         """The states in balls right after the impact."""
         impact = self.impact.in_numbers(arb_of)
         states = self.before()
-        normal = self.normal([state.r for state in states])
+        normal = self.meeting.normal([state.r for state in states])
         return impact.parted(normal, states, is_cut=self.side_of_limit > 0)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        moment = self.meeting.ball()
+        moment = self.moment.ball()
         since = t - moment
         near = moment * arb_of(TOLD_APART)
         if since < -near:
@@ -143,12 +148,12 @@ class RigidCollision(ClosedForm):
         )
 
     def named(self, states: Sequence[Motion]) -> dict[str, arb]:
-        """The quantities by name."""
+        """The quantities by name, of some states."""
         return dict(zip(self.state, flat(states), strict=True))
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
-        for name in ("kept", "meeting", "side_of_limit"):
+        for name in ("kept", "moment", "side_of_limit"):
             other.__dict__.pop(name, None)
         other.start = [x + amount * (i == axis) for i, x in enumerate(self.start)]
         return other
@@ -159,7 +164,7 @@ class RigidCollision(ClosedForm):
         """
         impact = self.impact.in_numbers(arb_of)
         states = self.before()
-        closing, slip = impact.approach(self.normal([state.r for state in states]), states)
+        closing, slip = impact.approach(self.meeting.normal([state.r for state in states]), states)
         slip_squared = dot(slip, slip)
         k = impact.tangential_factor(closing, slip, is_cut=self.side_of_limit > 0)
         # Of the relative motion m_n c^2/2 + m_t s^2/2 what is left is e^2 of the first part and
@@ -171,7 +176,7 @@ class RigidCollision(ClosedForm):
         lost_along = normal_mass * closing * closing * (1 - e * e) / 2
         lost_across = tangential_mass * slip_squared * (1 - left * left) / 2
         return {
-            "impact_time": self.meeting.ball(),
+            "impact_time": self.moment.ball(),
             "normal_impulse": impact.normal_impulse(closing),
             "tangential_impulse": k * length(slip_squared),
             "energy_lost": lost_along + lost_across,
@@ -221,8 +226,8 @@ class RigidCollision(ClosedForm):
                 found[place, speed] = t * ratio
             return found
 
-        yield smooth(arb(0), self.meeting.ball(), flight, jump=self.saltation(is_cut=is_cut))
-        yield smooth(self.meeting.ball(), None, flight)
+        yield smooth(arb(0), self.moment.ball(), flight, jump=self.saltation(is_cut=is_cut))
+        yield smooth(self.moment.ball(), None, flight)
 
     def saltation(self, *, is_cut: bool) -> arb_mat:
         """The derivative across the impact, in scales: Xi = DP (1 + f- tau) - f+ tau, with tau = d
@@ -232,7 +237,7 @@ class RigidCollision(ClosedForm):
         states = self.before()
         sloped = motions(parameters(flat(states)))
         impact = self.impact.in_numbers(arb_of)
-        normal = self.normal([state.r for state in sloped])
+        normal = self.meeting.normal([state.r for state in sloped])
         parted = flat(impact.parted(normal, sloped, is_cut=is_cut))
         derivative = arb_mat([list(number.slopes) for number in parted])
         moved = identity(count) + outer(rates(states), self.time_slopes())
@@ -248,7 +253,7 @@ class RigidCollision(ClosedForm):
         """The derivatives of the time of impact by the state right before it: n.(dr2 - dr1)/c."""
         states = self.before()
         impact = self.impact.in_numbers(arb_of)
-        normal = self.normal([state.r for state in states])
+        normal = self.meeting.normal([state.r for state in states])
         closing, _ = impact.approach(normal, states)
         found = [arb(0)] * len(self.state)
         for number in range(len(states)):
@@ -283,7 +288,7 @@ def outer(column: Sequence[arb], row: Sequence[arb]) -> arb_mat:
 
 
 def identity(count: int) -> arb_mat:
-    """The unit matrix."""
+    """The unit matrix of so many rows."""
     return arb_mat([[arb(int(i == j)) for j in range(count)] for i in range(count)])
 
 

@@ -52,7 +52,7 @@ class Motion:
     omega: Vector
 
     def numbers(self) -> list[Any]:
-        """All nine in order."""
+        """All nine numbers in their order."""
         return [*self.r, *self.v, *self.omega]
 
     def after(self, t: Any) -> "Motion":
@@ -174,12 +174,12 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
 
 
 def dot(a: Vector, b: Vector) -> Any:
-    """a.b"""
+    """The scalar product a.b of two vectors (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> list[Any]:
-    """a x b"""
+    """The vector product a x b of two vectors (3,)."""
     return [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -32,7 +32,7 @@ class Surd(Enclosed):
         return arb_of(self.rational) + arb_of(self.factor) * arb_of(self.square).sqrt()
 
     def sign(self) -> int:
-        """-1, 0 or 1, exactly.
+        """The sign -1, 0 or 1, which is exact.
 
         a + b sqrt(q) has the sign that a and b share; where they differ, that of the larger of a^2
         and b^2 q.
@@ -80,5 +80,5 @@ def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:
 
 
 def _sign(value: Rational) -> int:
-    """-1, 0 or 1."""
+    """The sign -1, 0 or 1 of a rational."""
     return (value > 0) - (value < 0)

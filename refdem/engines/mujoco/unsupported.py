@@ -15,6 +15,7 @@ from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SAID = {
     "ball_joint",
@@ -118,6 +119,8 @@ def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
     """MuJoCo keeps bodies apart; it has no law of how they rebound."""
     if law.restitution > 0:
         return engine_cannot("a coefficient of restitution")
+    if not scene.all(UniformGravity):
+        return engine_cannot("impacts without rebound: its contacts are springs that give back")
     solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
     if any(box_sides(solid) is None for solid in solids):
         return adapter_lacks("polyhedra other than boxes")

@@ -75,8 +75,8 @@ FAULTS = (
     impact(
         name="restitution-twice",
         sentence="The closing speed is multiplied by the restitution twice.",
-        on=("clash", "rub"),
-        sees=("error", "v1.x"),
+        on=("clash", "rub", "rebound"),
+        sees=("rigid-impact", "restitution"),
         before=of_elements(Contact, restitution=lambda e: e * e),
     ),
     impact(
@@ -129,8 +129,8 @@ FAULTS = (
     impact(
         name="impact-friction-unlimited",
         sentence="Friction stops the slip, whatever its coefficient.",
-        on=("rub",),
-        sees=("error", "omega2.y"),
+        on=("rub", "rebound"),
+        sees=("rigid-impact", "cone"),
         inside=_of_impact(tangential_impulse=_unlimited),
     ),
     impact(
@@ -192,22 +192,22 @@ FAULTS = (
     impact(
         name="impact-met-twice",
         sentence="The pair is in the list twice, and both impulses are of the same velocities.",
-        on=("clash",),
-        sees=("error", "v1.x"),
+        on=("clash", "rebound"),
+        sees=("rigid-impact", "restitution"),
         inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
     ),
     impact(
         name="impact-never-met",
         sentence="The spheres go through each other.",
-        on=("clash", "rub"),
-        sees=("error", "r1.x"),
+        on=("clash", "rub", "rebound"),
+        sees=("rigid-impact", "restitution"),
         inside=_of_impact(meets=lambda closing: False),
     ),
     impact(
         name="impact-below-a-threshold",
         sentence="Nothing is given back below a speed of 2 m/s.",
-        on=("clash",),
-        sees=("error", "v2.x"),
+        on=("clash", "rebound"),
+        sees=("rigid-impact", "restitution"),
         inside=_of_impact(
             normal_impulse=lambda law, ease, closing: (
                 (1 + (law.restitution if closing > 2 else 0.0)) * closing / ease
@@ -218,7 +218,8 @@ FAULTS = (
         name="impact-of-the-larger-sphere",
         sentence="The spheres meet where their radii are 1 % larger.",
         on=("clash",),
-        sees=("error", "v1.y"),
+        levels=6,
+        sees=("event-times", "contact"),
         inside=of_arguments(overlap=lambda a, b, distance: (1.01 * a, 1.01 * b, distance)),
     ),
     impact(

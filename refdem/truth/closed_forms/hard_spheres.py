@@ -6,6 +6,7 @@ t = (-d.w - sqrt(q))/w^2 with q = (d.w)^2 - w^2 (d^2 - (R1 + R2)^2).
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -13,21 +14,20 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError
 from refdem.truth.exact import number, vector
-from refdem.truth.rigid_collision import RigidCollision, motions
-from refdem.truth.rigid_impact import ImpactLaw, RoundBody, dot
+from refdem.truth.rigid_collision import RigidCollision
+from refdem.truth.rigid_impact import ImpactLaw, Motion, RoundBody, dot
 from refdem.truth.surds import Surd, surd
 
 
-class HardSpheres(RigidCollision):
-    """Two free spheres that meet once."""
+@dataclass(frozen=True)
+class SpheresMeet:
+    """Two free spheres meet where their centres are `reach` = R1 + R2 [m] apart."""
 
-    @property
-    def reach(self) -> Fraction:
-        """Distance of the centres at the impact [m]."""
-        return self.bodies[0].radius + self.bodies[1].radius
+    reach: Fraction
 
-    def time_of_impact(self) -> Surd:
-        first, second = motions(self.start)
+    def time(self, states: Sequence[Motion]) -> Surd:
+        """When they meet [s]; UndecidedError if they pass each other, graze, or start in touch."""
+        first, second = states
         apart = difference(second.r, first.r)
         relative = difference(second.v, first.v)
         a = dot(relative, relative)
@@ -38,6 +38,7 @@ class HardSpheres(RigidCollision):
         return surd(-b / a, -1 / a, q)
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
+        """The unit vector (3,) from centre to centre, in numbers of the kind of the places."""
         apart = difference(places[1], places[0])
         if isinstance(apart[0], Surd):
             # At the impact the centres are exactly R1 + R2 apart.
@@ -47,7 +48,7 @@ class HardSpheres(RigidCollision):
 
 
 def difference(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-    """a - b"""
+    """The difference a - b of two vectors (3,)."""
     return [x - y for x, y in zip(a, b, strict=True)]
 
 
@@ -77,7 +78,7 @@ def start_of(p: Mapping[str, Any]) -> list[Fraction]:
 
 
 def bodies_of(p: Mapping[str, Any]) -> list[RoundBody]:
-    """The two spheres."""
+    """Mass, inertia factor and radius of both spheres."""
     columns = zip(
         vector(p, "masses"), vector(p, "inertia_factors"), vector(p, "radii"), strict=True
     )
@@ -85,7 +86,7 @@ def bodies_of(p: Mapping[str, Any]) -> list[RoundBody]:
 
 
 def law_of(p: Mapping[str, Any]) -> ImpactLaw:
-    """The law of the impact."""
+    """The law of the impact, in exact numbers."""
     return ImpactLaw(
         restitution=number(p, "restitution"),
         tangential_restitution=number(p, "tangential_restitution"),
@@ -95,4 +96,6 @@ def law_of(p: Mapping[str, Any]) -> ImpactLaw:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth of case hard-spheres; `scale` of r, v, omega of both, in order."""
-    return HardSpheres(scale, bodies_of(p), law_of(p), start_of(p))
+    bodies = bodies_of(p)
+    meeting = SpheresMeet(bodies[0].radius + bodies[1].radius)
+    return RigidCollision(scale, bodies, law_of(p), meeting, start_of(p))

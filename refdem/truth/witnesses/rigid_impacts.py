@@ -28,6 +28,7 @@ METHOD = (
     " bisection, unproven (refdem/truth/witnesses/rigid_impacts.py)"
 )
 HALVINGS = 300
+LAW = ("restitution", "tangential_restitution", "friction")
 Triple = list[Any]
 
 
@@ -45,7 +46,7 @@ class Sphere:
         self.omega = omega
 
     def at(self, t: arb) -> Triple:
-        """Its centre after a free flight."""
+        """The centre (3,) after a free flight of t [s]."""
         return [r + v * t for r, v in zip(self.r, self.v, strict=True)]
 
 
@@ -55,7 +56,7 @@ def product(a: Sequence[Any], b: Sequence[Any]) -> Triple:
 
 
 def along(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """The scalar product."""
+    """The scalar product of two vectors (3,)."""
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
 
 
@@ -138,7 +139,7 @@ class Equations:
         return arb(along(self.contact_row(direction), before))
 
     def solved(self) -> list[arb]:
-        """The unknowns."""
+        """The unknowns, by elimination."""
         column = arb_mat([[side] for side in self.sides])
         found = arb_mat(self.rows).solve(column)
         return [found[row, 0] for row in range(self.count)]
@@ -285,10 +286,37 @@ def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
     # At x = 0 the centres are closer than they ever may be.
     moment = meeting(lambda t: along(line(t), line(t)) - reach * reach, apart[0] / speed)
     normal = [x / reach for x in line(moment)]
-    names = ("restitution", "tangential_restitution", "friction")
-    yield from said(
-        spheres, moment, normal, {name: arb_of(number(p, name)) for name in names}, times
+    law = {name: arb_of(number(p, name)) for name in LAW}
+    yield from said(spheres, moment, normal, law, times)
+
+
+def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """One sphere and a wall through the origin."""
+    normal = [arb_of(x) for x in vector(p, "normal")]
+    size = length(normal)
+    into = [-x / size for x in normal]
+    mass = arb_of(number(p, "mass"))
+    radius = arb_of(number(p, "radius"))
+    sphere = Sphere(
+        mass,
+        arb_of(number(p, "inertia_factor")) * mass * radius * radius,
+        radius,
+        [arb_of(x) for x in vector(p, "position")],
+        [arb_of(x) for x in vector(p, "velocity")],
+        [arb_of(x) for x in vector(p, "spin")],
     )
+    # The centre would be in the wall by the time at which it has come as far as it was away.
+    through = -along(sphere.r, into) / along(sphere.v, into)
+    moment = meeting(lambda t: -along(sphere.at(t), into) - radius, through)
+    law = {name: arb_of(number(p, name)) for name in LAW}
+    for t, values in said([sphere], moment, into, law, times):
+        if t is None:
+            yield t, values
+        else:
+            yield t, {name.replace("1", ""): value for name, value in values.items()}
 
 
-WITNESSES = {"hard-spheres": Witness(METHOD, hard_spheres)}
+WITNESSES = {
+    "hard-spheres": Witness(METHOD, hard_spheres),
+    "hard-wall": Witness(METHOD, hard_wall),
+}

@@ -79,7 +79,10 @@ def drawn(case, seed):
         if parameter.choices or parameter.whole or parameter.shape or not default:
             continue
         factor = Fraction(rng.randint(500, 2000), 1000)
-        given[parameter.name] = str(Fraction(default) * factor)
+        value = Fraction(default) * factor
+        if parameter.at_most is not None:
+            value = min(value, Fraction(str(parameter.at_most)))
+        given[parameter.name] = str(value)
     return case.at(**given)
 
 

@@ -1,0 +1,86 @@
+"""Impacts of rigid spheres: every number of the law and of the bodies to its ends."""
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.parameters import Parameters
+
+BASIS = "an impulse is a product and a quotient of numbers that are each rounded once"
+
+
+def ladder(
+    name: str,
+    along: str,
+    rungs: tuple[str, ...],
+    given: Callable[[Fraction], dict[str, str]],
+    promised: str,
+) -> Ladder:
+    """A ladder of the case hard-spheres."""
+    return Ladder(
+        name=name,
+        case="hard-spheres",
+        along=along,
+        rungs=rungs,
+        measure=Parameters(given, samples=8),
+        promised=promised,
+        basis=BASIS,
+    )
+
+
+BATTERY = Battery(
+    id="impacts",
+    title="Impacts",
+    question="Which restitutions, frictions, speeds, masses and spins may an impact have?",
+    ladders=(
+        ladder(
+            "impact that loses more and more",
+            "restitution",
+            ("1", "9/10", "1/2", "1/10", "1e-3", "1e-6", "0"),
+            lambda x: {"restitution": f"{x}"},
+            "0",
+        ),
+        ladder(
+            "impact with more and more friction",
+            "mu",
+            ("0", "1e-3", "1/16", "1/4", "1", "1e2", "1e6"),
+            lambda x: {"friction": f"{x}", "spins": "0,0,1,0,0,2"},
+            "1e6",
+        ),
+        ladder(
+            "slower and slower impact",
+            "1/speed [s/m]",
+            ("1", "1e1", "1e2", "1e4", "1e6"),
+            lambda x: {"closing_speed": f"{1 / x}"},
+            "1e6",
+        ),
+        ladder(
+            "faster and faster impact",
+            "speed [m/s]",
+            ("1", "1e1", "1e2", "1e4", "1e6"),
+            lambda x: {"closing_speed": f"{x}"},
+            "1e6",
+        ),
+        ladder(
+            "impact on a heavier and heavier sphere",
+            "m2/m1",
+            ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12"),
+            lambda x: {"masses": f"1,{x}"},
+            "1e6",
+        ),
+        ladder(
+            "impact of faster and faster spins",
+            "spin [rad/s]",
+            ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6"),
+            lambda x: {"friction": "1/4", "spins": f"0,0,{x},0,0,{x / 2}"},
+            "1e5",
+        ),
+        ladder(
+            "nearly grazing impact",
+            "1 - offset",
+            ("1", "1/2", "1e-1", "1e-2", "1e-4"),
+            lambda x: {"offset": f"{1 - x},0"},
+            "1e-2",
+        ),
+    ),
+)
