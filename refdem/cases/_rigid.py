@@ -58,10 +58,12 @@ def sphere(
 
 
 def clear_of(impact_time: float, samples: int) -> float:
-    """The duration [s] of about twice the time to the impact, with the impact in the middle of an
-    interval between samples: velocities have no value at the impact itself.
+    """The duration [s] of about twice the time to the impact, with the impact a third of an interval
+    after a sample.
 
-    Of n intervals floor(n/2) + 1/2 are over then.
+    Velocities have no value at the impact itself, so that no sample may be there. Nor may any step
+    end there: an engine that looks for contacts at the ends of its steps would be exact by chance.
+    A third of an interval is at 1/3 or 2/3 of a step, however often steps are halved.
     """
-    before = samples // 2 + 0.5
+    before = samples // 2 + 1 / 3
     return impact_time * samples / before
