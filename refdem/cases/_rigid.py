@@ -58,7 +58,7 @@ def sphere(
 
 
 def clear_of(impact_time: float, samples: int) -> float:
-    """The duration [s] of about twice the time to the impact, with the impact a third of an interval
+    """The duration [s] of about twice the time to the impact, which is then a third of an interval
     after a sample.
 
     Velocities have no value at the impact itself, so that no sample may be there. Nor may any step
