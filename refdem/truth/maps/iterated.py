@@ -102,11 +102,15 @@ class Iterated(Guarded, Truth):
         be proved.
         """
         n = whole(t)
-        target = min(Fraction(1), *self.scale.values()) / 10**self.digits
+        target = self.largest_radius()
         balls = refined(lambda: self.values(self.state(n)), target, most=MOST_BITS)
         if balls is None or any(ball.radius > target for ball in balls.values()):
             raise self.lost(n)
         return balls
+
+    def largest_radius(self) -> Fraction:
+        """The largest radius of a certified value: 10^-digits of the smallest scale, or of 1."""
+        return min(Fraction(1), *self.scale.values()) / 10**self.digits
 
     def lost(self, n: int) -> NotCertifiedError:
         """The error that says why iterate n is not certified, and which is the last that is."""
@@ -117,11 +121,12 @@ class Iterated(Guarded, Truth):
                 self.state(n)
             except BoundaryError as error:
                 code = error.code
+            # `state` has kept all iterates that it reached at this precision.
             orbit = self.kept.setdefault(MOST_BITS, {0: self.first()})
-            target = arb(10) ** -self.digits
+            target = arb_of(self.largest_radius()).lower()
             while last + 1 in orbit:
                 values = self.values(orbit[last + 1])
-                if not all(value.rad() < target for value in values.values()):
+                if not all(value.rad() <= target for value in values.values()):
                     break
                 last += 1
             if code == "precision":

@@ -202,3 +202,19 @@ def test_paths_along_an_axis_go_to_and_fro(direction):
         abs(odd["position.x"].mid) == (Fraction(1, 4) if direction[0] == "0" else 2)
         or abs(abs(odd["position.x"].mid) - 2) < 1e-30
     )
+
+
+def test_the_last_bounce_that_is_named_is_certified_on_a_small_table_too(monkeypatch):
+    """A table of 1e-20 m asks for radii of 1e-20 of those of a metre."""
+    monkeypatch.setattr("refdem.truth.maps.iterated.MOST_BITS", 512)
+    small = Fraction(1, 10**20)
+    scale = {name: small if name.startswith("position") else 1 for name in NAMES}
+    size, start = (4 * small, 2 * small), (small / 4, small / 8)
+    truth = Stadium(size, start, (Fraction(4), Fraction(3)), scale)
+    with pytest.raises(NotCertifiedError) as ended:
+        truth.at(Fraction(1000))
+    last = Fraction(ended.value.time)
+    assert last > 20
+    assert all(ball.radius <= truth.largest_radius() for ball in truth.at(last).values())
+    with pytest.raises(NotCertifiedError):
+        truth.at(last + 1)
