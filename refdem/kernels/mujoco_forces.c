@@ -3,8 +3,11 @@
  *
  * No header of MuJoCo is used: the adapter tells where the state lies. MuJoCo's callback has no
  * argument for its user, and is one for the whole process; what it applies is kept for each thread.
+ * The laws of the forces stand in force_rows.h.
  */
 #include "mujoco_forces_kernel.h"
+
+#include "force_rows.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -14,6 +17,7 @@ enum { COLUMNS = 12, NUMBERS = 10 };
 
 static _Thread_local const refdem_mujoco_forces *running;
 
+/* The value of a column of MuJoCo's state; 0 for -1, which stands for what does not move. */
 static double at(const double *values, int64_t column)
 {
     if (column < 0)
@@ -21,65 +25,55 @@ static double at(const double *values, int64_t column)
     return values[column];
 }
 
-/* F = amplitude cos(frequency t + phase) along the axis. */
-static void drive(const double *p, double t, double *force)
+static void drive(const drive_row *p, double t, double *force)
 {
-    double size = p[0] * cos(p[1] * t + p[2]);
+    double strength = p->force * cos(p->frequency * t + p->phase);
     for (int i = 0; i < 3; i++)
-        force[i] = size * p[3 + i];
+        force[i] = strength * p->axis[i];
 }
 
-/* F = -(k |s|^n sgn(s) + a s^2 + b s^3) d/|d|, with d from the anchor and s = |d| - length. */
-static void spring(const double *p, const double *place, double *force)
+static void spring(const spring_row *p, const double *place, double *force)
 {
     double d[3];
     for (int i = 0; i < 3; i++)
-        d[i] = place[i] - p[3 + i];
+        d[i] = place[i] - p->anchor[i];
     double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     if (!(distance > 0)) /* a spring of no length has no direction */
         return;
-    double stretch = distance - p[1];
-    double pull = p[0] * copysign(pow(fabs(stretch), p[2]), stretch);
-    pull += (p[6] + p[7] * stretch) * stretch * stretch;
+    double stretch = distance - p->length;
+    double pull = p->stiffness * copysign(pow(fabs(stretch), p->exponent), stretch);
+    pull += (p->quadratic + p->cubic * stretch) * stretch * stretch;
     for (int i = 0; i < 3; i++)
         force[i] = -pull * d[i] / distance;
 }
 
-/* F = -(damping + van_der_pol d^2) v, with d from the anchor. */
-static void dashpot(const double *p, const double *place, const double *velocity, double *force)
+static void dashpot(const dashpot_row *p, const double *place, const double *velocity,
+                    double *force)
 {
     double square = 0.0;
     for (int i = 0; i < 3; i++)
-        square += (place[i] - p[2 + i]) * (place[i] - p[2 + i]);
-    double coefficient = p[0] + p[1] * square;
+        square += (place[i] - p->anchor[i]) * (place[i] - p->anchor[i]);
+    double coefficient = p->damping + p->van_der_pol * square;
     for (int i = 0; i < 3; i++)
         force[i] = -coefficient * velocity[i];
 }
 
-/* F = -gm m r/|r|^3. */
-static void central(const double *p, const double *place, double *force)
+static void central(const central_row *p, const double *place, double *force)
 {
     double square = place[0] * place[0] + place[1] * place[1] + place[2] * place[2];
-    double pull = p[0] / (square * sqrt(square));
+    double pull = p->attraction / (square * sqrt(square));
     for (int i = 0; i < 3; i++)
         force[i] = -pull * place[i];
 }
 
-/* F along the axis at s = (r - point).axis: k1 (s - x1) for x1 <= s <= 0, k2 (s - x2) for
- * 0 <= s <= x2, else none. */
-static void piecewise(const double *p, const double *place, double *force)
+static void piecewise(const piecewise_row *p, const double *place, double *force)
 {
-    const double *axis = p + 7;
     double s = 0.0;
     for (int i = 0; i < 3; i++)
-        s += (place[i] - p[4 + i]) * axis[i];
-    double size = 0.0;
-    if (s > p[2] && s <= 0)
-        size = p[0] * (s - p[2]);
-    else if (s > 0 && s < p[3])
-        size = p[1] * (s - p[3]);
+        s += (place[i] - p->point[i]) * p->axis[i];
+    double strength = piecewise_force(p, s);
     for (int i = 0; i < 3; i++)
-        force[i] = size * axis[i];
+        force[i] = strength * p->axis[i];
 }
 
 static void callback(const void *model, void *data)
@@ -91,7 +85,7 @@ static void callback(const void *model, void *data)
         return;
     for (int64_t k = 0; k < f->pushes; k++) {
         const int64_t *column = f->column + COLUMNS * k;
-        const double *p = f->number + NUMBERS * k;
+        const void *row = f->number + NUMBERS * k;
         double place[3], velocity[3];
         double force[3] = {0, 0, 0};
         for (int i = 0; i < 3; i++) {
@@ -99,15 +93,15 @@ static void callback(const void *model, void *data)
             velocity[i] = at(f->v, column[3 + i]) - at(f->v, column[9 + i]);
         }
         if (f->kind[k] == DRIVE)
-            drive(p, *f->clock, force);
+            drive(row, *f->clock, force);
         else if (f->kind[k] == SPRING)
-            spring(p, place, force);
+            spring(row, place, force);
         else if (f->kind[k] == DASHPOT)
-            dashpot(p, place, velocity, force);
+            dashpot(row, place, velocity, force);
         else if (f->kind[k] == CENTRAL)
-            central(p, place, force);
+            central(row, place, force);
         else if (f->kind[k] == PIECEWISE)
-            piecewise(p, place, force);
+            piecewise(row, place, force);
         /* Action on a, reaction on b. */
         for (int i = 0; i < 3; i++) {
             if (column[3 + i] >= 0)

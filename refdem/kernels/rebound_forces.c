@@ -22,6 +22,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "force_rows.h"
 #include "kernels.h"
 
 typedef refdem_rebound_scene scene_t;
@@ -64,75 +65,63 @@ static void add_force(const scene_t *scene, const int64_t *end, double factor, c
     }
 }
 
-/* Adds the force of a spring; p: stiffness, length, exponent, anchor (3), quadratic, cubic. */
-static void spring(const scene_t *scene, const int64_t *end, const double *p)
+static void spring(const scene_t *scene, const int64_t *end, const spring_row *p)
 {
     double d[3];
-    difference(scene, end, scene->position, p + 3, d);
+    difference(scene, end, scene->position, p->anchor, d);
     /* A linear spring of no length: no root, and none of its rounding. */
-    if (p[1] == 0 && p[2] == 1 && p[6] == 0 && p[7] == 0) {
-        add_force(scene, end, -p[0], d);
+    if (p->length == 0 && p->exponent == 1 && p->quadratic == 0 && p->cubic == 0) {
+        add_force(scene, end, -p->stiffness, d);
         return;
     }
     double distance = sqrt(dot(d, d));
-    double stretch = distance - p[1];
+    double stretch = distance - p->length;
     if (!(distance > 0)) /* a spring of no length has no direction */
         return;
-    double pull = p[0] * copysign(pow(fabs(stretch), p[2]), stretch);
-    double more = (p[6] + p[7] * stretch) * stretch * stretch;
-    add_force(scene, end, -(pull + more) / distance, d);
+    double power = p->stiffness * copysign(pow(fabs(stretch), p->exponent), stretch);
+    double polynomial = (p->quadratic + p->cubic * stretch) * stretch * stretch;
+    add_force(scene, end, -(power + polynomial) / distance, d);
 }
 
-/* Adds the force of a dashpot; p: damping, van_der_pol, anchor (3). */
-static void dashpot(const scene_t *scene, const int64_t *end, const double *p)
+static void dashpot(const scene_t *scene, const int64_t *end, const dashpot_row *p)
 {
     static const double rest[3] = {0, 0, 0};
     double d[3], w[3];
-    difference(scene, end, scene->position, p + 2, d);
+    difference(scene, end, scene->position, p->anchor, d);
     difference(scene, end, scene->velocity, rest, w);
-    add_force(scene, end, -(p[0] + p[1] * dot(d, d)), w);
+    add_force(scene, end, -(p->damping + p->van_der_pol * dot(d, d)), w);
 }
 
-/* Two spheres that overlap by o = (sum of the radii) - |d| press each other along d = x_a - x_b:
- * F = k o^n + c do/dt, do/dt = -(w.d)/|d| with w = v_a - v_b; no force pulls unless it may. */
-static void contact(const scene_t *scene, const int64_t *end, const double *p)
+/* With d = x_a - x_b and w = v_a - v_b, the overlap grows as do/dt = -(w.d)/|d|. */
+static void contact(const scene_t *scene, const int64_t *end, const contact_row *p)
 {
     static const double rest[3] = {0, 0, 0};
     double d[3], w[3];
     difference(scene, end, scene->position, rest, d);
     double distance = sqrt(dot(d, d));
-    double overlap = p[0] - distance;
+    double overlap = p->reach - distance;
     if (!(overlap > 0))
         return;
     difference(scene, end, scene->velocity, rest, w);
     double closing = -dot(w, d) / distance;
-    double force = p[1] * pow(overlap, p[2]) + p[3] * closing;
-    bool may_pull = p[4] != 0;
+    double force = p->stiffness * pow(overlap, p->exponent) + p->damping * closing;
+    bool may_pull = p->may_pull != 0;
     if (force > 0 || may_pull)
         add_force(scene, end, force / distance, d);
 }
 
-/* Force along the axis at s = (x - point).axis: k1 (s - x1) for x1 <= s <= 0, k2 (s - x2) for
- * 0 <= s <= x2, else none. */
-static void field(const scene_t *scene, int64_t body, const double *p)
+static void field(const scene_t *scene, int64_t body, const piecewise_row *p)
 {
     const int64_t end[2] = {body, -1};
-    const double *axis = p + 7;
     double d[3];
-    difference(scene, end, scene->position, p + 4, d);
-    double s = dot(d, axis);
-    double force = 0.0;
-    if (s > p[2] && s <= 0)
-        force = p[0] * (s - p[2]);
-    else if (s > 0 && s < p[3])
-        force = p[1] * (s - p[3]);
-    add_force(scene, end, force, axis);
+    difference(scene, end, scene->position, p->point, d);
+    add_force(scene, end, piecewise_force(p, dot(d, p->axis)), p->axis);
 }
 
-/* Adds a periodic force at the engine's clock; p: force, frequency, phase, axis (3). */
-static void drive(const scene_t *scene, const int64_t *end, const double *p)
+/* The clock is that of the engine. */
+static void drive(const scene_t *scene, const int64_t *end, const drive_row *p)
 {
-    add_force(scene, end, p[0] * cos(p[1] * *scene->clock + p[2]), p + 3);
+    add_force(scene, end, p->force * cos(p->frequency * *scene->clock + p->phase), p->axis);
 }
 
 /* 1/m [1/kg]; 0 for the world and for fixed bodies. */
@@ -170,16 +159,16 @@ static void forces(const scene_t *scene)
         }
     }
     for (int64_t k = 0; k < scene->springs; k++)
-        spring(scene, scene->spring_end + 2 * k, scene->spring + 8 * k);
+        spring(scene, scene->spring_end + 2 * k, (const spring_row *)scene->spring + k);
     for (int64_t k = 0; k < scene->dashpots; k++)
-        dashpot(scene, scene->dashpot_end + 2 * k, scene->dashpot + 5 * k);
+        dashpot(scene, scene->dashpot_end + 2 * k, (const dashpot_row *)scene->dashpot + k);
     for (int64_t k = 0; k < scene->contacts; k++)
-        contact(scene, scene->contact_end + 2 * k, scene->contact + 5 * k);
+        contact(scene, scene->contact_end + 2 * k, (const contact_row *)scene->contact + k);
     for (int64_t k = 0; k < scene->fields; k++)
         for (int64_t body = 0; body < scene->bodies; body++)
-            field(scene, body, scene->field + 10 * k);
+            field(scene, body, (const piecewise_row *)scene->field + k);
     for (int64_t k = 0; k < scene->drives; k++)
-        drive(scene, scene->drive_end + 2 * k, scene->drive + 6 * k);
+        drive(scene, scene->drive_end + 2 * k, (const drive_row *)scene->drive + k);
     for (int64_t k = 0; k < scene->rods; k++)
         scene->tension[k] = rod(scene, scene->rod_end + 2 * k, scene->rod_anchor + 3 * k);
 }
