@@ -1,5 +1,7 @@
 """A free body that loses energy inside and ends about its third axis (chapter 1, section 1.7.3)."""
 
+from dataclasses import replace
+
 from numpy.linalg import norm
 
 from refdem.cases import _attitude
@@ -67,7 +69,7 @@ class DissipatingBody(Case):
         """
         free = _attitude.scales(p, p.omega_body)
         speed_up = 1 + p.damping * float(norm(p.inertia * p.omega_body))
-        return Scales(free.length, free.tau / speed_up, free.duration, free.mass)
+        return replace(free, tau=free.tau / speed_up)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The components of the angular velocity in principal axes."""

@@ -2,6 +2,8 @@
 damping.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from refdem.cases import _line
@@ -83,7 +85,7 @@ class DrivenOscillator(Case):
         tau = 1 / _line.damped_rate(square, p.delta)
         if p.drive:
             tau = min(tau, 1 / p.drive)
-        return Scales(free.length + float(response), tau, free.duration, free.mass)
+        return replace(free, length=free.length + float(response), tau=tau)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

@@ -2,6 +2,8 @@
 a fluid.
 """
 
+from dataclasses import replace
+
 from refdem.cases import _line
 from refdem.cases._line import Array
 from refdem.core.case import NEVER, Case
@@ -64,7 +66,7 @@ class ViscousOscillator(Case):
         """
         undamped = _line.scales(p, p.mass * p.gravity / p.stiffness)
         tau = 1 / _line.damped_rate(p.stiffness / p.mass, p.delta)
-        return Scales(undamped.length, tau, undamped.duration, undamped.mass)
+        return replace(undamped, tau=tau)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

@@ -228,8 +228,11 @@ def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
 
 
 def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
-    """Observed error bound (until,): the largest error of the run so far times ROOM, plus round-off
-    times S.
+    """Bound (until,) on the error of the run by what it shows itself, at every certified sample.
+
+    bound(t) = room max(error up to t) + floor noise S(t): the largest error so far with a factor of
+    safety (`room_of`), plus the round-off `noise` of a step times a factor for its counting
+    (COUNTING_FLOOR) and the growth S(t) of errors made earlier (`SampledTruth.growth`).
     """
     level = subject.levels[-1]
     rounding: Array = COUNTING_FLOOR * subject.noise(level) * truth.growth()

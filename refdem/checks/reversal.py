@@ -301,8 +301,11 @@ def _compared_level(subject: Subject, level: float) -> float:
 
 
 def _judged_level(subject: Subject) -> float:
-    """The level that is judged: the finest, or the first of its halves at which the way back is
-    predictable.
+    """The level that is judged: the finest h, or the first of h/2, h/4, ..., h/2^FURTHER at which
+    the way back is predictable.
+
+    It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
+    scale. Where it is so at none of these levels the finest is taken, and nothing is decided.
     """
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):

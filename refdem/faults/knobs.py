@@ -168,9 +168,10 @@ def _paced(name: str, parts: tuple[str, ...]) -> Knob:
 
     def carrier(amplitude: float) -> Engine:
         pace = 1.0 + amplitude
-        changed = of_pace(pace, *parts)(SOUND)
+        stepped = tuple(part for part in parts if part != "turn_rate")
+        changed = of_pace(pace, *stepped)(SOUND)
         if "turn_rate" in parts:
-            # It has no step: the rate itself is larger.
+            # A rate has no step that could be longer: it is larger itself.
             changed |= of_results(turn_rate=scaled(pace))(SOUND)
         return Transparent(SOUND.with_(**changed))
 

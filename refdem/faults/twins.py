@@ -44,7 +44,7 @@ TOLD = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
 """Steps of the code's run that are looked at."""
-TELLING = 1e-11
+EXPLAINED = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
 SOUND = 1e-9
 """A code that is farther from every twin without fault has more to it than another order of its
@@ -217,7 +217,7 @@ def diagnosis(
     if not sound:
         return Diagnosis(twins=(), defect=inf)
     found = list(sound.values())
-    if min(twin.distance for twin in found) > TELLING:
+    if min(twin.distance for twin in found) > EXPLAINED:
         found += beside.faulty()
     finest = [twin.distance for twin in sound.values() if twin.step < (request.step or inf)]
     found.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))

@@ -12,6 +12,7 @@
 #define REFDEM_SERIES_ZEROS_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 enum {
@@ -156,7 +157,8 @@ static inline bracket bracketed(double low, double high)
     return (bracket){low, high, 0.5 * (low + high), 0x1p-52 * high};
 }
 
-/* True if there is a number left between the ends; it is then `at`. */
+/* True if there is a number left between the ends; it is then `at`: where Newton's step led, or the
+ * middle if that was out of the bracket, or if the bracket has nearly closed. */
 static inline int is_open(bracket *b)
 {
     if (!(b->at > b->low && b->at < b->high) || b->high - b->low <= 0x1p-50 * b->high)
@@ -181,7 +183,8 @@ static inline void narrow(bracket *b, double f, double slope)
     b->at += step;
 }
 
-/* The zero of a series in [low, high] through which it falls, to the last bit. */
+/* The zero of a series in [low, high] through which it falls, to the last bit: the smallest number
+ * at which it is no longer positive, by Newton's method kept in a bracket. */
 static inline double zero_between(const double *restrict a, double low, double high)
 {
     bracket b = bracketed(low, high);
@@ -189,8 +192,11 @@ static inline double zero_between(const double *restrict a, double low, double h
     for (int n = 0; n < ORDER; n++)
         rate[n] = (n + 1) * a[n + 1];
     for (int i = 0; i < 200 && is_open(&b); i++) {
-        double slope = 0.0; /* every eighth step is a bisection, in case Newton's steps creep */
-        if (i % 8 != 7)
+        /* Every eighth step is a bisection, in case Newton's steps creep: a slope of 0 makes a step
+         * without end, which `is_open` replaces by the middle. */
+        bool is_bisection = i % 8 == 7;
+        double slope = 0.0;
+        if (!is_bisection)
             slope = polynomial(rate, ORDER, b.at);
         narrow(&b, value(a, b.at), slope);
     }

@@ -63,7 +63,12 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
         largest_value += fabs(v[n]) * power;
     if (2.0 * fabs(v[0]) > largest_value) /* |v0| > sum of |v_n| h^n, n >= 1: there is no zero */
         return count;
-    for (int zeros = v[0] == 0.0; from < y->end; zeros = 1) {
+    /* A series that begins at a zero is divided by its power, so that the next zero is found: at
+     * the begin only if v is 0 there, and always after a zero that was found. */
+    int zeros = 0;
+    if (v[0] == 0.0)
+        zeros = 1;
+    while (from < y->end) {
         double shifted[ORDER + 1];
         if (from > 0.0)
             shift(v, from, shifted);
@@ -78,6 +83,7 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
         if (!(zero > 0.0))
             break;
         from += zero;
+        zeros = 1;
         double x = value(y->x, from) + origin;
         if (x > 0.0 && count < most)
             out[count++] = x;

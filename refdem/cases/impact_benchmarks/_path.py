@@ -110,7 +110,12 @@ class Path(Member):
         """
         tau = v.half / 2 / float(v.speed)
         duration = 2 * float(v.begin / v.speed)
-        return Scales(float(v.radius + v.partner_radius), tau, duration, float(HEAVY))
+        return Scales(
+            length=float(v.radius + v.partner_radius),
+            tau=tau,
+            duration=duration,
+            mass=float(HEAVY),
+        )
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
         """Impulse and angular impulse (`turning`) of body 1; position and velocity of body 2.

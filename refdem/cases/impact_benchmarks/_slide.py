@@ -43,7 +43,7 @@ class Slide(OnFloor):
         tau = float(np.sqrt(float(v.mass / v.stiffness)))
         sliding_time = float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
-        return Scales(length, tau, 2 * sliding_time, float(v.mass))
+        return Scales(length=length, tau=tau, duration=2 * sliding_time, mass=float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form: sliding, then rolling."""

@@ -46,14 +46,20 @@ class Stack(OnFloor):
         return self.of(v, bodies, Plane(point=(0.0, float(v.height), 0.0), normal=(0.0, -1.0, 0.0)))
 
     def scales(self, v: Any) -> Scales:
-        """L = height/8; tau = sqrt(m/(3 k)) of the lighter sphere, T = 40 tau.
+        """L = height/8; tau = sqrt(m/(3 k)) of the lighter sphere, T = 40 tau, some six periods.
 
         The fastest mode of two equal spheres moves them against each other: each is pushed back by
-        k x of its wall and 2 k x of the other sphere, so that omega^2 = 3 k/m.
+        k x of its wall and 2 k x of the other sphere, so that omega^2 = 3 k/m. With unequal masses
+        the fastest mode is slower than that of two spheres of the lighter mass.
         """
         lighter = min(float(v.mass), float(v.upper))
         tau = float(np.sqrt(lighter / float(v.stiffness) / 3))
-        return Scales(float(v.height) / POSITIONS_ARE_ROUNDED, tau, 40 * tau, float(v.effective))
+        return Scales(
+            length=float(v.height) / POSITIONS_ARE_ROUNDED,
+            tau=tau,
+            duration=40 * tau,
+            mass=float(v.effective),
+        )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth as the solution of a linear system."""

@@ -63,8 +63,9 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
 
 
 def unneeded(scene: Scene) -> tuple[str, ...]:
-    """Disable flags that follow from what is not in the scene."""
+    """Names of the mjtDisableBit flags of what the scene does not have."""
     features = scene.features
+    # A slider on a belt is a contact with a body that moves; others are MuJoCo's frictionloss.
     belt = "slider:belt" in features
     meets = belt or ("contact" in features and scene.has_shapes())
     off = {

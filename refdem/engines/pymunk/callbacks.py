@@ -22,12 +22,15 @@ BodyForce = Callable[[float, pymunk.Body], Planar]
 
 
 def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
-    """The joint as friction: it holds up to Coulomb's limit, or before each step up to the friction
-    at the speed that there is then.
+    """The joint as dry friction: its force is at most f(u) N, f being the coefficient at speed u.
+
+    Coulomb's limit is constant. A limit that depends on the speed is set anew before each step, for
+    the speed that the bodies have then.
     """
     (x, y) = link.axis[:2]
     load = link.normal_force
     joint.max_force = load * link.coefficient(0.0)
+    # 1 a second leaves the distance as it is: friction has no memory of a place to go back to.
     joint.error_bias = 1.0
 
     def limited(joint: pymunk.Constraint, space: pymunk.Space) -> None:

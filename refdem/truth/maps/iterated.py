@@ -110,7 +110,9 @@ class Iterated(Guarded, Truth):
 
     def largest_radius(self) -> Fraction:
         """The largest radius of a certified value: 10^-digits of the smallest scale, or of 1."""
-        return min(Fraction(1), *self.scale.values()) / 10**self.digits
+        smallest = Fraction(min(Fraction(1), *self.scale.values()))
+        radius: Fraction = smallest / 10**self.digits
+        return radius
 
     def lost(self, n: int) -> NotCertifiedError:
         """The error that says why iterate n is not certified, and which is the last that is."""
