@@ -34,6 +34,7 @@ KEPT_BY_REST = {
     "lyapunov": "neighbours that stand still do not part: a regular motion",
     "cooling": "temperatures that are constant, distributions that stay",
     "phase-area": "the first outline keeps its area",
+    "rigid-impact": "no impulse at all is in the cone of friction; the restitution fails",
 }
 """Checks of which a frozen run may pass some quantity, because it obeys that law."""
 
@@ -59,6 +60,10 @@ KEPT_BY_STRETCHING = {
     "cooling": "statistics of so few collisions are not known to a per cent",
     "roughness": "statistics of so few collisions are not known to a per cent",
     "limit": "kinked motions and those at round-off have none",
+    "rigid-impact": (
+        "both parts of the impulse, and the speeds before and after, are a per cent larger: their"
+        " ratios are right"
+    ),
 }
 """Checks of which a run that goes a per cent too far may pass some quantity, because it obeys that
 law.

@@ -76,6 +76,8 @@ def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(
 
     def as_by_a_shell() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        # What runs the tests may ignore it, as `nohup` does, and refdem then goes on, as it should.
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
     with subprocess.Popen(
         command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, preexec_fn=as_by_a_shell
@@ -151,6 +153,7 @@ def interrupted(name, *given, **named):
 
 builtins.__import__ = interrupted
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 sys.argv = ["refdem", "list", "cases"]
 main()
 """
