@@ -39,7 +39,7 @@ ROUNDING = (
     "Decimal",
     "decimal",
 )
-TEXTS = {"Fraction(default)", "map(Fraction, MATERIALS[found['material']])"}
+TEXTS = {"Fraction(default)", "map(Fraction, MATERIALS[numbers['material']])"}
 """What a case may make a Fraction of besides literals: texts of its own tables."""
 ELEMENTARY = {
     "pi",

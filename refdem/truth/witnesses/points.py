@@ -4,7 +4,6 @@ constraint forces from their definition.
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from math import pi
 from typing import Any
 
 from flint import arb
@@ -57,8 +56,8 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         if rate0 == 0:
             turns = 0
         else:
-            gain = float(solution.at(Fraction(period))[4]) - float(theta0)
-            turns = round(gain / (2 * pi))
+            gain = solution.at(Fraction(period))[4] - theta0
+            turns = round(float(gain / (2 * arb.pi())))
 
         def from_return(s: Sequence[arb]) -> arb:
             """Zero after a period: of the rate after a start at rest, else of theta, but for whole
