@@ -101,6 +101,10 @@ AT_ROUND_OFF = (
         "what a contact solver leaves of a balance is a part of gravity, not of the scale",
     ),
     ("reversal", "asymmetric-field", "reference", UNDONE),
+    ("reversal", "asymmetric-field", "rebound", UNDONE),
+    ("reversal", "impact-benchmarks*co-1*", "rebound", UNDONE),
+    ("reversal", "impact-benchmarks*co-1*", "reference", UNDONE),
+    ("reversal", "two-spheres*damping=0*", "rebound", UNDONE),
     ("reversal", "double-pendulum*", "reference", UNDONE),
     ("reversal", "duffing*", "rebound", UNDONE),
     ("reversal", "free-rigid-body*omega_body=0,0,1 *", "*", STILL),
@@ -133,6 +137,8 @@ AT_ROUND_OFF = (
     ("symmetry", "viscous-oscillator*delta=3*", "reference", PICTURED),
     ("symmetry", "driven-duffing*", "*", TINY),
     ("symmetry", "driven-oscillator*", "mujoco", PICTURED),
+    ("symmetry", "quadratic-response*duration=10*", "mujoco", PICTURED),
+    ("symmetry", "van-der-pol*", "mujoco", PICTURED),
     ("symmetry", "free-rigid-body*", "rebound", TOLERATED),
     ("symmetry", "impact-benchmarks*friction=0*", "mujoco", PICTURED),
     ("symmetry", "impact-benchmarks*dem-02*", "reference", TOUCHED),
@@ -189,7 +195,40 @@ LATE = (
     "a leapfrog takes a dashpot's velocities half a step before, which of more than two spheres are"
     " known to what that changes"
 )
+MIRRORED = (
+    "the motion from rest over the kink and back is its own mirror image in time: what steps gain"
+    " on the way there they lose on the way back, which no order promises"
+)
 LOOSE = (
+    ("energy-return", "asymmetric-field", "mujoco", MIRRORED),
+    ("energy-return", "asymmetric-field", "pymunk", MIRRORED),
+    ("energy-return", "asymmetric-field", "rebound", MIRRORED),
+    (
+        "error",
+        "asymmetric-field",
+        "pymunk",
+        "semi-implicit Euler is a leapfrog seen half a step off, of second order in places that are"
+        " started at rest; it claims the first",
+    ),
+    ("reversal", "asymmetric-field", "mujoco", MIRRORED),
+    ("reversal", "asymmetric-field", "pymunk", MIRRORED),
+    (
+        "reversal",
+        "impact-benchmarks*co-1*",
+        "pymunk",
+        "two equal spheres head-on are their own mirror image in time: both ways are alike",
+    ),
+    ("order", "duffing*", "pymunk", STRAIGHT),
+    ("order", "power-oscillator*", "pymunk", STRAIGHT),
+    ("order", "quadratic-response*", "pymunk", STRAIGHT),
+    ("order", "van-der-pol*", "pymunk", STRAIGHT),
+    ("order", "two-spheres*friction=0.25*", "mujoco", SCATTERED),
+    (
+        "symmetry",
+        "two-spheres*friction=0.25*",
+        "mujoco",
+        "the contact solver may leave the tolerance of its iterations, and here leaves less",
+    ),
     (
         "angular-momentum",
         "two-spheres*damping=0*",
@@ -237,7 +276,6 @@ LOOSE = (
     ("order", "driven-oscillator*mass=2*", "pymunk", STRAIGHT),
     ("order", "harmonic-oscillator", "pymunk", STRAIGHT),
     ("order", "pendulum[theta0=0 *", "mujoco", STRAIGHT),
-    ("order", "quadratic-response*eps=0*", "pymunk", STRAIGHT),
     ("order", "two-body-orbit*stiffness=1*", "pymunk", STRAIGHT),
     ("order", "power-oscillator*exponent=3*", "reference", SCATTERED),
     ("order", "stick-slip*mu1=0.4*", "pymunk", SCATTERED),

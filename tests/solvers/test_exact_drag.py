@@ -1,4 +1,4 @@
-"""Fall with quadratic drag in closed form: which scenes it takes, and a fall along any direction."""
+"""Fall with quadratic drag in closed form: which scenes it takes, falls along any direction."""
 
 import numpy as np
 import pytest
