@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.core.smoothness import singularities
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics.interpolation import between_samples
 from refdem.scene import Scene
@@ -35,14 +36,17 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
 
     It cannot be told where some force does not follow from position and velocity (contacts,
     friction that sticks), where bodies turn, and where the samples are fewer than five. The
-    uncertainty is the difference to what one sample less in each polynomial gives, summed over the
-    intervals: in the limit of close samples the error is smaller by another two orders.
+    uncertainty is the difference to what one sample less in each polynomial gives (two less where
+    a force is singular), summed over the intervals: in the limit of close samples the error of a
+    smooth motion is smaller by another two orders.
     """
     is_turning = bool(np.any(scene.bodies.inertia > 0))
     if is_turning or len(run.t) <= WINDOW:
         return None
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
-    parts = [_interval_work(scene, run, nodes, weights, window) for window in (WINDOW, WINDOW - 1)]
+    # Where a force has a kink, as a drag where the motion turns back, higher degrees gain nothing.
+    lower = WINDOW - 2 if singularities(scene) else WINDOW - 1
+    parts = [_interval_work(scene, run, nodes, weights, window) for window in (WINDOW, lower)]
     if parts[0] is None or parts[1] is None:
         return None
     fine, coarse = parts[0], parts[1]
