@@ -45,7 +45,9 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
         return None
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
     # Where a force has a kink, as a drag where the motion turns back, higher degrees gain nothing.
-    lower = WINDOW - 2 if singularities(scene) else WINDOW - 1
+    lower = WINDOW - 1
+    if singularities(scene):
+        lower = WINDOW - 2
     parts = [_interval_work(scene, run, nodes, weights, window) for window in (WINDOW, lower)]
     if parts[0] is None or parts[1] is None:
         return None
