@@ -212,8 +212,8 @@ LOOSE = (
         "reversal",
         "asymmetric-field",
         "mujoco",
-        "the way back meets the corners of the field within the same steps, where the errors of both"
-        " ways undo each other; no order says how far",
+        "the way back meets the corners of the field within the same steps, where the errors of"
+        " both ways undo each other; no order says how far",
     ),
     ("reversal", "asymmetric-field", "pymunk", CONJUGATE),
     ("reversal", "impact-benchmarks*co-1*", "pymunk", CONJUGATE),

@@ -124,7 +124,8 @@ class Stretch:
     where errors stay what they are. `joins` says that nothing happens at the end, where only the
     coordinates change. `quickness` bounds the norm of the field's Jacobian on a ball of times, or
     the logarithmic norms of it and of its negative where errors are felt as they are made; M is
-    then evaluated at points only.
+    then evaluated at points only. `affine` says that M(s)^-1 is affine in the time s, as that of a
+    free flight is.
     """
 
     begin: arb
@@ -134,6 +135,7 @@ class Stretch:
     felt: arb_mat | None = None
     joins: bool = False
     quickness: Callable[[arb], float] | None = None
+    affine: bool = False
 
     def is_over_at(self, t: arb) -> bool:
         """True if the time t lies after the stretch; UndecidedError where t lies within the
@@ -161,6 +163,7 @@ def smooth(
     felt: arb_mat | None = None,
     joins: bool = False,
     quickness: Callable[[arb], float] | None = None,
+    affine: bool = False,
 ) -> Stretch:
     """A stretch of a motion whose M is known at all its times, its end included; `jump` is the jump
     matrix of the event at its end, if there is one.
@@ -173,7 +176,7 @@ def smooth(
             return last
         return jump * last
 
-    return Stretch(begin, length, fundamental, handover, felt, joins, quickness)
+    return Stretch(begin, length, fundamental, handover, felt, joins, quickness, affine)
 
 
 class Norm:
@@ -290,6 +293,9 @@ class Element:
 
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until], or the whole stretch if it ends before."""
+        if self.stretch.affine:
+            self.cells = self.ends(until)
+            return
         while not self.cells or self.cells[-1].high < until:
             if self.cells:
                 low = self.cells[-1].high
@@ -298,6 +304,14 @@ class Element:
             if self.end is not None and low >= self.end:
                 return
             self.cells.append(self.next_cell(low))
+
+    def ends(self, last: Fraction) -> list[Cell]:
+        """Two cells of no width, at 0 and at `last`, that stand for all times between them.
+
+        Where M(s)^-1 is affine in s, the norm of a matrix times it is convex in s, and a convex
+        function is largest at an end of its interval.
+        """
+        return [self.cell(time, time) for time in (Fraction(0), last)]
 
     def next_cell(self, low: Fraction) -> Cell:
         """The widest cell from `low` on that is narrow enough, of about the last one's width.
@@ -353,6 +367,8 @@ class Element:
         """The cells that cover [0, now]: those that end by `now`, and one of what is left before
         it.
         """
+        if self.stretch.affine:
+            return self.ends(max(Fraction(0), now))
         self.cover(now)
         ends = [cell.high for cell in self.cells]
         whole_cells = self.cells[: bisect_right(ends, now)]

@@ -226,8 +226,9 @@ class RigidCollision(ClosedForm):
                 found[place, speed] = t * ratio
             return found
 
-        yield smooth(arb(0), self.moment.ball(), flight, jump=self.saltation(is_cut=is_cut))
-        yield smooth(self.moment.ball(), None, flight)
+        impact = self.saltation(is_cut=is_cut)
+        yield smooth(arb(0), self.moment.ball(), flight, jump=impact, affine=True)
+        yield smooth(self.moment.ball(), None, flight, affine=True)
 
     def saltation(self, *, is_cut: bool) -> arb_mat:
         """The derivative across the impact, in scales: Xi = DP (1 + f- tau) - f+ tau, with tau = d

@@ -12,12 +12,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core import discovery
 from refdem.core.discovery import truth_of
+from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms.two_body_orbit import tidal
-from refdem.truth.growth import most
+from refdem.truth.growth import WIDEST, Growth, Norm, most, smooth
 from refdem.truth.line_growth import steepness
 
 IMPULSES = 60
@@ -298,3 +299,23 @@ def test_a_bound_of_what_is_not_finite_is_infinite():
     assert most([arb(1), arb("nan")]) == most([arb(0).union(arb(1)) ** -1, arb(2)]) == float("inf")
     assert tidal(arb(1), arb(1), arb(99) / 100, arb(0).union(arb(1))) == float("inf")
     assert steepness(arb("nan"), arb(1)) == float("inf")
+
+
+@pytest.mark.parametrize("ratio", ["1/100", "1", "1000"])
+def test_the_ends_of_a_free_flight_stand_for_all_times_between(ratio):
+    """S of cells that cover two flights, and S of their ends alone, at a bounce between them."""
+    bounce = arb_mat([[arb(1), arb(0)], [arb(-3), arb(-1) / 2]])
+
+    def flight(t):
+        return arb_mat([[arb(1), t * arb_of(Fraction(ratio))], [arb(0), arb(1)]])
+
+    def grown(*, affine):
+        flights = [
+            smooth(arb(0), arb(2), flight, jump=bounce, affine=affine),
+            smooth(arb(2), None, flight, affine=affine),
+        ]
+        return Growth(flights, Norm([1, 1]))
+
+    ends, cells = grown(affine=True), grown(affine=False)
+    for t in (Fraction(1, 3), Fraction(2), Fraction(5, 2), Fraction(7)):
+        assert ends.at(t) * 0.999999 <= cells.at(t) <= ends.at(t) / (1 - WIDEST)

@@ -73,7 +73,7 @@ BATTERY = Battery(
             "spin [rad/s]",
             ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6"),
             lambda x: {"friction": "1/4", "spins": f"0,0,{x},0,0,{x / 2}"},
-            "1e5",
+            "1e6",
         ),
         ladder(
             "nearly grazing impact",
