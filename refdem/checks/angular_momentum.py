@@ -12,7 +12,7 @@ from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, certified, left_at_finest, no_truth, undecided, worst
-from refdem.core.refinement import COUNTING_FLOOR, sweeping, turning
+from refdem.core.refinement import COUNTING_FLOOR, flight, sweeping, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -79,14 +79,10 @@ class AngularMomentum(Check):
             sweep_rounding = subject.round_off(variant.level) * (
                 sweeping(subject.instance, subject.method) - 1.0
             )
-            allowed = (
-                allowed + sweep_rounding + turning(subject.instance, subject.method, variant.level)
-            )
+            allowed = allowed + sweep_rounding + _equal_roundings(subject, variant.level)
         if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
             coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
-            rounding = subject.round_off(variant.level) + turning(
-                subject.instance, subject.method, variant.level
-            )
+            rounding = subject.round_off(variant.level) + _equal_roundings(subject, variant.level)
             extrapolated = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
             if np.any(extrapolated < allowed):
                 basis = (
@@ -159,6 +155,18 @@ class AngularMomentum(Check):
 
 KINDS = ("r", "v", "omega")
 """Prefixes of the names of the truth's quantities: r1.x, v2.y, omega1.z, ..."""
+
+
+def _equal_roundings(subject: Subject, level: float) -> float:
+    """Relative round-off of L that adds up in proportion to the number of steps.
+
+    A rotation that is repeated stretches alike at every step, and the places r of a body in flight,
+    before and behind a contact, are sums of equal terms h v, which are rounded alike: r x v moves
+    with them.
+    """
+    turned = turning(subject.instance, subject.method, level)
+    flown = flight(subject.instance, subject.method, level)
+    return turned + flown
 
 
 def _conserved_parts(scene: Scene) -> tuple[str, ...]:

@@ -156,7 +156,10 @@ def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
 
     Until it is due, and with what velocity, follows from the first sample by straight lines.
     """
-    normal, when = _meeting(scene, run)
+    meeting = _meeting(scene, run)
+    if meeting is None:
+        return None
+    normal, when = meeting
     if not when < run.t[-1] - run.t[0]:
         return None
     masses = scene.bodies.mass
@@ -182,24 +185,33 @@ def _relative(run: Trajectory, row: int) -> Array:
     return velocity
 
 
-def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, float]:
+def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, float] | None:
     """The unit normal (3,) from the first sphere on and the time [s] after the first sample at
-    which they meet.
+    which they meet; None if the first sample shows nothing that comes nearer.
     """
     bodies = scene.bodies
     for plane in scene.all(Plane):
         away = np.array(plane.normal)
         height = float((run.position[0, 0] - np.array(plane.point)) @ away) - bodies.radius[0]
-        return -away, height / -float(run.velocity[0, 0] @ away)
+        descent = -float(run.velocity[0, 0] @ away)
+        if not descent > 0:
+            return None
+        return -away, height / descent
     apart = run.position[0, 1] - run.position[0, 0]
     relative = run.velocity[0, 1] - run.velocity[0, 0]
+    nearing = -float(apart @ relative)
+    if not nearing > 0:
+        return None
     reach = float(bodies.radius.sum())
     swept = np.cross(apart, relative)
-    # t = c/(-b + sqrt(q)) with b = d.w, c = (|d| - R)(|d| + R), q = w^2 R^2 - |d x w|^2.
+    # t = c/(-b + sqrt(q)) with b = d.w < 0, c = (|d| - R)(|d| + R), q = w^2 R^2 - |d x w|^2.
     distance = float(np.linalg.norm(apart))
     q = reach**2 * float(relative @ relative) - float(swept @ swept)
+    if not q > 0:
+        # They pass each other.
+        return None
     gap = (distance - reach) * (distance + reach)
-    when = gap / (np.sqrt(max(q, 0.0)) - float(apart @ relative))
+    when = gap / (np.sqrt(q) + nearing)
     normal = (apart + when * relative) / reach
     return normal, float(when)
 

@@ -27,16 +27,17 @@ def probe(instance: Instance, multiple: float) -> Motion:
 def excess(instance: Instance, run: Trajectory) -> float:
     """The largest |position|, |velocity| or |omega| of the run, each in units of its scale.
 
-    A scale is the case's own (L, L/tau, 1/tau) plus the value at the start; without forces a body
-    may also fly as far as its speed allows.
+    A scale is the case's own (L, L/tau, 1/tau) plus the value at the start; a body
+    that nothing holds, as after an impact, may also fly as far as its speed allows.
     """
     scales = instance.scales
     scene = instance.scene
     speed_scale = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
-    if scene.elements:
-        flight = 0.0
-    else:
+    flies_away = all(element.kind == "contact" for element in scene.elements)
+    if flies_away:
         flight = speed_scale * float(run.t[-1] - run.t[0])
+    else:
+        flight = 0.0
     length_scale = scales.length + float(np.max(np.abs(scene.bodies.position))) + flight
     omega_scale = 1 / scales.tau + float(np.max(np.abs(scene.bodies.omega)))
     scaled = (

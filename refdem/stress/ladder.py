@@ -11,6 +11,16 @@ from refdem.core.case import Canonical
 from refdem.errors import UsageError
 from refdem.stress.measures.measure import Measure
 
+ELASTIC_SPHERES = "two-spheres[damping=0 angle=1/2]"
+"""An oblique impact without a dashpot, which all engines can run."""
+
+
+def scene_words(case: str) -> str:
+    """The scene of a ladder in words: the id of its case, or what its parameters make of it."""
+    if case == ELASTIC_SPHERES:
+        return "elastic spheres"
+    return case.partition("[")[0]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Ladder:

@@ -4,12 +4,15 @@ undecided.
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
+from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Engine
 from refdem.core.finding import Finding
+from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
@@ -63,6 +66,36 @@ def test_a_method_that_sees_impacts_late_is_undecided_at_steps_that_hide_them() 
     task = task_of(engine, "verlet", instance, truth_of(instance), 1, (NAME,))
     findings = [f for f in record_of(task).findings if f.check == NAME]
     assert [f.outcome for f in findings] == ["undecided"]
+
+
+@pytest.mark.parametrize(
+    ("case", "first"),
+    [
+        ("hard-spheres", "at rest"),
+        ("hard-spheres", "apart"),
+        ("hard-spheres", "past"),
+        ("hard-wall", "at rest"),
+        ("hard-wall", "apart"),
+    ],
+)
+def test_a_run_that_begins_without_an_approach_has_no_impact_and_no_division(
+    case: str, first: str
+) -> None:
+    """The scene closes; what a program wrote as its first sample does not."""
+    check = discovery.check(NAME)
+    instance = discovery.case(case).at()
+    run, cost = ENGINE.run(Request(problem=instance.problem, method="impacts"))
+    velocity = run.velocity.copy()
+    if first == "at rest":
+        velocity[0] = 0.0
+    elif first == "apart":
+        velocity[0] *= -1.0
+    else:
+        velocity[0] = np.cross(velocity[0], (0.0, 0.0, 1.0))
+    subject = Subject(instance, ENGINE.method("impacts"), (0.0,), truth_of(instance))
+    completed = CompletedRun(replace(run, velocity=velocity), cost)
+    (finding,) = check.judge(subject, {subject.finest: completed})
+    assert finding.outcome == "undecided"
 
 
 def test_other_scenes_are_left_out() -> None:

@@ -59,6 +59,13 @@ def pushed_apart(columns: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def slow_pairs_stick(columns: dict[str, Any]) -> dict[str, Any]:
+    closing = np.linalg.norm(columns["velocity"][1] - columns["velocity"][0])
+    if closing >= 1e-3:
+        return {}
+    return {"velocity": np.zeros_like(columns["velocity"])}
+
+
 def slow_ones_slide_not(columns: dict[str, Any]) -> dict[str, Any]:
     return {"velocity": np.where(np.abs(columns["velocity"]) < 1e-5, 0.0, columns["velocity"])}
 
@@ -160,6 +167,38 @@ FAULTS: list[Killed] = [
         ),
     ),
     (
+        "soft-contacts",
+        "elastic spheres, slower and slower",
+        "contact-events",
+        ("1e1", "1e6"),
+        lambda: carrier("a threshold of speed", before=changed_bodies(slow_pairs_stick)),
+    ),
+    (
+        "soft-contacts",
+        "elastic spheres, harder and harder",
+        "contact-events",
+        ("1e6", "1e12"),
+        lambda: carrier(
+            "stiffness clipped", before=changed_elements(stiffness=lambda k: min(k, 1e9))
+        ),
+    ),
+    (
+        "impacts",
+        "slower and slower impact",
+        "impacts",
+        ("1e2", "1e6"),
+        lambda: carrier("a threshold of speed", before=changed_bodies(slow_pairs_stick)),
+    ),
+    (
+        "impacts",
+        "impact that loses more and more",
+        "impacts",
+        ("1/2", "0"),
+        lambda: carrier(
+            "some rebound always", before=changed_elements(restitution=lambda e: max(e, 1e-3))
+        ),
+    ),
+    (
         "contacts",
         "deeper overlap",
         "contact-events",
@@ -230,6 +269,20 @@ def test_a_method_that_is_never_stable_breaks_on_the_first_rung(tmp_path: Path) 
     )
     (climb,) = record.climbs
     assert (climb.holds, climb.breaks) == (None, 0.125)
+
+
+def test_a_contact_within_four_steps_gives_back_its_energy_and_within_two_does_not(
+    tmp_path: Path,
+) -> None:
+    record = climbs(
+        tmp_path,
+        "soft-contacts",
+        "step against contact time",
+        ("1/20", "1/4", "1/2"),
+        method="velocity-verlet",
+    )
+    (climb,) = record.climbs
+    assert (climb.holds, climb.breaks, climb.kept) == (0.25, 0.5, True)
 
 
 def test_verlet_breaks_at_two_over_omega(tmp_path: Path) -> None:

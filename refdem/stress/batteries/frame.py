@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.case import Instance
 from refdem.core.symmetry import Symmetry
 from refdem.core.variant import Change
-from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
 
 FAR = ("1", "1e2", "1e4", "1e6", "1e8", "1e10", "1e12", "1e14", "1e16")
@@ -128,20 +128,22 @@ FRAMES: tuple[
 """Name, rung in words, symmetry, rungs, promised rung, its basis, and the transformation of a
 rung.
 """
+RUBBING_SPHERES = "two-spheres[friction=1/4 angle=1/2]"
 CASES = {
     "far away": (
         "harmonic-oscillator",
-        "two-spheres[friction=1/4 angle=1/2]",
+        RUBBING_SPHERES,
+        ELASTIC_SPHERES,
         "pendulum",
         "free-rigid-body",
     ),
-    "boosted": ("two-spheres[friction=1/4 angle=1/2]", "newtons-first-law"),
-    "turned": ("two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
+    "boosted": (RUBBING_SPHERES, ELASTIC_SPHERES, "newtons-first-law"),
+    "turned": (RUBBING_SPHERES, ELASTIC_SPHERES, "pendulum", "free-rigid-body"),
     "later": ("driven-oscillator", "pendulum"),
-    "longer": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum"),
-    "shorter": ("two-spheres[friction=1/4 angle=1/2]", "pendulum"),
+    "longer": ("harmonic-oscillator", RUBBING_SPHERES, ELASTIC_SPHERES, "pendulum"),
+    "shorter": (RUBBING_SPHERES, "pendulum"),
     "slower": ("harmonic-oscillator", "two-body-orbit"),
-    "heavier": ("two-spheres[friction=1/4 angle=1/2]", "free-rigid-body"),
+    "heavier": (RUBBING_SPHERES, ELASTIC_SPHERES, "free-rigid-body"),
 }
 """The cases on which each frame is tried, unless a case is named."""
 
@@ -150,9 +152,8 @@ def _ladders() -> Iterator[Ladder]:
     """A ladder for every frame on every one of its cases."""
     for name, along, change, rungs, promised, basis, show in FRAMES:
         for case in CASES[name]:
-            bare, _, _ = case.partition("[")
             yield Ladder(
-                name=f"{name}: {bare}",
+                name=f"{name}: {scene_words(case)}",
                 case=case,
                 along=along,
                 rungs=rungs,

@@ -1,0 +1,101 @@
+"""Soft spheres that lose no energy: every number of a linear contact to its ends.
+
+Without a dashpot the force of the contact ends where the overlap does, so that MuJoCo, pymunk and
+REBOUND, which know no attractive contact force, climb the same ladders as the reference.
+"""
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder
+from refdem.stress.measures.contact_step import ContactStep
+from refdem.stress.measures.parameters import Parameters
+
+BASIS = "the overlap is half a sine whose frequency and height are each rounded once"
+RIGHT_ANGLE = Fraction("1.57079632679489661923")
+"""pi/2 [rad], to the digits that a rung leaves of it."""
+EDGES = (
+    "the step that holds the end of the contact pushes for a part of a step too long or too short,"
+    " which is at most (omega h)^2 of the energy: 2.5 per cent with 20 steps"
+)
+
+
+def ladder(
+    name: str,
+    along: str,
+    rungs: tuple[str, ...],
+    given: Callable[[Fraction], dict[str, str]],
+    promised: str,
+) -> Ladder:
+    """A ladder of oblique impacts of two soft spheres."""
+    return Ladder(
+        name=name,
+        case=ELASTIC_SPHERES,
+        along=along,
+        rungs=rungs,
+        measure=Parameters(given, samples=8),
+        promised=promised,
+        basis=BASIS,
+    )
+
+
+BATTERY = Battery(
+    id="soft-contacts",
+    title="Soft contacts without loss",
+    question="Which stiffness, speeds, masses, radii and angles may a soft contact have?",
+    ladders=(
+        ladder(
+            "elastic spheres, the second one heavier",
+            "m2/m1",
+            ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12"),
+            lambda x: {"masses": f"1,{x}"},
+            "1e6",
+        ),
+        ladder(
+            "elastic spheres, harder and harder",
+            "stiffness [N/m]",
+            ("1e2", "1e4", "1e6", "1e9", "1e12"),
+            lambda x: {"stiffness": f"{x}"},
+            "1e12",
+        ),
+        ladder(
+            "elastic spheres, slower and slower",
+            "1/speed [s/m]",
+            ("1", "1e1", "1e2", "1e4", "1e6", "1e9"),
+            lambda x: {"closing_speed": f"{1 / x}"},
+            "1e6",
+        ),
+        # The overlap v sqrt(m/k) stays what it is: else fast spheres would pass through each other.
+        ladder(
+            "elastic spheres, faster and as much harder",
+            "speed [m/s]",
+            ("1", "1e1", "1e2", "1e4", "1e6"),
+            lambda x: {"closing_speed": f"{x}", "stiffness": f"{128 * x * x}"},
+            "1e6",
+        ),
+        ladder(
+            "elastic spheres, smaller and smaller",
+            "1/radius [1/m]",
+            ("2", "1e1", "1e2", "1e4", "1e6"),
+            # The contact lasts as long as it takes to move by a tenth of the radius.
+            lambda x: {"radii": f"{1 / x},{1 / x}", "stiffness": f"{128 * x * x}"},
+            "1e6",
+        ),
+        ladder(
+            "elastic spheres, nearer and nearer to grazing",
+            "pi/2 - angle [rad]",
+            ("1", "1/2", "1e-1", "1e-2", "1e-3", "1e-4"),
+            lambda x: {"angle": f"{RIGHT_ANGLE - x}"},
+            "1e-2",
+        ),
+        Ladder(
+            name="step against contact time",
+            case=ELASTIC_SPHERES,
+            along="step / duration of the contact",
+            rungs=("1/100", "1/50", "1/20", "1/10", "1/5", "1/4", "1/3", "1/2", "1", "2"),
+            measure=ContactStep(),
+            promised="1/20",
+            basis=EDGES,
+        ),
+    ),
+)

@@ -1,0 +1,81 @@
+"""A right program keeps L to round-off however many steps a flight takes, and a lever arm that is
+off by a millionth is seen.
+"""
+
+import numpy as np
+import pytest
+
+from refdem.campaign.in_process import truth_of
+from refdem.core import discovery
+from refdem.core.check import CompletedRun, Subject
+from refdem.core.engine import Method
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.variant import Variant
+
+CHECK = discovery.check("angular-momentum")
+METHOD = Method(
+    name="symplectic-euler",
+    summary="",
+    control="step",
+    order=1,
+    conserves=frozenset({"momentum", "angular-momentum"}),
+)
+SPHERES = {"damping": "0", "angle": "1/2", "samples": "8"}
+
+
+def stepped(instance, stride, *, lever=0.0):
+    """The run of symplectic Euler in plain doubles: r += h v, then v += h f/m, with f = k d n.
+
+    `lever` is the part of the second sphere's velocity across x that every step in contact adds, as
+    a force off the line of centres does.
+    """
+    scene = instance.scene
+    (contact,) = scene.elements
+    # Both spheres touch at the start.
+    reach = float(np.linalg.norm(scene.bodies.position[1] - scene.bodies.position[0]))
+    mass = scene.bodies.mass
+    position = scene.bodies.position.copy()
+    velocity = scene.bodies.velocity.copy()
+    h = (instance.times[1] - instance.times[0]) / stride
+    positions = [position.copy()]
+    velocities = [velocity.copy()]
+    for _ in instance.times[1:]:
+        for _ in range(stride):
+            position += h * velocity
+            branch = position[1] - position[0]
+            distance = float(np.sqrt(branch @ branch))
+            if distance < reach:
+                force = contact.stiffness * (reach - distance) * branch / distance
+                velocity[0] -= h / mass[0] * force
+                velocity[1] += h / mass[1] * force
+                velocity[1, 1] *= 1.0 + lever
+        positions.append(position.copy())
+        velocities.append(velocity.copy())
+    count = len(instance.times)
+    attitude = np.repeat(scene.bodies.attitude[None], count, axis=0)
+    return Trajectory(
+        t=instance.times,
+        position=np.array(positions),
+        velocity=np.array(velocities),
+        attitude=attitude,
+        omega=np.zeros((count, 2, 3)),
+    )
+
+
+def outcomes(stride, **fault):
+    """What the check says of that run, by quantity."""
+    instance = discovery.case("two-spheres").at(**SPHERES)
+    level = float(instance.times[1] - instance.times[0]) / stride
+    subject = Subject(instance, METHOD, (level,), truth_of(instance))
+    run = stepped(instance, stride, **fault)
+    found = CHECK.judge(subject, {Variant(level): CompletedRun(run, Cost(seconds=0.0))})
+    return {finding.quantity: finding.outcome for finding in found}
+
+
+@pytest.mark.parametrize("stride", [64, 256, 1024, 8192])
+def test_a_long_flight_rounds_alike_at_every_step_and_is_no_loss(stride):
+    assert set(outcomes(stride).values()) == {"pass"}
+
+
+def test_a_force_a_little_aside_of_the_line_of_centres_is_seen():
+    assert "fail" in outcomes(64, lever=1e-9).values()
