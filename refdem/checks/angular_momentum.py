@@ -7,6 +7,7 @@ of the centres, the total is compared with truth.
 from collections.abc import Mapping
 
 import numpy as np
+from msgspec import structs
 
 from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, CompletedRun, Subject
@@ -92,7 +93,7 @@ class AngularMomentum(Check):
         initial = float(
             np.linalg.norm(angular(subject.instance.scene, runs[variant].trajectory)[name][0])
         )
-        return worst(
+        finding = worst(
             check=self.name,
             quantity=name,
             t=subject.instance.times,
@@ -105,6 +106,30 @@ class AngularMomentum(Check):
                 f"The change of {name} angular momentum, relative to the initial sum of"
                 " m|r||v| + |J omega|,"
             ),
+        )
+        return told(finding, self._seen_through(subject, runs, name))
+
+    def _seen_through(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str
+    ) -> str:
+        """What physics says where the method claims less than it: by how much L changes at the
+        coarsest and the finest step, although nothing acts from outside; "" where that is
+        round-off.
+        """
+        coarsest = Variant(subject.levels[0])
+        if coarsest == subject.finest or not {coarsest, subject.finest} <= set(runs):
+            return ""
+        rounding = subject.round_off(subject.levels[-1]) + _equal_roundings(
+            subject, subject.levels[-1]
+        )
+        at_coarsest = float(self._changes(subject, runs[coarsest], name).max())
+        at_finest = float(self._changes(subject, runs[subject.finest], name).max())
+        if not at_finest > COUNTING_FLOOR * rounding:
+            return ""
+        return (
+            f"No torque acts from outside, and yet it changes by {at_coarsest:.2g} at"
+            f" {_level_words(subject, subject.levels[0])} and by {at_finest:.2g} at"
+            f" {_level_words(subject, subject.levels[-1])}; the method does not claim to keep it."
         )
 
     def _changes(self, subject: Subject, run: CompletedRun, name: str) -> Array:
@@ -135,7 +160,9 @@ class AngularMomentum(Check):
         spin_error = scene.bodies.inertia.max(axis=1).sum() * scales["omega"]
         orbital_error = scene.bodies.mass @ (distance * scales["v"] + speed * scales["r"])
         sensitivity = (orbital_error + spin_error) / angular_scale(subject.instance)
-        return worst(
+        true_changes = np.linalg.norm(expected - expected[0], axis=1)
+        by_law = float(true_changes.max()) / angular_scale(subject.instance)
+        finding = worst(
             check=self.name,
             quantity="law",
             t=subject.instance.times[: truth.until],
@@ -147,10 +174,31 @@ class AngularMomentum(Check):
                 " angular momentum"
             ),
             what=(
-                "The error of total angular momentum (its true change is the time"
-                " integral of overlap times friction),"
+                "The error of total angular momentum, whose true change is the time integral of"
+                " overlap times friction,"
             ),
         )
+        if not by_law > subject.round_off(level):
+            return finding
+        return told(
+            finding,
+            f"The law itself changes it by {by_law:.2g}, for its lever arms do not add up to the"
+            " distance of the centres: a property of the law, not of the method.",
+        )
+
+
+def told(finding: Finding, remark: str) -> Finding:
+    """The finding with a remark behind its sentence; as it is for an empty one."""
+    if not remark:
+        return finding
+    return structs.replace(finding, sentence=f"{finding.sentence} {remark}")
+
+
+def _level_words(subject: Subject, level: float) -> str:
+    """A level of refinement in words: a step with its unit, or a tolerance."""
+    if subject.method.control == "step":
+        return f"a step of {level:.2g} s"
+    return f"a tolerance of {level:.2g}"
 
 
 KINDS = ("r", "v", "omega")

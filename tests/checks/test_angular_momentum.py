@@ -5,7 +5,7 @@ off by a millionth is seen.
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import truth_of
+from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
@@ -79,3 +79,34 @@ def test_a_long_flight_rounds_alike_at_every_step_and_is_no_loss(stride):
 
 def test_a_force_a_little_aside_of_the_line_of_centres_is_seen():
     assert "fail" in outcomes(64, lever=1e-9).values()
+
+
+def sentences(engine, case, **given):
+    """What the check says, a sentence a method, of a run at two levels of refinement or more."""
+    instance = discovery.case(case).at(**given)
+    found = {}
+    for method in engine.methods:
+        if method.answers != instance.problem.kind or engine.unsupported(instance.problem, method):
+            continue
+        task = task_of(engine, method.name, instance, truth_of(instance), 3, ("angular-momentum",))
+        for finding in record_of(task).findings:
+            found[method.name] = finding.sentence
+    return found
+
+
+def test_what_a_method_does_not_claim_is_judged_by_physics_beside_its_claim():
+    """Chipmunk's correction of the overlap moves discs aside of their line of centres."""
+    rough = {"friction": "1/4", "spins": "0,0,1,0,0,2"}
+    (sentence,) = sentences(discovery.engine("pymunk"), "hard-spheres", **rough).values()
+    assert "No torque acts from outside, and yet it changes by" in sentence
+    assert "the method does not claim to keep it" in sentence
+
+
+def test_a_law_that_changes_the_total_says_so_and_one_that_does_not_is_silent():
+    rubbing = {"friction": "1/4", "angle": "1/2", "tangential_stiffness": "0"}
+    reference = discovery.engine("reference")
+    changed = sentences(reference, "two-spheres", **rubbing, branch="R")
+    kept = sentences(reference, "two-spheres", **rubbing)
+    assert all("a property of the law" in sentence for sentence in changed.values())
+    assert not any("property of the law" in sentence for sentence in kept.values())
+    assert not any("No torque" in sentence for sentence in kept.values())
