@@ -1,10 +1,15 @@
-"""The campaign `main` as tests: one item per case, engine, method and check."""
+"""The campaigns `main` and `shipped` as tests: one item per case, engine, method and check."""
 
 import pytest
 
 from refdem.pytest_plugin import by_check, campaign_records, decide
 
-ITEMS = by_check(campaign_records("main"))
+CAMPAIGNS = ("main", "shipped")
+ITEMS = {
+    name: found
+    for campaign in CAMPAIGNS
+    for name, found in by_check(campaign_records(campaign)).items()
+}
 
 
 def test_the_campaign_judges_something() -> None:

@@ -94,7 +94,7 @@ class Bench:
         self.progress(f"{instance.label}: refining")
         found = []
         for engine in engines:
-            wanted = [method for method in engine.methods if self.method in ("", method.name)]
+            wanted = engine.chosen_methods(self.method)
             found += self._entered(instance, engine, wanted, is_peer=False)
         for peer in self._peers():
             found += self._entered(instance, peer, peer.methods, is_peer=True)

@@ -184,9 +184,10 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
     Methods for other kinds of questions are left out; an engine that has none for this kind refuses
     by its first. Raises UsageError for a method that the engine does not have.
     """
-    methods = list(engine.methods)
     if specification.method:
         methods = [engine.method(specification.method)]
+    else:
+        methods = engine.chosen_methods(as_shipped=specification.as_shipped)
     answering = [method for method in methods if method.answers == instance.problem.kind]
     of_methods = []
     for method in answering or methods[:1]:

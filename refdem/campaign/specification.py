@@ -43,6 +43,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     value is noise. `required` is the folder with the lists of findings that it must make, "" for
     none; `is_part` says that only some of its cases were asked for.
     `every_case` adds those of refdem's own cases that no entry names, each at its defaults.
+    `as_shipped` takes the methods that leave an engine's defaults alone beside the tuned ones.
     `include` names campaigns, in the same folder, whose cases come before its own.
     """
 
@@ -59,6 +60,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     perturbed_ulps: int = 0
     include: list[str] = []
     every_case: bool = False
+    as_shipped: bool = False
     required: str = ""
     is_part: bool = False
 

@@ -29,6 +29,8 @@ class Method:
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step that sees them.
     answers: the kind of questions that the method is for.
+    as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
+    and no more. It runs where a campaign asks for it (`as_shipped = true`), or by its name.
     knows: for questions without time, the features that it can answer; it leaves out others.
     derived: numbers that the adapter computes from others in such a way that a law about them
     always holds, each with the reason. A check of that law could not fail, and so does not apply.
@@ -55,6 +57,7 @@ class Method:
     summed_clock: bool = False
     locates_events: bool = False
     deterministic: bool = True
+    as_shipped: bool = False
     cost_rank: int = 0
     answers: str = "motion"
     knows: frozenset[str] = frozenset()
@@ -176,6 +179,12 @@ class Engine(ABC):
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs one request in the engine's native loop."""
+
+    def chosen_methods(self, name: str = "", *, as_shipped: bool = False) -> list[Method]:
+        """The methods of that name; without a name all, those as shipped only if asked for."""
+        if name:
+            return [method for method in self.methods if method.name == name]
+        return [method for method in self.methods if as_shipped or not method.as_shipped]
 
     def method(self, name: str) -> Method:
         """The method that has the given name; UsageError if there is none."""

@@ -120,8 +120,8 @@ class Stress:
         kind = instances[0].problem.kind
         attempts: list[Attempt] = []
         for engine in engines:
-            for method in engine.methods:
-                if method.answers != kind or self.method not in ("", method.name):
+            for method in engine.chosen_methods(self.method):
+                if method.answers != kind:
                     continue
                 for number, instance in enumerate(instances):
                     attempts.append(Attempt(battery, ladder, number, engine, method, instance))

@@ -53,7 +53,7 @@ class Mujoco(Engine):
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None if MuJoCo can say the scene, else what is missing."""
-        return unsupported(problem)
+        return unsupported(problem, method.name)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its

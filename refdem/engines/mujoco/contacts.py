@@ -13,14 +13,19 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
+TORSION_AND_ROLLING = (0.005, 0.0001)
+"""MuJoCo's default coefficients [m], which count where condim is above its default of 3."""
 
-def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> None:
+
+def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float, *, tuned: bool) -> None:
     """Gives the bodies of MuJoCo their geoms, the world its planes, and both the scene's contact
-    law, if it has one.
+    law, if it has one; as shipped, its coefficient of friction and no more.
     """
     for law in scene.all(Contact):
-        friction = rubs(scene, law)
-        if friction:
+        friction = tuned and rubs(scene, law)
+        if not tuned:
+            words = {"friction": (law.friction, *TORSION_AND_ROLLING)}
+        elif friction:
             words = {}
         else:
             words = solver.contact(scene, law, step, _size(scene))

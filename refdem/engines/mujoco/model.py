@@ -7,6 +7,7 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.engines.mujoco import belts, contacts, options, solver
 from refdem.engines.mujoco.ball import BallFreedom
+from refdem.engines.mujoco.claims import is_tuned
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
 from refdem.engines.mujoco.passive import is_passive
 from refdem.engines.mujoco.turning import Free, Hinge
@@ -27,12 +28,13 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
 
     scene = request.problem.scene
     step = request.step or 0.0
+    tuned = is_tuned(request.method)
     spec = mujoco.MjSpec()
     options.set_compiler(mujoco, spec)
     options.set_options(mujoco, spec, scene, request.method, step)
-    freedoms = [_freedom(scene, number, step) for number in range(len(scene.bodies))]
+    freedoms = [_freedom(scene, number, step, tuned=tuned) for number in range(len(scene.bodies))]
     said = _said(mujoco, spec, freedoms)
-    contacts.add(mujoco, spec, scene, said, step)
+    contacts.add(mujoco, spec, scene, said, step, tuned=tuned)
     belts.add(mujoco, spec, scene, said, step)
     for number, spring in enumerate(scene.all(Spring)):
         if not _is_of_joints(scene, spring) and not is_passive(spring, scene):
@@ -70,7 +72,7 @@ def _hinge(scene: Scene, rod: Rod) -> Hinge:
     return Hinge(scene.bodies.single()[rod.a], rod, above)
 
 
-def _freedom(scene: Scene, number: int, step: float) -> Freedom:
+def _freedom(scene: Scene, number: int, step: float, *, tuned: bool) -> Freedom:
     """The degrees of freedom of body `number` in the model."""
     body = scene.bodies.single()[number]
     if body.fixed:
@@ -97,7 +99,7 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
     if springs:
         stiffness = (springs[0].stiffness, 0.0, 0.0)
         reference = springs[0].anchor_b
-    friction, words = _dry_friction(scene, number, step)
+    friction, words = _dry_friction(scene, number, step, tuned=tuned)
     damping = sum(
         dashpot.damping
         for dashpot in scene.all(Dashpot)
@@ -115,10 +117,10 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
 
 
 def _dry_friction(
-    scene: Scene, number: int, step: float
+    scene: Scene, number: int, step: float, *, tuned: bool
 ) -> tuple[tuple[float, ...], dict[str, Any]]:
     """Dry friction (3,) [N] of a body along each axis, and the solver's parameters for it, if there
-    is any.
+    is any and MuJoCo's own are not meant.
     """
     sliders = [
         slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
@@ -127,7 +129,7 @@ def _dry_friction(
     for slider in sliders:
         friction += np.abs(slider.axis) * slider.friction * slider.normal_force
     words = {}
-    if sliders:
+    if sliders and tuned:
         words = solver.friction(step)
     return tuple(friction), words
 

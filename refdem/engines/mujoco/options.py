@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from refdem.engines.mujoco import solver
-from refdem.engines.mujoco.claims import INTEGRATORS
+from refdem.engines.mujoco.claims import INTEGRATORS, is_tuned
 from refdem.engines.mujoco.passive import is_passive
 from refdem.scene import Scene
 from refdem.scene.elements.slider import Slider
@@ -36,13 +36,19 @@ def set_compiler(mujoco: Any, spec: Any) -> None:
 
 
 def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) -> None:
-    """Step, integrator, gravity, solver and flags."""
+    """Step, integrator and gravity; solver and flags unless the method takes them as shipped."""
     option = spec.option
     option.timestep = step
     option.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[method])
     option.gravity = np.sum(
         np.array([(0.0, 0.0, 0.0), *(e.g for e in scene.all(UniformGravity))]), axis=0
     )
+    if is_tuned(method):
+        _tune(mujoco, option, scene)
+
+
+def _tune(mujoco: Any, option: Any, scene: Scene) -> None:
+    """The solver to round-off, and nothing that the scene does not need."""
     option.density = option.viscosity = 0.0
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON

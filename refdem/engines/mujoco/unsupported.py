@@ -10,6 +10,8 @@ from refdem.core.problem import Motion
 from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.engines.mujoco import contacts, links, solver
 from refdem.engines.mujoco.ball import of_ball_joints
+from refdem.engines.mujoco.belts import belts
+from refdem.engines.mujoco.claims import is_tuned
 from refdem.engines.mujoco.passive import of_passive
 from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
@@ -61,9 +63,11 @@ def heaviest(impedance: float) -> float:
     return (1 - impedance) / impedance / SMALLEST
 
 
-def unsupported(problem: Motion) -> str | None:
+def unsupported(problem: Motion, method: str) -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
+    if not is_tuned(method) and (reason := _as_shipped(scene)):
+        return reason
     if problem.interval < 0:
         return engine_cannot(
             "negative time steps: MuJoCo accepts them but does not document their meaning"
@@ -84,6 +88,15 @@ def unsupported(problem: Motion) -> str | None:
     ):
         if reason := judged(scene):
             return reason
+    return None
+
+
+def _as_shipped(scene: Scene) -> str | None:
+    """None if the scene has no law that only settings of MuJoCo's solver can say."""
+    if any(law.law == "linear" for law in scene.all(Contact)):
+        return engine_cannot("a linear contact law as shipped: solref and solimp are settings")
+    if belts(scene):
+        return adapter_lacks("a belt as shipped")
     return None
 
 

@@ -34,7 +34,8 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
         raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
     columns = request.problem.scene.bodies
-    space, bodies = space_of(request.problem.scene)
+    is_as_shipped = request.method.endswith("-as-shipped")
+    space, bodies = space_of(request.problem.scene, is_tuned=not is_as_shipped)
     drive(
         space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step
     )

@@ -22,12 +22,12 @@ round-off.
 """
 
 
-def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
-    """The space and its bodies, in the scene's order."""
+def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list[pymunk.Body]]:
+    """The space and its bodies, in the scene's order; with pymunk's own slop, iterations and pull
+    on joints unless it is tuned.
+    """
     space = pymunk.Space()
     space.damping = exp(-(fading(scene) or 0.0))
-    space.collision_slop = 0.0
-    space.sleep_time_threshold = float("inf")
     space.gravity = tuple(
         np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist()
     )
@@ -35,7 +35,7 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space.add(*bodies)
     links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
     joints = [
-        _joint(space, bodies, link)
+        _joint(space, bodies, link, is_tuned=is_tuned)
         for link in links
         if not all(_is_still(scene, end) for end in (link.a, link.b))
     ]
@@ -43,11 +43,19 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
     add_soft_contacts(space, scene, bodies)
-    if solved <= 1 and not touching:
+    if is_tuned:
+        _tune(space, is_one_joint=solved <= 1 and not touching)
+    return space, bodies
+
+
+def _tune(space: pymunk.Space, *, is_one_joint: bool) -> None:
+    """Takes out what pymunk's defaults do to the mechanics of a scene."""
+    space.collision_slop = 0.0
+    space.sleep_time_threshold = float("inf")
+    if is_one_joint:
         space.iterations = 1
     else:
         space.iterations = COUPLED_ITERATIONS
-    return space, bodies
 
 
 def angle_of(attitude: Any) -> Any:
@@ -85,7 +93,11 @@ def _is_still(scene: Scene, end: int) -> bool:
 
 
 def _joint(
-    space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider
+    space: pymunk.Space,
+    bodies: list[pymunk.Body],
+    link: Spring | Rod | Slider,
+    *,
+    is_tuned: bool,
 ) -> pymunk.Constraint:
     """A spring without damper, a rod without slack, or friction as a joint that holds no more than
     Coulomb's limit.
@@ -107,6 +119,7 @@ def _joint(
     if isinstance(link, Rod):
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
         rod.distance = link.length
-        rod.error_bias = 0.0
+        if is_tuned:
+            rod.error_bias = 0.0
         return rod
     return rubbing(pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0)), link)
