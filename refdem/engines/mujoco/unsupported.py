@@ -63,7 +63,7 @@ def heaviest(impedance: float) -> float:
     return (1 - impedance) / impedance / SMALLEST
 
 
-def unsupported(problem: Motion, method: str) -> str | None:
+def unsupported(problem: Motion, method: str = "rk4") -> str | None:
     """None if the scene can be said exactly, else the first reason why not."""
     scene = problem.scene
     if not is_tuned(method) and (reason := _as_shipped(scene)):
