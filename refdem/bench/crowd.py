@@ -16,7 +16,11 @@ from refdem.core import discovery
 LONG = 0.3
 """Seconds that a round of the slowest runs takes about: a run has as many steps as fit."""
 FEWEST_STEPS = 20
+"""Steps of the shortest run: starting costs of a run are then a small part of its time."""
 STEPS_PER_TAU = 5
+"""Steps in the characteristic time tau of the gas, at least: the resolution of practice, since the
+crowd compares speed and not accuracy.
+"""
 LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
 

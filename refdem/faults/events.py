@@ -14,6 +14,9 @@ from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
 
 MOST_EVENTS = 8
+"""Changes of mode in one step. More in one step mean that the modes flip without end, as with a
+faulty rule; the rest of the step is then made without events.
+"""
 
 
 def touch(m: Moving) -> float:

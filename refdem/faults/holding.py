@@ -14,6 +14,9 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 
 SWEEPS = 60
+"""Sweeps over the rods and strings at most. Rods that share a body disturb each other, so that one
+sweep holds them to a part only; a chain of a few rods ends at ENOUGH long before.
+"""
 ENOUGH = {True: 2e-16, False: 1e-7}
 """What a sweep in double (True) or single precision may leave, relative to lengths and speeds."""
 NEAR = {True: 1e-9, False: 1e-5}

@@ -66,6 +66,7 @@ defect.
 FOLLOWED = 12
 """Known faults that are followed, the nearest."""
 MOST_DIGITS = 16.0
+"""Digits of a twin that agrees exactly: those of binary64."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,9 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 from refdem.mechanics.poincare import distinct
 
 SETTLED = 4096
+"""Iterates before the picture begins: by then the map is on its attractor but near doublings."""
 START = 0.3
+"""First iterate, anywhere in the basin of the attractor."""
 
 
 def late(eta: float, chunks: int = 1) -> Array:

@@ -11,6 +11,7 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 from refdem.mechanics.oscillation import phase_area
 
 COARSE = 4096
+"""Points of the outline: a thousandth of its length apart, which no eye sees in the picture."""
 FINE = 100_000
 """Points that find out where the outline stretches, and points that it then has at least."""
 MOST = 64

@@ -11,11 +11,11 @@ from refdem.gallery.outline import Outline
 from refdem.gallery.runs import Array, Seen
 
 SHAFT = 0.055
+"""Length of an arrow in units of half the width of the picture."""
 BARB = 0.35
+"""Length of a barb in units of the shaft."""
 OPENING = 0.45
-"""An arrow's length in units of the picture, its barbs in units of the shaft, and their opening
-[rad].
-"""
+"""Angle between the shaft and a barb [rad]."""
 
 
 def heads(outline: Outline, samples: Sequence[int], *, ink: int = 0) -> list[Series]:

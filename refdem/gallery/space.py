@@ -5,15 +5,16 @@ import numpy as np
 from refdem.core.figure import GREY, Series
 from refdem.gallery.runs import Array
 
-ACROSS = 35.0
-UP = 25.0
-"""Degrees by which the axes are turned about the vertical, and the view is raised."""
+AZIMUTH = 35.0
+"""Degrees by which the axes are turned about the vertical: none of them then hides another."""
+ELEVATION = 25.0
+"""Degrees by which the view is raised above the horizontal."""
 
 
 def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
     """Right, up and towards the eye (N,) of points (N, 3) in a parallel projection."""
-    turn = np.radians(ACROSS)
-    rise = np.radians(UP)
+    turn = np.radians(AZIMUTH)
+    rise = np.radians(ELEVATION)
     x, y, z = points.T
     # A turn about the vertical, then one about the line to the right.
     right = x * np.cos(turn) + y * np.sin(turn)

@@ -20,6 +20,7 @@ from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
 LOW = 1e-4
+"""Least ratio of error to bound that is drawn; what is below stands at the edge."""
 HIGH = 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
 CAPTION = (

@@ -35,10 +35,11 @@ HOPELESS = 86400.0
 """Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp.
 """
 FEW_PIECES = 4
-FAR_BEYOND = 1000
-"""After so few pieces, whose pace may be that of a start with a jerk, a forecast is believed where
-it is beyond HOPELESS by this factor.
+"""Pieces after which a forecast may be believed at all: the pace of fewer may be that of a start
+with a jerk.
 """
+FAR_BEYOND = 1000
+"""Factor beyond HOPELESS from which on a forecast is believed after so few pieces."""
 
 NextBits = Callable[[int, float | None], int | None]
 """The bits after those that did not suffice, from how many are lacking (None: the motion was not

@@ -27,8 +27,8 @@ Hypotheses, and where each is checked:
 * t lies in one stretch: `Stretch.is_over_at` raises UnsharpError within the uncertainty of an end;
 * |P_m - Q_m| <= eps_m: `doubles` gives the radii of what is rounded, and ROUNDING is a bound of
   products in binary64 (`Growth.passed`, `Growth.effect_at`);
-* what rounding may have lost is a small part of S: `Growth.read` compares it with LOST, and goes on
-  in balls (`read_in_balls`), or asks for more bits.
+* what rounding may have lost is a small part of S: `Growth.read` compares it with
+  MAX_ROUNDING_PART, and goes on in balls (`read_in_balls`), or asks for more bits.
 """
 
 from bisect import bisect_right
@@ -73,7 +73,7 @@ WIDEST = 1 / 8
 """The largest delta of a cell: S is at most 1/(1 - 1/8), 14 per cent, larger than what it
 bounds.
 """
-LOST = 1 / 8
+MAX_ROUNDING_PART = 1 / 8
 """The part of S that rounding may have lost at most; a higher precision loses less."""
 HALVINGS = 80
 """The most halvings of a cell; one that is still too wide says that M is not known well enough."""
@@ -518,7 +518,7 @@ class Growth:
         # An error made at the time itself has not grown, but is read.
         at_once = self.norm.read(effect.reading)
         bound = max(float(by_cell.max(initial=0.0)), float(at_once))
-        if effect.rounding > LOST * bound:
+        if effect.rounding > MAX_ROUNDING_PART * bound:
             return self.read_in_balls(time, readings)
         return bounded(bound + effect.rounding)
 
@@ -531,14 +531,14 @@ class Growth:
     def largest(self, answers: arb_mat, slack: Array) -> float:
         """The largest growth by M X (q, n cells) of all cells side by side.
 
-        UnsharpError where the radii of the balls make more than the part LOST of it.
+        UnsharpError where the radii of the balls make more than the part MAX_ROUNDING_PART of it.
         """
         middles, radii = split(answers, len(slack))
         middle_norms = self.norm.read(middles)
         radius_norms = self.norm.read(radii)
         by_cell = (middle_norms + radius_norms) * (1 + slack)
         bound = float(by_cell.max(initial=0.0)) * UPWARDS
-        if not float(radius_norms.max(initial=0.0)) <= LOST * bound:
+        if not float(radius_norms.max(initial=0.0)) <= MAX_ROUNDING_PART * bound:
             raise UnsharpError("how errors grow is not known well enough at this precision")
         return bound
 
@@ -776,7 +776,7 @@ class PeriodicGrowth:
             readings = self.first.readings(time)
         this_period = self.first.read(since, readings)
         earlier, rounding = self.of_earlier(since, readings, turns)
-        if rounding > LOST * max(this_period, earlier):
+        if rounding > MAX_ROUNDING_PART * max(this_period, earlier):
             return bounded(max(this_period, self.of_earlier_in_balls(since, readings, turns)))
         return bounded(max(this_period, earlier + rounding))
 

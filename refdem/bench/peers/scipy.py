@@ -15,6 +15,9 @@ from refdem.core.trajectory import Cost, Trajectory
 LEAST = 2.3e-14
 """The smallest relative tolerance that DOP853 takes: 100 units of round-off."""
 MOST_STEPS = 10_000_000
+"""Steps that LSODA may take between two samples; its default of 500 is reached by tolerances near
+round-off, and no run of the bench comes near this.
+"""
 
 
 class SciPy(Peer):

@@ -23,12 +23,16 @@ from refdem.engines.external.supervisor import GOODBYE
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
+"""Exit status of a program that cannot run what it was asked; the protocol names it, as automake
+uses it for a test that was skipped.
+"""
 GIGABYTE = 10**9
+"""Bytes of a gigabyte, decimal as in the limits that engine.toml sets."""
 SHARE = 0.9
 """Part of the machine's memory that a process of a program may take unless its author says more."""
 CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Where Linux keeps the limit of a container: control groups version 2, and 1."""
-SHOWN = 300
+MAX_OUTPUT = 300
 """Characters of what a program said that an error shows."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
 _LOCAL = threading.local()
@@ -174,7 +178,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
             reason = one_line(says[-1])
         raise UnsupportedError(reason)
     if found.status != 0:
-        told = one_line(" / ".join(says))[-SHOWN:]
+        told = one_line(" / ".join(says))[-MAX_OUTPUT:]
         raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'stderr is empty'}")
     if found.left:
         raise EngineError(
@@ -205,5 +209,5 @@ def _status(status: int) -> str:
 def _last_lines(file: BinaryIO) -> list[str]:
     """The lines at the end of what the program said."""
     size = os.fstat(file.fileno()).st_size
-    text = os.pread(file.fileno(), 4 * SHOWN, max(0, size - 4 * SHOWN))
+    text = os.pread(file.fileno(), 4 * MAX_OUTPUT, max(0, size - 4 * MAX_OUTPUT))
     return text.decode(errors="replace").strip().splitlines()

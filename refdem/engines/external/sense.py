@@ -14,9 +14,12 @@ from refdem.errors import UsageError
 YEAR = 366 * 86400.0
 """Seconds."""
 LEAST_MEMORY = 0.001
+"""Gigabytes that a limit may name at least: a program cannot start in less than a megabyte."""
 MOST_MEMORY = 1e6
 """Gigabytes that a limit may name."""
 MOST_LEVELS = 10
+"""Levels that a gate may ask for: ten halvings make the finest run 1000 times as long as the first.
+"""
 PLACEHOLDERS = ("request", "request_txt", "trajectory", "events")
 """Names in braces that stand for files in a command."""
 PLACEHOLDER = re.compile(r"\{(\w+)\}")

@@ -26,7 +26,9 @@ from pathlib import Path
 from typing import Any
 
 PR_SET_PDEATHSIG = 1
+"""Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PR_SET_CHILD_SUBREAPER = 36
+"""Operation of prctl(2), from <sys/prctl.h>: orphans among the descendants become children."""
 GRACE = 1.0
 """Seconds in which what a program has started may end after it."""
 ENDING = 60.0

@@ -27,6 +27,7 @@ hook = partial(Fault, kind="hook", on=("captured",))
 string = partial(Fault, kind="string", on=("machine",))
 equilibrium = partial(Fault, kind="equilibrium")
 HAIR = 1 + 1e-10
+"""Factor on a length: far above round-off, far below any error of a method."""
 
 
 holding = partial(within, "holding")

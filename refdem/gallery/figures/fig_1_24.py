@@ -9,6 +9,7 @@ from refdem.gallery.sweep import ALPHA, BETA, FORCE, amplitudes, shown
 from refdem.mechanics.response import balanced_drives, hysteresis
 
 DELTA = 0.1
+"""The damping of the figure [1/s]."""
 DRIVES = np.round(np.arange(0.8, 2.6, 0.03), 3)
 
 

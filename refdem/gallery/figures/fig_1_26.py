@@ -8,7 +8,9 @@ from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import doubling, late, shown
 
 LOW = 2.8
+"""Least eta of the diagram: below, all motions have settled to one period."""
 HIGH = 3.68
+"""Largest eta of the diagram: well beyond the end of the doublings at 3.57."""
 BETWEEN = {1: (2.9, 3.1), 2: (3.4, 3.5), 4: (3.53, 3.55)}
 
 

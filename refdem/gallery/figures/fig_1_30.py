@@ -11,8 +11,11 @@ from refdem.gallery.space import axis, seen_from_above
 
 ETAS = ("0.95", "1.05", "1.15", "1.25", "1.35")
 LOW = 0.95
+"""Least frequency ratio eta of the surface, the first of ETAS."""
 HIGH = 1.35
+"""Largest frequency ratio eta of the surface, the last of ETAS."""
 STRETCH = 22.0
+"""Factor on eta in the picture: 0.4 of eta becomes as long as the other axes."""
 MANY = np.linspace(LOW, HIGH, 121)
 
 

@@ -11,7 +11,9 @@ from refdem.gallery.belt import section
 
 WINDOWS = ((0.9, 2.5, 320), (1.1, 1.35, 120), (1.2, 1.24, 100))
 SKIP = 80
+"""Periods of the drive before the section is drawn: the start is forgotten by then."""
 KEEP = 120
+"""Periods of the drive whose points are drawn."""
 
 
 def figure() -> Figure:

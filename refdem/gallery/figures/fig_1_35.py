@@ -6,8 +6,6 @@ from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.runs import seen
 from refdem.mechanics.stability import Growth, growth
 
-APART = 1e-6
-
 
 def measured(name: str, found: Growth) -> dict[str, float]:
     """How two neighbours part: an exponent where the growth is exponential, else the power of the

@@ -13,6 +13,7 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 
 CASE = "impact-benchmarks"
 RADIUS = 0.0025
+"""Radius of the spheres of impact benchmark 4 [m]."""
 ANGLES = np.arange(1.0, 89.0, 2.0)
 CERTIFIED = (5.0, 15.0, 25.0, 45.0, 85.0)
 """Degrees at which the curve is held against truth."""

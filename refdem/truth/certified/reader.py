@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 FORMAT = 2
+"""Version of the format of files of certified values."""
 COLUMNS = ("t", "quantity", "mid", "radius", "binary64")
 LARGEST_RADIUS = Fraction(1, 10**30)
 LIST = "sha256sums.txt"

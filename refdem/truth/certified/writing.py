@@ -14,10 +14,9 @@ from refdem.truth.certified.reader import COLUMNS, FORMAT, LARGEST_RADIUS, sha25
 from refdem.truth.sampled import certified_scalars
 
 DIGITS = 36
+"""Digits to which the balls are asked for, two beyond PLACES: rounding then costs no place."""
 PLACES = 34
-"""Radii of the balls, and decimal places that are kept: the radius of the decimals is half a unit
-of the last place.
-"""
+"""Decimal places that are kept: the radius of the decimals is half a unit of the last place."""
 
 Rows = list[tuple[str | None, str, str, str, str | None]]
 
