@@ -61,7 +61,7 @@ class Measured:
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""
-        found = []
+        points = []
         for level, errors in self.errors.items():
             shown = [errors[name] for name in names & errors.keys()]
             costs = self.rounds.get(level, [])
@@ -75,8 +75,8 @@ class Measured:
                 steps=self.first[level].steps,
                 beside=self.beside.get(level, []),
             )
-            found.append(point)
-        return found
+            points.append(point)
+        return points
 
 
 def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
@@ -86,7 +86,7 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
     last reason is the refusal.
     """
-    found = Measured(entrant)
+    measured = Measured(entrant)
     best = float("inf")
     risen = 0
     for level in entrant.levels:
@@ -94,11 +94,11 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
             trajectory, cost = entrant.run(level)
             errors = entrant.errors(trajectory, truth, level)
         except (RefdemError, ArithmeticError) as error:
-            found.refusal = str(error)
+            measured.refusal = str(error)
             continue
-        found.errors[level] = errors
-        found.first[level] = cost
-        found.rounds[level] = []
+        measured.errors[level] = errors
+        measured.first[level] = cost
+        measured.rounds[level] = []
         worst = max(errors.values())
         if worst < 0.7 * best:
             risen = 0
@@ -107,9 +107,9 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         best = min(best, worst)
         if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
             break
-    if found.errors:
-        found.refusal = ""
-    return found
+    if measured.errors:
+        measured.refusal = ""
+    return measured
 
 
 def interleaved(

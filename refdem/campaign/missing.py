@@ -29,12 +29,12 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
     `owner` is who wants them, such as "the baseline". What follows from an error or a refusal is
     named in its sentence and makes no finding of its own.
     """
-    made: set[str] = set()
+    present: set[str] = set()
     for record in records:
-        made |= {record.id(finding) for finding in record.findings}
+        present |= {record.id(finding) for finding in record.findings}
     missing: dict[Place, list[str]] = {}
     for name in sorted(set(wanted)):
-        if name not in made:
+        if name not in present:
             place, check, quantity = parts(name)
             missing.setdefault(place, []).append(f"{check}/{quantity}")
     completed = []

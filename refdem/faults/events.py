@@ -167,37 +167,39 @@ def margins(
     m: Moving, before: State, after: State, load: Loads, h: Number
 ) -> list[tuple[Number, Change]]:
     """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
-    found: list[tuple[Number, Change]] = []
+    margins_found: list[tuple[Number, Change]] = []
     if m.world.is_rigid:
         for number in range(len(m.world.pairs)):
-            found.append((impacts.margin(m, after, number, h), ("impact", number)))
-        return found
+            margins_found.append((impacts.margin(m, after, number, h), ("impact", number)))
+        return margins_found
     for number in range(len(m.world.pairs)):
         acts, push, _ = values(m, after, number)
         if before.acting[number]:
             margin = acts
         else:
             margin = -acts
-        found.append((margin, ("contact", number)))
+        margins_found.append((margin, ("contact", number)))
         if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
             continue
         if before.pressing[number]:
             margin = push
         else:
             margin = -push or -positional.TINY
-        found.append((margin, ("press", number)))
+        margins_found.append((margin, ("press", number)))
         if margin >= 0 and has_spring(m, before, number):
-            found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+            margins_found.append(
+                (slide_margin(m, before, after, load, number, h, push), ("slide", number))
+            )
     if m.world.hooks:
-        found += holding.margins(m.world, before, after, h)
+        margins_found += holding.margins(m.world, before, after, h)
     if m.world.tents or m.world.walls:
-        found += positional.margins(m.world, before, after, m.parts, h)
-    return found + _stop_margins(m, before, after)
+        margins_found += positional.margins(m.world, before, after, m.parts, h)
+    return margins_found + _stop_margins(m, before, after)
 
 
 def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, Change]]:
     """How far every slider is from its stop, and from letting go."""
-    found: list[tuple[Number, Change]] = []
+    margins_found: list[tuple[Number, Change]] = []
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
         if side != 0:
@@ -206,13 +208,13 @@ def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, 
             margin = 1.0
         else:
             margin = -1.0
-        found.append((margin, ("stop", number)))
-    return found
+        margins_found.append((margin, ("stop", number)))
+    return margins_found
 
 
-def least(found: list[tuple[Number, Change]]) -> Number:
+def least(margins_found: list[tuple[Number, Change]]) -> Number:
     """The smallest of all margins."""
-    return min((margin for margin, _ in found), default=1.0)
+    return min((margin for margin, _ in margins_found), default=1.0)
 
 
 def _meet_or_part(m: Moving, state: State, number: int) -> None:
@@ -230,7 +232,7 @@ def _meet_or_part(m: Moving, state: State, number: int) -> None:
     state.stretch[number] = ZERO
     state.sliding[number] = False
     body, _ = m.world.pairs[number]
-    m.told.append((state.t, kind, body))
+    m.events.append((state.t, kind, body))
 
 
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
@@ -258,9 +260,9 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
         before = state.side[number]
         state.side[number] = m.parts.side_of(m, state, number, 0.0)
         if not before:
-            m.told.append((state.t, "slip", slider.a))
+            m.events.append((state.t, "slip", slider.a))
         elif not state.side[number]:
-            m.told.append((state.t, "stick", slider.a))
+            m.events.append((state.t, "stick", slider.a))
 
 
 def held(world: World, depth: Number) -> Number:
@@ -278,12 +280,12 @@ def advance(m: Moving, step: Step, state: State, load: Loads, h: Number) -> tupl
     left = h
     for _ in range(MOST_EVENTS):
         after, load_after = step(m, state, load, left)
-        found = margins(m, state, after, load_after, left)
-        if least(found) >= 0:
+        margins_found = margins(m, state, after, load_after, left)
+        if least(margins_found) >= 0:
             return after, load_after
-        part, after, found = _cut(m, step, state, load, left, (after, found))
+        part, after, margins_found = _cut(m, step, state, load, left, (after, margins_found))
         after = after.copy()
-        for margin, change in found:
+        for margin, change in margins_found:
             if margin < 0:
                 changed(m, after, change)
         state = after
@@ -304,10 +306,10 @@ def _cut(
 
     def margin(part: float) -> float:
         subject, load_trial = step(m, state, load, part * h)
-        found = margins(m, state, subject, load_trial, h)
-        if least(found) < 0:
-            kept[0] = subject, found
-        return float(least(found))
+        margins_found = margins(m, state, subject, load_trial, h)
+        if least(margins_found) < 0:
+            kept[0] = subject, margins_found
+        return float(least(margins_found))
 
     if m.world.number is float:
         resolution = 2.0**-53

@@ -82,7 +82,7 @@ def struck(m: Moving, state: State, number: int) -> None:
     if j >= 0:
         _push(m, state, j, normal, parts.reaction(impulse), rubbing)
     state.work = state.work + before - _energy(m, state, i) - _energy(m, state, j)
-    m.told.append((state.t, "contact", i))
+    m.events.append((state.t, "contact", i))
 
 
 def _turn_ease(m: Moving, i: int) -> Number:

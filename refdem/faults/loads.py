@@ -18,72 +18,72 @@ def loads(
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
     bodies = len(world.mass)
     pairs = len(world.pairs)
-    found = Loads(
+    total = Loads(
         [ZERO] * bodies, [ZERO] * bodies, [ZERO] * pairs, [ZERO] * pairs, list(state.stretch), 0.0
     )
     for source in world.sources:
-        SOURCES[source](world, state, parts, found, before, h)
-    return found
+        SOURCES[source](world, state, parts, total, before, h)
+    return total
 
 
-def _springs(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _springs(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for spring in world.springs:
         if spring.b >= 0:
             other = state.r[spring.b]
         else:
             other = spring.anchor_b
-        _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+        _add(total, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
 
 
-def _dashpots(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for pot in world.dashpots:
         apart = vec.minus(state.r[pot.a], pot.anchor_b)
-        _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
+        _lose(total, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
 
 
-def _drags(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for drag in world.drags:
         relative = state.v[drag.a]
         if drag.b >= 0:
             relative = vec.minus(relative, state.v[drag.b])
         force = parts.drag_force(drag, relative)
-        _add(found, drag.a, drag.b, force, parts)
-        found.power -= vec.dot(force, relative)
+        _add(total, drag.a, drag.b, force, parts)
+        total.power -= vec.dot(force, relative)
 
 
-def _drives(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _drives(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for drive in world.drives:
-        _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
+        _lose(total, state, drive, parts.drive_force(drive, state.t, world.number), parts)
 
 
-def _fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
-            found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
+            total.force[i] = vec.plus(total.force[i], parts.central_force(mass, gm, state.r[i]))
 
 
 def _contacts(
-    world: World, state: State, parts: Parts, found: Loads, before: Loads | None, h: Number
+    world: World, state: State, parts: Parts, total: Loads, before: Loads | None, h: Number
 ) -> None:
     for number, acts in enumerate(state.acting):
         if acts:
-            _touch(world, state, parts, found, number, before, h)
+            _touch(world, state, parts, total, number, before, h)
 
 
-def _weights(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
-            found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
+            total.force[i] = vec.plus(total.force[i], parts.weight(mass, g))
 
 
-def _sliders(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Last: a slider that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
         force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
         if side == 0:
-            force = vec.times(-vec.dot(found.force[slider.a], slider.axis), slider.axis)
-        found.force[slider.a] = vec.plus(found.force[slider.a], force)
-        found.power -= vec.dot(force, state.v[slider.a])
+            force = vec.times(-vec.dot(total.force[slider.a], slider.axis), slider.axis)
+        total.force[slider.a] = vec.plus(total.force[slider.a], force)
+        total.power -= vec.dot(force, state.v[slider.a])
 
 
 SOURCES = {
@@ -102,17 +102,17 @@ SOURCES = {
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""
 
 
-def _lose(found: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
+def _lose(total: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
     """A force of damping or of a drive; its power leaves the motion."""
-    _add(found, link.a, link.b, force, parts)
-    found.power -= vec.dot(force, state.v[link.a])
+    _add(total, link.a, link.b, force, parts)
+    total.power -= vec.dot(force, state.v[link.a])
 
 
-def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
+def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
     """A force on a and its reaction on b, unless that is the world."""
-    found.force[a] = vec.plus(found.force[a], force)
+    total.force[a] = vec.plus(total.force[a], force)
     if b >= 0:
-        found.force[b] = vec.plus(found.force[b], parts.reaction(force))
+        total.force[b] = vec.plus(total.force[b], parts.reaction(force))
 
 
 def meeting(
@@ -158,7 +158,7 @@ def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
     return parts.to_space(state.q[i], corner)
 
 
-def _corner(world: World, state: State, parts: Parts, found: Loads, number: int, h: Number) -> None:
+def _corner(world: World, state: State, parts: Parts, total: Loads, number: int, h: Number) -> None:
     """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
     spring.
     """
@@ -168,34 +168,34 @@ def _corner(world: World, state: State, parts: Parts, found: Loads, number: int,
     push = parts.normal_force(law, depth, rate)
     force = vec.times(-push, normal)
     if law.friction > 0:
-        slip = found.slip[number] = parts.slip(speed, ZERO, normal)
+        slip = total.slip[number] = parts.slip(speed, ZERO, normal)
         rub = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
         force = vec.plus(force, rub)
-        found.power = found.power - vec.dot(rub, slip)
-    found.power += law.damping * rate * rate
-    found.force[i] = vec.plus(found.force[i], force)
+        total.power = total.power - vec.dot(rub, slip)
+    total.power += law.damping * rate * rate
+    total.force[i] = vec.plus(total.force[i], force)
     torque = vec.cross(arm_of(world, state, parts, number), force)
-    found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
+    total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
 def _touch(
     world: World,
     state: State,
     parts: Parts,
-    found: Loads,
+    total: Loads,
     number: int,
     before: Loads | None,
     h: Number,
 ) -> None:
     """Adds the contact forces and torques of one pair."""
     if world.corners[number] is not None:
-        return _corner(world, state, parts, found, number, h)
+        return _corner(world, state, parts, total, number, h)
     law = world.law
     (i, j) = world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
-    _add(found, i, j, vec.times(-push, normal), parts)
-    found.power += law.damping * rate * rate
+    _add(total, i, j, vec.times(-push, normal), parts)
+    total.power += law.damping * rate * rate
     if not law.friction > 0 or not state.pressing[number]:
         return
     arm = parts.lever(law, world.radius[i], depth)
@@ -204,10 +204,10 @@ def _touch(
     if j >= 0:
         arm_j = parts.lever(law, world.radius[j], depth)
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
-    slip = found.slip[number] = parts.slip(relative, spin, normal)
+    slip = total.slip[number] = parts.slip(relative, spin, normal)
     if law.tangential_stiffness > 0:
         stretch = state.stretch[number]
-        found.normal[number] = normal
+        total.normal[number] = normal
         if before is not None:
             old = before.normal[number]
             stretch = parts.transported(stretch, old, normal)
@@ -220,16 +220,16 @@ def _touch(
                 stretch = parts.stretched(stretch, was, slip, h)
         if state.sliding[number]:
             stretch = parts.clipped(law, stretch, push)
-        found.stretch[number] = stretch
+        total.stretch[number] = stretch
         force = parts.spring_friction(law, stretch)
     else:
         force = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-    _add(found, i, j, force, parts)
-    found.power -= vec.dot(force, slip)
+    _add(total, i, j, force, parts)
+    total.power -= vec.dot(force, slip)
     for body, length in ((i, arm), (j, arm_j)):
         if body >= 0:
             torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
-            found.torque[body] = vec.plus(found.torque[body], torque)
+            total.torque[body] = vec.plus(total.torque[body], torque)
 
 
 def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:

@@ -141,20 +141,20 @@ def rates(m: Moving, state: State) -> Rates:
     """The rates of the state of every body."""
     parts = m.parts
     load = parts.loads(m.world, state, parts)
-    found = Rates(list(state.v), [], [], [])
+    derivative = Rates(list(state.v), [], [], [])
     for i, mass in enumerate(m.world.mass):
         # m v' = F
-        found.v.append(parts.kicked(vec.ZERO, load.force[i], mass, 1.0))
+        derivative.v.append(parts.kicked(vec.ZERO, load.force[i], mass, 1.0))
         if not m.world.turns[i]:
-            found.q.append(STILL)
-            found.w.append(vec.ZERO)
+            derivative.q.append(STILL)
+            derivative.w.append(vec.ZERO)
             continue
-        found.q.append(parts.turn_rate(state.q[i], state.w[i]))
+        derivative.q.append(parts.turn_rate(state.q[i], state.w[i]))
         # J omega' = -omega x J omega + torque
         inertia = m.world.inertia[i]
         torque = vec.plus(parts.gyroscopic(inertia, state.w[i]), load.torque[i])
-        found.w.append(parts.spun_up(vec.ZERO, torque, inertia, 1.0))
-    return found
+        derivative.w.append(parts.spun_up(vec.ZERO, torque, inertia, 1.0))
+    return derivative
 
 
 def onward(state: State, rate: Rates, h: Number) -> State:

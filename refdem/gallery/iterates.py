@@ -17,13 +17,13 @@ START = 0.3
 
 def late(eta: float, chunks: int = 1) -> Array:
     """The next `chunks` times 129 iterates, after SETTLED others."""
-    found = []
+    orbits = []
     x = last(eta, START, SETTLED)
     for _ in range(chunks):
         orbit = iterates(eta, x, DENSE)
-        found.append(orbit)
+        orbits.append(orbit)
         x = float(orbit[-1])
-    return np.concatenate(found)
+    return np.concatenate(orbits)
 
 
 def iterates(eta: float, x0: float, counts: Any) -> Array:

@@ -69,5 +69,5 @@ def finer(outline: Array, cuts: Any) -> Array:
     along = number_on_side / cuts[side]
     begin = outline[side]
     end = np.roll(outline, -1, axis=0)[side]
-    found: Array = begin + along[:, None] * (end - begin)
-    return found
+    points: Array = begin + along[:, None] * (end - begin)
+    return points

@@ -18,9 +18,9 @@ def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
     x, y, z = points.T
     # A turn about the vertical, then one about the line to the right.
     right = x * np.cos(turn) + y * np.sin(turn)
-    away = -x * np.sin(turn) + y * np.cos(turn)
-    up = z * np.cos(rise) + away * np.sin(rise)
-    towards = z * np.sin(rise) - away * np.cos(rise)
+    depth = -x * np.sin(turn) + y * np.cos(turn)
+    up = z * np.cos(rise) + depth * np.sin(rise)
+    towards = z * np.sin(rise) - depth * np.cos(rise)
     return right, up, towards
 
 

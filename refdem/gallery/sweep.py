@@ -27,11 +27,11 @@ def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
     """
     x = 0.1
     v = 0.0
-    found = []
+    halves = []
     for drive in drives:
         x, v, amplitude = settled(delta, drive, x, v)
-        found.append(amplitude)
-    return np.array(found)
+        halves.append(amplitude)
+    return np.array(halves)
 
 
 def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, float, float]:

@@ -77,10 +77,10 @@ def _scaled(panel: Panel, name: Any) -> Any:
     width, height = panel.size
     # A tick label takes about 70 pixels across and 50 up.
     if name == "x":
-        room = width // 70
+        most_ticks = width // 70
     else:
-        room = height // 50
-    ticks = max(3, room)
+        most_ticks = height // 50
+    ticks = max(3, most_ticks)
     if axis.is_log:
         written: dict[str, Any] = {"format": "~e"}
     else:
@@ -154,15 +154,15 @@ def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, 
     columns = min(fit, wanted)
     legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
-    found: dict[str, Any] = {
+    channels: dict[str, Any] = {
         "color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)
     }
     if any(s.dashed for s in labels.values()):
         dashes = alt.Scale(domain=list(labels), range=[_dash(s) for s in labels.values()])
-        found["strokeDash"] = alt.StrokeDashDatum(
+        channels["strokeDash"] = alt.StrokeDashDatum(
             series.label, type="nominal", title=None, scale=dashes, legend=legend
         )
-    return found
+    return channels
 
 
 def _frame(panel: Panel, x: Any, y: Any) -> Any:

@@ -141,9 +141,9 @@ class Course:
     def seconds_for(self, work: float) -> float:
         """CPU seconds for so many pieces, at what those so far took."""
         half, last = self.later_half()
-        made = last.pieces - half.pieces
-        if made:
-            return work * (last.seconds - half.seconds) / made
+        pieces = last.pieces - half.pieces
+        if pieces:
+            return work * (last.seconds - half.seconds) / pieces
         return 0.0
 
 
@@ -175,13 +175,13 @@ def follow(
     course.marks.append(mark())
     while course.marks[-1].time < t and step():
         course.marks.append(mark())
-        made = course.marks[-1].pieces - course.marks[0].pieces
+        pieces_made = course.marks[-1].pieces - course.marks[0].pieces
         left = work()
         seconds = course.seconds_for(left)
-        if made >= telling:
+        if pieces_made >= telling:
             tell(seconds)
-            telling = 2 * made
-        if is_enough(made, left, seconds):
+            telling = 2 * pieces_made
+        if is_enough(pieces_made, left, seconds):
             break
 
 

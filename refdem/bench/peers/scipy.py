@@ -46,7 +46,7 @@ class SciPy(Peer):
 
         started = perf_counter()
         if request.method == "lsoda":
-            states, told = odeint(
+            states, statistics = odeint(
                 rates,
                 system.start,
                 t,
@@ -57,14 +57,14 @@ class SciPy(Peer):
                 tfirst=True,
             )
             seconds = perf_counter() - started
-            calls = int(told["nfe"][-1])
+            calls = int(statistics["nfe"][-1])
         else:
-            found = solve_ivp(
+            solution = solve_ivp(
                 rates, (t[0], t[-1]), system.start, "DOP853", t, rtol=tolerance, atol=tolerance
             )
             seconds = perf_counter() - started
-            calls = int(found.nfev)
-            states = found.y.T
+            calls = int(solution.nfev)
+            states = solution.y.T
         return system.trajectory(t, np.ascontiguousarray(states)), Cost(
             seconds=seconds, steps=calls
         )

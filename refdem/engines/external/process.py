@@ -139,10 +139,10 @@ class Supervised:
 
 def supervised() -> Supervised:
     """The supervisor of this thread, which is started where there is none."""
-    found: Supervised | None = getattr(_LOCAL, "supervised", None)
-    if found is None or found.process.poll() is not None:
-        found = _LOCAL.supervised = Supervised()
-    return found
+    supervisor: Supervised | None = getattr(_LOCAL, "supervised", None)
+    if supervisor is None or supervisor.process.poll() is not None:
+        supervisor = _LOCAL.supervised = Supervised()
+    return supervisor
 
 
 def run(command: list[str], folder: Path, out: BinaryIO, err: BinaryIO, limits: Limits) -> Ended:
@@ -168,24 +168,26 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     # What it said is read from the descriptor: in its folder a program may put anything at that
     # name.
     with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("w+b") as err:
-        found = run(command, folder, out, err, limits)
+        exit = run(command, folder, out, err, limits)
         says = _last_lines(err)
-    if found.status is None:
+    if exit.status is None:
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
-    if found.status == NOT_SUPPORTED:
+    if exit.status == NOT_SUPPORTED:
         reason = "the program reports that the scene is not supported (exit status 77)"
         if says:
             reason = one_line(says[-1])
         raise UnsupportedError(reason)
-    if found.status != 0:
-        told = one_line(" / ".join(says))[-MAX_OUTPUT:]
-        raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'stderr is empty'}")
-    if found.left:
+    if exit.status != 0:
+        output = one_line(" / ".join(says))[-MAX_OUTPUT:]
         raise EngineError(
-            f"{name} ended and left {found.left} of its processes running, which were ended; "
+            f"{name} ended with {_status(exit.status)}: {output or 'stderr is empty'}"
+        )
+    if exit.left:
+        raise EngineError(
+            f"{name} ended and left {exit.left} of its processes running, which were ended; "
             "expected a program that waits for what it starts"
         )
-    return found.seconds
+    return exit.seconds
 
 
 def end_all() -> None:

@@ -23,9 +23,9 @@ def figure() -> Figure:
     """Orbits side by side, their crossings of v = 0 where x > 0, and the crossings of many more
     frequencies in between.
     """
-    found = section(MANY, skip=60, keep=40)
-    etas = np.repeat(MANY, [len(x) for x in found.places])
-    places = np.column_stack((np.concatenate(found.places), etas, np.zeros(len(etas))))
+    crossings = section(MANY, skip=60, keep=40)
+    etas = np.repeat(MANY, [len(x) for x in crossings.places])
+    places = np.column_stack((np.concatenate(crossings.places), etas, np.zeros(len(etas))))
     series = [drawn(places, mark="cloud", ink=GREY, width=2)]
     for n, eta in enumerate(ETAS):
         run = orbit(eta, periods=6)
@@ -58,13 +58,13 @@ def figure() -> Figure:
         title="Poincare section of the stick-slip oscillator",
         caption=caption,
         panels=(panel,),
-        numbers=counted(found),
+        numbers=counted(crossings),
     )
 
 
-def counted(found: object) -> dict[str, float]:
+def counted(crossings: object) -> dict[str, float]:
     """How many passages were drawn, and the largest place."""
-    places = np.concatenate(found.places)  # type: ignore[attr-defined]
+    places = np.concatenate(crossings.places)  # type: ignore[attr-defined]
     return {"passages": float(len(places)), "farthest passage [m]": float(places.max())}
 
 

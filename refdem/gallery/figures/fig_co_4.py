@@ -113,7 +113,7 @@ def seen_in(normal: Array, across: Array, spin: Array, before: Array) -> dict[st
 
 def farthest(law: dict[str, Array]) -> float:
     """Largest distance of the linear law's spin and restitution from certified ones, relative."""
-    found = []
+    deviations = []
     for angle in CERTIFIED:
         asked = instance(CASE, member="co-4", angle=float(np.radians(angle)))
         last = Fraction(float(asked.times[-1]))
@@ -123,5 +123,5 @@ def farthest(law: dict[str, Array]) -> float:
         proved = seen_in(-end["v.x"], end["v.y"], -end["omega.z"], before)
         for name in ("spin", "tangential restitution"):
             there = law[name][angle == ANGLES]
-            found.append(abs(there / proved[name] - 1))
-    return float(np.max(found))
+            deviations.append(abs(there / proved[name] - 1))
+    return float(np.max(deviations))
