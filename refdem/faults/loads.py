@@ -1,4 +1,10 @@
-"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
+"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs.
+
+Notation of a contact of bodies i and j (or a plane): n the unit normal from i to j, d the overlap
+(`depth`), d' its rate, v = v_i - v_j, s the slip of the surfaces that touch, xi the tangential
+spring (`stretch`), F_n the normal force. Every function adds to `total`, whose `power` is the rate
+[W] at which energy leaves the motion.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -77,7 +83,7 @@ def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) ->
 
 
 def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Last: a slider that sticks holds against all else."""
+    """Adds the dry friction of sliders, last: one that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
         force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
         if side == 0:
@@ -118,36 +124,36 @@ def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
 def meeting(
     world: World, state: State, parts: Parts, number: int
 ) -> tuple[Vector, Number, Number, Vector]:
-    """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
+    """Normal (3) from i to j, overlap d [m], its rate d' [m/s], and velocity (3) [m/s] of i against
+    j, of pair `number`.
+
+    A corner of body i may touch a plane; a sphere may touch a plane or another sphere.
+    """
     i, j = world.pairs[number]
     if world.corners[number] is not None:
+        # x = r + arm is the corner; d = (x - p) . n beyond the plane through p, d' = x' . n.
         arm = arm_of(world, state, parts, number)
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
-        speed = vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm))
-        return (
-            normal,
-            vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal),
-            vec.dot(speed, normal),
-            speed,
-        )
+        omega = parts.to_space(state.q[i], state.w[i])
+        velocity = vec.plus(state.v[i], vec.cross(omega, arm))
+        corner = vec.plus(state.r[i], arm)
+        depth = vec.dot(vec.minus(corner, plane.point), normal)
+        return normal, depth, vec.dot(velocity, normal), velocity
     if j < 0:
+        # d = R - distance of the centre from the plane, d' = v . n.
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
-        depth = parts.overlap(
-            world.radius[i], 0.0, -vec.dot(vec.minus(state.r[i], plane.point), normal)
-        )
+        distance = -vec.dot(vec.minus(state.r[i], plane.point), normal)
+        depth = parts.overlap(world.radius[i], 0.0, distance)
         return normal, depth, vec.dot(state.v[i], normal), state.v[i]
-    apart = parts.away(state.r[i], state.r[j])
-    distance = vec.size(apart)
-    normal = vec.times(1.0 / distance, apart)
+    # d = R_i + R_j - |r_j - r_i|, d' = (v_i - v_j) . n.
+    branch = parts.away(state.r[i], state.r[j])
+    distance = vec.size(branch)
+    normal = vec.times(1.0 / distance, branch)
     relative = vec.minus(state.v[i], state.v[j])
-    return (
-        normal,
-        parts.overlap(world.radius[i], world.radius[j], distance),
-        vec.dot(relative, normal),
-        relative,
-    )
+    depth = parts.overlap(world.radius[i], world.radius[j], distance)
+    return normal, depth, vec.dot(relative, normal), relative
 
 
 def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
@@ -164,16 +170,19 @@ def _corner(world: World, state: State, parts: Parts, total: Loads, number: int,
     """
     law = world.law
     (i, j) = world.pairs[number]
-    normal, depth, rate, speed = meeting(world, state, parts, number)
+    normal, depth, rate, velocity = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     force = vec.times(-push, normal)
     if law.friction > 0:
-        slip = total.slip[number] = parts.slip(speed, ZERO, normal)
-        rub = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-        force = vec.plus(force, rub)
-        total.power = total.power - vec.dot(rub, slip)
+        slip = parts.slip(velocity, ZERO, normal)
+        total.slip[number] = slip
+        friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
+        force = vec.plus(force, friction)
+        total.power = total.power - vec.dot(friction, slip)
+    # The dashpot c d' loses c d'^2.
     total.power += law.damping * rate * rate
     total.force[i] = vec.plus(total.force[i], force)
+    # The torque arm x F, in body axes.
     torque = vec.cross(arm_of(world, state, parts, number), force)
     total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
@@ -187,7 +196,11 @@ def _touch(
     before: Loads | None,
     h: Number,
 ) -> None:
-    """Adds the contact forces and torques of one pair."""
+    """Adds the contact forces and torques of pair `number`.
+
+    `before` are the loads at the begin of a step of h [s], from which its tangential spring grows;
+    None where there is no step, and the spring stays as it is in the state.
+    """
     if world.corners[number] is not None:
         return _corner(world, state, parts, total, number, h)
     law = world.law
@@ -195,6 +208,7 @@ def _touch(
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     _add(total, i, j, vec.times(-push, normal), parts)
+    # The dashpot c d' loses c d'^2.
     total.power += law.damping * rate * rate
     if not law.friction > 0 or not state.pressing[number]:
         return
@@ -204,20 +218,24 @@ def _touch(
     if j >= 0:
         arm_j = parts.lever(law, world.radius[j], depth)
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
-    slip = total.slip[number] = parts.slip(relative, spin, normal)
+    slip = parts.slip(relative, spin, normal)
+    total.slip[number] = slip
     if law.tangential_stiffness > 0:
         stretch = state.stretch[number]
         total.normal[number] = normal
         if before is not None:
-            old = before.normal[number]
-            stretch = parts.transported(stretch, old, normal)
-            was = parts.transported(before.slip[number], old, normal)
+            # xi' = s, after spring and slip of the begin are turned into the tangent plane of now.
+            old_normal = before.normal[number]
+            stretch = parts.transported(stretch, old_normal, normal)
+            old_slip = parts.transported(before.slip[number], old_normal, normal)
             if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
+                # At Coulomb's limit the spring turns with the slip, and its length is the limit's:
+                # taken midway between those of the begin and of the end.
                 stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
-                turns = _turning(stretch, vec.plus(was, slip), h)
-                stretch = parts.stretched(stretch, turns(was), turns(slip), h)
+                across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
+                stretch = parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)
             else:
-                stretch = parts.stretched(stretch, was, slip, h)
+                stretch = parts.stretched(stretch, old_slip, slip, h)
         if state.sliding[number]:
             stretch = parts.clipped(law, stretch, push)
         total.stretch[number] = stretch
@@ -226,6 +244,7 @@ def _touch(
         force = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
     _add(total, i, j, force, parts)
     total.power -= vec.dot(force, slip)
+    # Both bodies turn the same way: the torque of the tangential force is arm n x F on each.
     for body, length in ((i, arm), (j, arm_j)):
         if body >= 0:
             torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
@@ -250,11 +269,13 @@ def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Ve
 
 def _stopping(world: World, i: int, j: int, h: Number) -> Number:
     """The factor [kg/s] with which friction would undo the slip of two solid spheres in one
-    step.
+    step: m_t/|h|, beyond all forces where there is no step.
     """
-    ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
+    # 1/m_t = sum of 1/m + R^2/J = (1 + 5/2)/m over the bodies: J = (2/5) m R^2.
+    inverse_mass = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
     if h:
-        return 1.0 / (abs(h) * ease)
+        return 1.0 / (abs(h) * inverse_mass)
+    # Larger than any force over a speed, in the numbers of this precision.
     if world.number is float:
         return world.number(1e300)
     return world.number(1e30)
