@@ -41,6 +41,7 @@ LONGEST = 20_000
 ENTRIES = {f"key {number}": bytes([number]) * (50 * number) for number in range(1, 13)}
 """Of a store that is damaged."""
 SAMPLES = 4
+"""Rows that a correct trajectory file of the fuzzed program has; few keep a try short."""
 ANNOUNCED = "the proof will take about"
 """What `refdem truth` says before it takes long."""
 

@@ -12,6 +12,9 @@ from executed_lines import ROWS, UNKNOWN, countable, executed
 from tree_copy import ROOT, TreeCopy
 
 GOAL = 0.98
+"""Least part of the lines of the kernels that campaign main shall run; the rest are refusals and
+limits, which tests of single kernels run.
+"""
 
 
 def spans(lines: set[int]) -> str:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 LARGEST = 1e-6
+"""Relative tolerances from here on are no claims about round-off, and are not measured."""
 NAME = "__refdem_margin__"
 SHAPES = {
     ast.Lt: operator.lt,

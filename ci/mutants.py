@@ -56,6 +56,9 @@ START = 60.0
 SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
 """What ci/sanitized runs."""
 MOST_COPIES = 64
+"""Copies of the tree that may be in use at once: more than any machine runs jobs here. Where none
+is free, copies of runs that were killed have piled up.
+"""
 WHOLE = 60.0
 """[s] of a file of tests that is shown whole, because its tests may share what the first of them
 made.

@@ -52,12 +52,16 @@ class RefdemFile(pytest.File):
 
         judged = (*DECIDED, *BROKEN)
         try:
-            found = once(f"gate of {self.path}", lambda: _gate(self.path))
+            gate_records = once(f"gate of {self.path}", lambda: _gate(self.path))
         except RefdemError as error:
             raise self.CollectError(str(error)) from None
-        if not any(finding.outcome in judged for record in found for finding in record.findings):
-            raise self.CollectError(f"the gate of {self.path} judged nothing: {reasons(found)}")
-        for name, findings in by_check(found).items():
+        if not any(
+            finding.outcome in judged for record in gate_records for finding in record.findings
+        ):
+            raise self.CollectError(
+                f"the gate of {self.path} judged nothing: {reasons(gate_records)}"
+            )
+        for name, findings in by_check(gate_records).items():
             yield RefdemItem.from_parent(self, name=name, findings=findings)
 
 
@@ -95,19 +99,19 @@ def refdem_gate() -> "Callable[..., list[Record]]":
         from refdem.core.finding import DECIDED
         from refdem.gate.in_process import broken, records
 
-        found = records(engine, cases, levels=levels)
-        if wrong := broken(found):
+        judged = records(engine, cases, levels=levels)
+        if wrong := broken(judged):
             pytest.fail("\n".join(wrong), pytrace=False)
-        if not any(finding.outcome in DECIDED for record in found for finding in record.findings):
-            pytest.fail(f"nothing was judged: {reasons(found)}", pytrace=False)
-        return found
+        if not any(finding.outcome in DECIDED for record in judged for finding in record.findings):
+            pytest.fail(f"nothing was judged: {reasons(judged)}", pytrace=False)
+        return judged
 
     return judge
 
 
-def reasons(found: "Iterable[Record]") -> str:
+def reasons(judged: "Iterable[Record]") -> str:
     """Why nothing was decided, each sentence once."""
-    said = dict.fromkeys(finding.sentence for record in found for finding in record.findings)
+    said = dict.fromkeys(finding.sentence for record in judged for finding in record.findings)
     return " ".join(said) or "no case is one that the engine supports"
 
 
@@ -151,15 +155,15 @@ def once(what: str, sheets: "Callable[[], list[Sheet]]") -> "list[Record]":
 
 def by_check(records: "Iterable[Record]") -> "dict[str, list[Finding]]":
     """Findings by `case[params]/engine/method/check`; what an engine cannot say is no test."""
-    found: dict[str, list[Finding]] = {}
+    findings: dict[str, list[Finding]] = {}
     for record in records:
         for finding in record.findings:
             if finding.outcome == "unsupported":
                 continue
-            found.setdefault(
+            findings.setdefault(
                 f"{record.label}/{record.engine}/{record.method}/{finding.check}", []
             ).append(finding)
-    return found
+    return findings
 
 
 def _campaign(name: str) -> "list[Sheet]":

@@ -35,7 +35,7 @@ def compared(now: BenchRecord, then: BenchRecord) -> list[Change]:
     for 5.
     """
     before = {curve.key: curve for curve in then.curves}
-    found = []
+    changes = []
     for curve in now.curves:
         other = before.get(curve.key)
         if other:
@@ -53,8 +53,8 @@ def compared(now: BenchRecord, then: BenchRecord) -> list[Change]:
             verdict=verdict(a, b),
             error_factor=_largest_growth(curve, other, levels),
         )
-        found.append(change)
-    return found
+        changes.append(change)
+    return changes
 
 
 def _largest_growth(now: Curve, then: Curve, levels: set[float]) -> float:
@@ -74,14 +74,14 @@ def compared_in_turns(record: BenchRecord) -> list[Change]:
     Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side
     happens at most once in 2^n for n pairs: 1/32 for 5, 1/128 for 7, and less by what CHANGE asks.
     """
-    found = []
+    changes = []
     for curve in record.curves:
         pairs = ratios_of(curve)
         if pairs:
             factor = math.exp(statistics.median(pairs))
-            told = verdict_of_pairs(pairs)
-            found.append(Change(key=curve.key, factor=factor, verdict=told, error_factor=None))
-    return found
+            verdict = verdict_of_pairs(pairs)
+            changes.append(Change(key=curve.key, factor=factor, verdict=verdict, error_factor=None))
+    return changes
 
 
 def ratios_of(curve: Curve) -> list[float]:
@@ -91,11 +91,11 @@ def ratios_of(curve: Curve) -> list[float]:
     ]
     # Rounds that every level has on both sides.
     count = min((min(len(point.rounds), len(point.beside)) for point in chosen), default=0)
-    found = []
+    means = []
     for k in range(count):
         logarithms = [math.log(point.rounds[k] / point.beside[k]) for point in chosen]
-        found.append(statistics.fmean(logarithms))
-    return found
+        means.append(statistics.fmean(logarithms))
+    return means
 
 
 def verdict_of_pairs(pairs: Sequence[float]) -> str:
@@ -117,13 +117,13 @@ def _common(curve: Curve, other: Curve) -> set[float]:
 def rounds_of(record: BenchRecord, curve: Curve, levels: set[float]) -> list[float]:
     """The mean over levels of log(seconds / yardstick), round by round."""
     chosen = [point.rounds for point in curve.points if point.level in levels]
-    found = []
+    means = []
     for number, yard in enumerate(record.yardstick):
         has_all = all(number < len(times) and times[number] > 0 for times in chosen)
         if has_all:
             logarithms = [math.log(times[number] / yard) for times in chosen]
-            found.append(statistics.fmean(logarithms))
-    return found
+            means.append(statistics.fmean(logarithms))
+    return means
 
 
 def verdict(now: Sequence[float], then: Sequence[float]) -> str:

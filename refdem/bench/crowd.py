@@ -16,7 +16,11 @@ from refdem.core import discovery
 LONG = 0.3
 """Seconds that a round of the slowest runs takes about: a run has as many steps as fit."""
 FEWEST_STEPS = 20
+"""Steps of the shortest run: starting costs of a run are then a small part of its time."""
 STEPS_PER_TAU = 5
+"""Steps in the characteristic time tau of the gas, at least: the resolution of practice, since the
+crowd compares speed and not accuracy.
+"""
 LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
 
@@ -39,14 +43,14 @@ class Cost:
     def ratio(self) -> float:
         """How many times as dear as the reference: the median of the rounds."""
         pairs = zip(self.rounds, self.beside, strict=True)
-        return statistics.median(own / other for own, other in pairs)
+        return statistics.median(seconds / other for seconds, other in pairs)
 
 
 def costs(
     sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None
 ) -> list[Cost]:
     """The cost of every gas of so many spheres in every code that is installed and can move it."""
-    found = []
+    all_costs = []
     for n in sizes:
         for law, given in LAWS.items():
             for boundary in ("periodic", "walls"):
@@ -57,8 +61,8 @@ def costs(
                 step = float(2.0 ** np.floor(np.log2(longest)))
                 gas = Gas(instance, step)
                 able = [crowd for crowd in crowds() if crowd.unsupported(gas) is None]
-                found += _of_gas(gas, law, able, rounds)
-    return found
+                all_costs += _of_gas(gas, law, able, rounds)
+    return all_costs
 
 
 def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
@@ -73,19 +77,21 @@ def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost
         for crowd in able:
             seconds = crowd.seconds(gas, steps[crowd])
             taken[crowd].append(1e9 * seconds / steps[crowd] / n)
-    own = next(taken[crowd] for crowd in able if crowd.is_reference)
+    of_reference = next(taken[crowd] for crowd in able if crowd.is_reference)
     if gas.periodic:
         boundary = "periodic"
     else:
         boundary = "walls"
-    return [Cost(n, law, boundary, crowd.name, crowd.note, taken[crowd], own) for crowd in able]
+    return [
+        Cost(n, law, boundary, crowd.name, crowd.note, taken[crowd], of_reference) for crowd in able
+    ]
 
 
-def table(found: Sequence[Cost]) -> Table:
+def table(costs_found: Sequence[Cost]) -> Table:
     """The costs as a table: a line for each code in each gas."""
     header = ("gas", "code", "ns a body and step", "least to most", "times the reference", "note")
     rows = []
-    for cost in found:
+    for cost in costs_found:
         gas = f"{cost.n} {cost.law}, {cost.boundary}"
         median = two(statistics.median(cost.rounds))
         extremes = f"{two(min(cost.rounds))} to {two(max(cost.rounds))}"

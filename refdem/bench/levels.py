@@ -27,7 +27,7 @@ def levels(instance: Instance, method: Method, *, most_steps: float) -> tuple[fl
         factor = 2
     else:
         factor = 4
-    found = [first[0]]
-    while instance.times[-1] / found[-1] * factor <= most_steps:
-        found.append(found[-1] / factor)
-    return tuple(found)
+    steps = [first[0]]
+    while instance.times[-1] / steps[-1] * factor <= most_steps:
+        steps.append(steps[-1] / factor)
+    return tuple(steps)

@@ -20,16 +20,19 @@ from refdem.kernels import repeated
 
 ENOUGH = 1e-14
 """An error that no refinement improves."""
-SHORT = 2e-3
-MOST_INNER = 15
+MIN_ROUND = 2e-3
 """Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would
 be seen; the median counts.
 """
-BRIEF = 1e-4
-MOST_REPEATS = 100
+MOST_INNER = 15
+"""Runs of a round at most: a median of 15 is steady, and more would only make the bench longer."""
+MIN_READING = 1e-4
 """Runs shorter than this [s] are repeated within one reading of the clock too, where the engine
 allows it, until they have taken as long: what Python does between two runs leaves caches cold,
-which would cost a run of a microsecond as much again."""
+which would cost a run of a microsecond as much again.
+"""
+MOST_REPEATS = 100
+"""Repeats within one reading at most: as many as MIN_READING asks of a run of a microsecond."""
 WORK = b"\0" * (1 << 20)
 Other = Callable[[int], float | None]
 
@@ -58,7 +61,7 @@ class Measured:
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""
-        found = []
+        points = []
         for level, errors in self.errors.items():
             shown = [errors[name] for name in names & errors.keys()]
             costs = self.rounds.get(level, [])
@@ -72,8 +75,8 @@ class Measured:
                 steps=self.first[level].steps,
                 beside=self.beside.get(level, []),
             )
-            found.append(point)
-        return found
+            points.append(point)
+        return points
 
 
 def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
@@ -83,7 +86,7 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
     last reason is the refusal.
     """
-    found = Measured(entrant)
+    measured = Measured(entrant)
     best = float("inf")
     risen = 0
     for level in entrant.levels:
@@ -91,11 +94,11 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
             trajectory, cost = entrant.run(level)
             errors = entrant.errors(trajectory, truth, level)
         except (RefdemError, ArithmeticError) as error:
-            found.refusal = str(error)
+            measured.refusal = str(error)
             continue
-        found.errors[level] = errors
-        found.first[level] = cost
-        found.rounds[level] = []
+        measured.errors[level] = errors
+        measured.first[level] = cost
+        measured.rounds[level] = []
         worst = max(errors.values())
         if worst < 0.7 * best:
             risen = 0
@@ -104,9 +107,9 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         best = min(best, worst)
         if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
             break
-    if found.errors:
-        found.refusal = ""
-    return found
+    if measured.errors:
+        measured.refusal = ""
+    return measured
 
 
 def interleaved(
@@ -163,11 +166,11 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
     """
     # 1e-7 s: what a clock does not resolve counts as so much.
     least = max(first, 1e-7)
-    if first > SHORT:
+    if first > MIN_ROUND:
         inner = 1
     else:
-        inner = min(MOST_INNER, int(SHORT / least) + 1)
-    repeats = min(MOST_REPEATS, int(BRIEF / least) + 1)
+        inner = min(MOST_INNER, int(MIN_ROUND / least) + 1)
+    repeats = min(MOST_REPEATS, int(MIN_READING / least) + 1)
     with repeated(repeats):
         costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)
     return costs[inner // 2]

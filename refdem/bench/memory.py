@@ -24,8 +24,8 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
     if not jobs or not RESET.exists():
         return [None] * len(jobs)
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        found: list[int | None] = pool.starmap(_peak, jobs, chunksize=1)
-    return found
+        bytes_lifted: list[int | None] = pool.starmap(_peak, jobs, chunksize=1)
+    return bytes_lifted
 
 
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:

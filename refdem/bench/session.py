@@ -92,14 +92,14 @@ class Bench:
         peers made for other scenes.
         """
         self.progress(f"{instance.label}: refining")
-        found = []
+        measured_methods = []
         for engine in engines:
             wanted = engine.chosen_methods(self.method)
-            found += self._entered(instance, engine, wanted, is_peer=False)
+            measured_methods += self._entered(instance, engine, wanted, is_peer=False)
         for peer in self._peers():
-            found += self._entered(instance, peer, peer.methods, is_peer=True)
-        able = [measured for measured in found if not measured.refusal]
-        refused = [measured for measured in found if measured.refusal]
+            measured_methods += self._entered(instance, peer, peer.methods, is_peer=True)
+        able = [measured for measured in measured_methods if not measured.refusal]
+        refused = [measured for measured in measured_methods if measured.refusal]
         truth = sampled_truth(instance, [measured.entrant for measured in able])
         known = [refined(measured.entrant, truth, longest=self.longest) for measured in able]
         return [*known, *refused]
@@ -111,7 +111,7 @@ class Bench:
         at, or why they do not run.
         """
         is_silent = is_peer or engine.is_reference
-        found = []
+        entrants = []
         for method in methods:
             if method.answers != instance.problem.kind:
                 continue
@@ -124,8 +124,8 @@ class Bench:
             if not refusal and not chosen:
                 refusal = f"more than {self.most_steps:g} steps"
             entrant = Entrant(instance, engine, method, chosen, is_peer)
-            found.append(Measured(entrant, refusal=refusal))
-        return found
+            entrants.append(Measured(entrant, refusal=refusal))
+        return entrants
 
     def _timed(self, everything: list[Measured]) -> list[float]:
         """All rounds, alone or in turns; the yardstick of each."""
@@ -203,7 +203,7 @@ class Bench:
         """Time against steps, and against the parameter asked for at the finest level."""
         entrant = measured.entrant
         level = next(reversed(measured.errors))
-        found = []
+        curves = []
         steps = []
         seconds = []
         for h, cost in measured.first.items():
@@ -211,7 +211,7 @@ class Bench:
                 steps.append(cost.steps)
                 seconds.append(precision.seconds_of(measured.rounds[h]))
         if entrant.method.control == "step" and len(steps) > 1:
-            found.append(precision.growth("steps", steps, seconds))
+            curves.append(precision.growth("steps", steps, seconds))
         for name, values in self.grow.items():
             sizes = []
             times = []
@@ -221,8 +221,8 @@ class Bench:
                     sizes.append(float(value))
                     times.append(time)
             if sizes:
-                found.append(precision.growth(name, sizes, times))
-        return found
+                curves.append(precision.growth(name, sizes, times))
+        return curves
 
     def _seconds_grown(
         self, entrant: Entrant, level: float, changed: Mapping[str, str]
@@ -288,13 +288,13 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
     return truth
 
 
-def _common(found: list[Measured]) -> set[str]:
+def _common(measured: list[Measured]) -> set[str]:
     """Names of the quantities that every run of an instance shows; all that any shows if there are
     none.
     """
     shown: list[set[str]] = []
-    for measured in found:
-        shown += [set(errors) for errors in measured.errors.values()]
+    for method in measured:
+        shown += [set(errors) for errors in method.errors.values()]
     if not shown:
         return set()
     return set.intersection(*shown) or set.union(*shown)

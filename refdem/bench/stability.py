@@ -8,9 +8,12 @@ from refdem.core.stability import BEYOND, excess, probe
 from refdem.errors import RefdemError
 
 FIRST = 1 / 8
+"""Shortest step tried, as a multiple of 2/omega: explicit methods of practice are stable there."""
 LAST = 16.0
-"""Multiples of 2/omega between which the limit is looked for."""
+"""Longest step tried, as a multiple of 2/omega: a method stable there counts as stable for all."""
 BISECTIONS = 12
+"""Halvings of the interval that holds the limit: 2^-12 of it is finer than the three digits shown.
+"""
 
 
 def stability_limit(entrant: Entrant) -> tuple[float | None, str]:

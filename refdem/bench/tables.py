@@ -40,20 +40,20 @@ def tables(record: BenchRecord, label: str) -> list[Table]:
         "largest stable step / (2/omega)",
     )
     refused = [(_name(curve), curve.refusal) for curve in curves if curve.refusal]
-    found = [
+    about_instance = [
         Table("Time to an error", timed, [_times(curve) for curve in able]),
         Table("Faster than the best peer by", ("method", *goals), _ratios(able)),
         Table("What else was seen", seen, [_more(curve) for curve in able]),
         Table("Not run", ("method", "reason"), refused),
     ]
-    return [table for table in found if table.rows]
+    return [table for table in about_instance if table.rows]
 
 
-def changes(found: Sequence[Change]) -> Table:
+def changes(compared: Sequence[Change]) -> Table:
     """A comparison of two records as a table: a row a curve that both have."""
     header = ("case", "method", "time now / then", "verdict", "error now / then, at most")
     rows = []
-    for change in found:
+    for change in compared:
         case, *method = change.key
         factor = f"{change.factor:.2f}"
         rows.append((case, " ".join(method), factor, change.verdict, two(change.error_factor)))
@@ -99,7 +99,7 @@ def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
     for curve in curves:
         if not curve.is_peer:
             pairs = zip(best, curve.reached, strict=True)
-            rows.append((_name(curve), *(_ratio(peer, own) for peer, own in pairs)))
+            rows.append((_name(curve), *(_ratio(peer, reach) for peer, reach in pairs)))
     return rows
 
 

@@ -264,7 +264,7 @@ class Certification:
             results |= self._kept(digests)
         missing = [job for job in jobs if job.key not in results]
         problems = []
-        made = 0
+        proved = 0
         with Schedule(self.jobs, LONGEST) as schedule:
             proofs = schedule.results(missing)
             for job, result in counted(proofs, "certify", len(missing), self.progress):
@@ -273,8 +273,8 @@ class Certification:
                 else:
                     self.store.put("certified", digests[job.key], result)
                     results[job.key] = result
-                    made += 1
-        return _Results(by_key=results, problems=tuple(problems), made=made)
+                    proved += 1
+        return _Results(by_key=results, problems=tuple(problems), made=proved)
 
     def _kept(self, digests: Mapping[Key, str]) -> dict[Key, bytes]:
         """The results that need no new proof: from the files of the folder first, then from the

@@ -22,6 +22,7 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 
 SAMPLES = 32
+"""Intervals of a clock probe: enough of them for a clock that rounds to miscount."""
 ROUND = (INTERVAL, 8)
 """An interval [s] whose eighth has one binary digit: every sum of such steps is exact."""
 ROUNDED = ((float.fromhex("0x1.004028744fae7p-5"), 10), (float.fromhex("0x1.0040f2b9de168p-5"), 10))

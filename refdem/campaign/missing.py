@@ -11,7 +11,7 @@ import msgspec
 
 from refdem.core.finding import DECIDED, Finding, Record
 
-SHOWN = 6
+MAX_NAMES = 6
 """Names of missing findings that a sentence has; it says how many more there are."""
 Place = tuple[str, str, str]
 """Label, engine and method: what a record is of."""
@@ -29,12 +29,12 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
     `owner` is who wants them, such as "the baseline". What follows from an error or a refusal is
     named in its sentence and makes no finding of its own.
     """
-    made: set[str] = set()
+    present: set[str] = set()
     for record in records:
-        made |= {record.id(finding) for finding in record.findings}
+        present |= {record.id(finding) for finding in record.findings}
     missing: dict[Place, list[str]] = {}
     for name in sorted(set(wanted)):
-        if name not in made:
+        if name not in present:
             place, check, quantity = parts(name)
             missing.setdefault(place, []).append(f"{check}/{quantity}")
     completed = []
@@ -151,11 +151,11 @@ def _counted(names: list[str]) -> str:
 
 def _named(names: list[str]) -> str:
     """The first few names, and how many more there are."""
-    if len(names) > SHOWN:
-        remainder = f" and {len(names) - SHOWN} more"
+    if len(names) > MAX_NAMES:
+        remainder = f" and {len(names) - MAX_NAMES} more"
     else:
         remainder = ""
-    return ", ".join(names[:SHOWN]) + remainder
+    return ", ".join(names[:MAX_NAMES]) + remainder
 
 
 def _capital(words: str) -> str:

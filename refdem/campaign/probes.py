@@ -25,8 +25,11 @@ Array = NDArray[np.float64]
 Expected = dict[str, Array]
 
 INTERVAL = 2.0**-5
+"""Interval between samples [s], a power of two: whole multiples of it are exact in binary64."""
 SAMPLES = 32
+"""Intervals of a probe; with INTERVAL it lasts 1 s, in which every probe moves by its own scale."""
 HALF = 0.5**0.5
+"""1/sqrt(2): cosine and sine of half a right angle, in the quaternion of a quarter turn."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -21,6 +21,7 @@ CHECK = "  "
 MORE = "      "
 """The indentation of a line that goes on with the quantities of the line above."""
 WIDTH = 120
+"""Characters of a line of the lists, which people read in diffs."""
 
 
 def held(

@@ -132,13 +132,13 @@ class Runner:
             equal.setdefault(request_of_task.key, []).append(request_of_task)
         read = self._read(equal)
         jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
-        made: dict[str, Answer] = {}
+        computed: dict[str, Answer] = {}
         results = self.schedule.results(jobs)
         for job, result in counted(results, stage, len(jobs), self.progress):
             answer = self._kept(job.key, result)
-            made[job.key] = answer
+            computed[job.key] = answer
             self.hangs.note(equal[job.key][0], answer[0].failure)
-        answers = read | made
+        answers = read | computed
         by_place = {
             request_of_task.place: self._run(
                 request_of_task,
@@ -147,7 +147,7 @@ class Runner:
             )
             for request_of_task in asked
         }
-        return Runs(by_place=by_place, made=len(made), read=len(read))
+        return Runs(by_place=by_place, made=len(computed), read=len(read))
 
     def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
         """The results that the store has of the runs with these keys."""

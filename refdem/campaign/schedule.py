@@ -29,6 +29,7 @@ READ_HERE = 25_000
 RUN = 250
 """Rows that take as long to read as all else that this process does for a run."""
 PR_SET_PDEATHSIG = 1
+"""Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
 

@@ -28,13 +28,20 @@ Array = NDArray[np.float64]
 STEP = INTERVAL / 128
 """[s]. First-order methods are then within 1 % on all probes, whose fastest rate is 20 /s."""
 TOLERANCE = 1e-8
+"""Relative tolerance of methods that control their error: far below BOUND for all of them."""
 BOUND = 0.02
+"""Largest error of a probe in units of its scale: twice the 1 % of first-order methods (STEP), a
+fifth of what BASIS says of a wrong convention.
+"""
 BASIS = (
     "a wrong unit, sign, axis or order changes a probe by more than a tenth"
     " of its scale; truncation error of the method changes it by less than 1"
     " %"
 )
 START_BOUND = 1e-12
+"""Largest error of the first sample in units of its scale, for a method in binary64: a few
+thousand roundings, where a conversion (START_BASIS) takes a few.
+"""
 CLOCK_BASIS = (
     "samples are whole multiples of dyadic steps, so a clock that sums the"
     " steps makes at most a few thousand roundings"

@@ -68,7 +68,8 @@ def sampled_truths(
         os.ftruncate(counts_file.fileno(), worker.COUNT_BYTES * len(missing))
         path = f"/proc/{os.getpid()}/fd/{counts_file.fileno()}"
         jobs = [
-            _job(key, *asked, told=(path, row)) for row, (key, asked) in enumerate(missing.items())
+            _job(key, *asked, counter=(path, row))
+            for row, (key, asked) in enumerate(missing.items())
         ]
         for job, result in counted(schedule.results(jobs), "truths", len(jobs), progress):
             if isinstance(result, Failure):
@@ -108,10 +109,11 @@ def _job(
     instance: Instance,
     delays: tuple[float, ...],
     most: int | None = None,
-    told: tuple[str, int] | None = None,
+    counter: tuple[str, int] | None = None,
 ) -> Job:
-    """The proof of an instance, or of its first `most` samples; `told` is where it counts them."""
-    arguments = (instance.case.id, instance.p.given, delays, most, told)
+    """The proof of an instance, or of its first `most` samples; `counter` is where it counts them.
+    """
+    arguments = (instance.case.id, instance.p.given, delays, most, counter)
     return Job(key, worker.sampled_truth, arguments, computes=True)
 
 

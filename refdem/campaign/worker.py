@@ -43,13 +43,13 @@ def sampled_truth(
     given: dict[str, str],
     delays: tuple[float, ...] = (),
     most: int | None = None,
-    told: tuple[str, int] | None = None,
+    counter: tuple[str, int] | None = None,
 ) -> bytes:
     """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
     SampledTruth.
 
     until = 0 and a reason if nothing is certified. `most` limits the number of samples, without
-    scalars then. `told` is (path, row) of a file into which the number of certified samples is
+    scalars then. `counter` is (path, row) of a file into which the number of certified samples is
     written as the proof goes on, for the case that this process is killed.
     """
     from refdem.truth.balls import UndecidedError
@@ -60,8 +60,8 @@ def sampled_truth(
     proof = instance.truth()
     try:
         with contextlib.ExitStack() as stack:
-            if told:
-                stack.enter_context(telling(proof, *told))
+            if counter:
+                stack.enter_context(telling(proof, *counter))
             if most is not None:
                 # Scalars may depend on an end that the proof did not reach.
                 vars(proof)["scalars"] = dict[str, Ball]

@@ -26,6 +26,7 @@ HEAD = (
 )
 """Corners (a, b), counter-clockwise, in sixteenths of `size`: cheeks, ears, chin."""
 SIXTEEN = 16
+"""Denominator of the coordinates of HEAD: sixteenths are exact in binary64."""
 
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:

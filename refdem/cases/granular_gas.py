@@ -18,6 +18,7 @@ from refdem.scene import Scene
 Array = NDArray[np.float64]
 
 MASS = 1.0
+"""Mass of a sphere [kg]. Cooling and collisions do not depend on it: it cancels."""
 HARD = 1 / 64
 """Duration of a contact in units of the time in which a body flies its diameter at thermal
 speed.

@@ -16,7 +16,7 @@ from refdem.core.judgement import growth_shown, judged, order_statement, perturb
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
-FURTHER = 2.0
+ORDER_TOLERANCE_FACTOR = 2.0
 """Factor on the tolerance of an observed order: successive changes converge as errors do one level
 coarser, so their order deviates twice as much.
 """
@@ -84,7 +84,7 @@ class Convergence(Check):
         else:
             observed = float(order)
         deficit = max(0.0, order - observed)
-        tolerance = FURTHER * max(0.15, 0.05 * order)
+        tolerance = ORDER_TOLERANCE_FACTOR * max(0.15, 0.05 * order)
         if kinked(subject.instance) and order - observed > tolerance:
             return [self._within(subject, fine, growth, observed)]
         return [

@@ -14,6 +14,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 DENSER = 4
+"""Factor of the number of samples in the run with denser output."""
 
 
 class Determinism(Check):

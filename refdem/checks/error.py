@@ -12,7 +12,7 @@ from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
 from refdem.core.judgement import (
     MIXED,
-    ROOM,
+    PREDICTION_FACTOR,
     Array,
     Sight,
     certified,
@@ -189,8 +189,8 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     units of the scales; None if unknown.
 
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
-    most ROOM times that change over 2^p - 1, whatever C is. Where terms of the last change cancel,
-    2^-p times the change before may be larger, and is taken.
+    most PREDICTION_FACTOR times that change over 2^p - 1, whatever C is. Where terms of the last
+    change cancel, 2^-p times the change before may be larger, and is taken.
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, and what a
@@ -233,7 +233,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = safety * change + rounding
     if may_straddle:
-        allowed = allowed + ROOM * (_kink_rate(instance, fine, count) * subject.levels[-1])
+        allowed = allowed + PREDICTION_FACTOR * (
+            _kink_rate(instance, fine, count) * subject.levels[-1]
+        )
     return allowed
 
 

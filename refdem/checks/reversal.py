@@ -13,7 +13,7 @@ import numpy as np
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
-    ROOM,
+    PREDICTION_FACTOR,
     certified,
     judged,
     largest_so_far,
@@ -27,7 +27,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 
-FURTHER = 4
+MAX_RETURN_HALVINGS = 4
 """Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
 motion may be predictable forward and not back.
 """
@@ -199,7 +199,7 @@ def _extrapolated_defect(
     coarse = _defect(subject, runs[Variant(subject.levels[-2], "reversed")].trajectory, "reversed")
     order = subject.order
     octaves = math.log2(subject.levels[-2] / level)
-    of_order: float = ROOM * coarse / 2.0 ** (order * octaves)
+    of_order: float = PREDICTION_FACTOR * coarse / 2.0 ** (order * octaves)
     return of_order + COUNTING_FLOOR * subject.noise(level) * growth
 
 
@@ -276,7 +276,7 @@ def _defect_from_observed_error(
     ):
         return math.inf
     if subject.method.control == "tolerance":
-        safety = ROOM
+        safety = PREDICTION_FACTOR
     else:
         safety = room_of(subject)
     run = runs[Variant(compared_level)].trajectory
@@ -301,8 +301,8 @@ def _compared_level(subject: Subject, level: float) -> float:
 
 
 def _judged_level(subject: Subject) -> float:
-    """The level that is judged: the finest h, or the first of h/2, h/4, ..., h/2^FURTHER at which
-    the way back is predictable.
+    """The level that is judged: the finest h, or the first of h/2, h/4, ...,
+    h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
 
     It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
     scale. Where it is so at none of these levels the finest is taken, and nothing is decided.
@@ -310,7 +310,7 @@ def _judged_level(subject: Subject) -> float:
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
         return finest
-    finer = (finest / 2**k for k in range(FURTHER + 1))
+    finer = (finest / 2**k for k in range(MAX_RETURN_HALVINGS + 1))
     return next((level for level in finer if _claimed_defect(subject, level) <= HORIZON), finest)
 
 

@@ -15,7 +15,7 @@ from refdem.core.finding import Finding
 from refdem.core.judgement import (
     MORE,
     PERTURBED,
-    ROOM,
+    PREDICTION_FACTOR,
     certified,
     distances,
     followed,
@@ -391,7 +391,7 @@ def _difference_of_step_choices(
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
     observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
-    bound: Array = ROOM * observed + _many_roundings(subject, picture) * growth
+    bound: Array = PREDICTION_FACTOR * observed + _many_roundings(subject, picture) * growth
     return bound
 
 

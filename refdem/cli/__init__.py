@@ -18,6 +18,7 @@ UNREAD = 141
 check failed".
 """
 BAD_INPUT = 2
+"""Exit status where the input is wrong, as of argparse."""
 BROKEN = 70
 """refdem itself broke (EX_SOFTWARE of sysexits.h): no verdict on anything."""
 ENDING = ("SIGTERM", "SIGHUP")

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from refdem.core.trajectory import Trajectory
     from refdem.faults.twins import Diagnosis, Twin
 
-SHOWN = 5
+MAX_TWINS = 5
+"""Nearest twins that are printed: those beyond differ from the run by far more."""
 
 
 def command(
@@ -58,7 +59,7 @@ def command(
     else:
         resolution = "exact"
     print(f"{record}, {resolution}: {result.sentence()}")
-    for twin in result.twins[:SHOWN]:
+    for twin in result.twins[:MAX_TWINS]:
         print(f"  {twin.digits:5.1f} digits  {twin.behaviour}, step {twin.step:.3g} s")
 
 

@@ -17,6 +17,7 @@ LOOK = 0.5
 """Seconds between looks at how much work has been done."""
 
 DAY = 86400.0
+"""Seconds of a day."""
 
 
 def rounded(seconds: float) -> str:

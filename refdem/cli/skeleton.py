@@ -13,6 +13,7 @@ TEMPLATES = Path(__file__).parent / "templates" / "new"
 LONGEST = 24
 """Characters of a name: lines of the templates that hold one then stay within 100 columns."""
 COLUMNS = 100
+"""Columns of a line of code, as pyproject.toml sets them for ruff."""
 MARKS = ("pyproject.toml", "meson.build", "refdem/cases", "refdem/kernels", "tests")
 """What the root of refdem's own tree has, and hardly anything else."""
 ARGUMENTS = (

@@ -18,7 +18,8 @@ from refdem.core.finding import (
 )
 from refdem.core.outside import one_line
 
-SHOWN = 20
+MAX_FINDINGS = 20
+"""Findings that are printed, the worst: a screen of them."""
 VOID = 2
 """Exit status where nothing was judged: what was asked for cannot be judged, which is neither a
 pass nor a failure.
@@ -49,10 +50,10 @@ def lines(sheets: list[Sheet]) -> list[str]:
     shown = [
         f"{finding.outcome.upper():6} {one_line(record.id(finding))}\n      "
         f" {one_line(finding.sentence)}"
-        for record, finding in worst[:SHOWN]
+        for record, finding in worst[:MAX_FINDINGS]
     ]
-    if len(worst) > SHOWN:
-        shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")
+    if len(worst) > MAX_FINDINGS:
+        shown.append(f"       ... and {len(worst) - MAX_FINDINGS} more; the report has them all")
     shown += unjudged(sheets)
     counts = Counter[str](finding.outcome for _, finding in every)
     shown.append(
@@ -95,8 +96,8 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
         one_line(f"{label}/{engine} ({', '.join(methods)}): {says}")
         for (label, engine, says), methods in reasons.items()
     ]
-    if len(told) > SHOWN:
-        more = [f"... and {len(told) - SHOWN} more reasons; the report has them all"]
+    if len(told) > MAX_FINDINGS:
+        more = [f"... and {len(told) - MAX_FINDINGS} more reasons; the report has them all"]
     else:
         more = []
-    return told[:SHOWN] + more
+    return told[:MAX_FINDINGS] + more

@@ -21,6 +21,7 @@ from refdem.scene import Scene
 Array = NDArray[np.float64]
 
 SHORTEST = 1e-6
+"""Least duration in units of tau: in a shorter one nothing moves by more than round-off shows."""
 LONGEST = 1e12
 """A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter
 turns the phase by 1e-4.

@@ -12,6 +12,7 @@ from refdem.errors import UsageError
 
 Array = NDArray[np.float64]
 GREY = -1
+"""Ink of what is neither data nor a claim; colours count from 0."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

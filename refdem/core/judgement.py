@@ -39,18 +39,21 @@ MOST_POINTS = 256
 
 ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 """The quantities that are compared together as one rotation."""
-ROOM = 4.0
+PREDICTION_FACTOR = 4.0
 """Factor by which an error may exceed what its order predicts from another step. A pair of steps
-shows an error to within a few per cent where it falls with order p; with ROOM a motion passes whose
-last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
-ROOM_OF_KINKS = 64.0
-"""ROOM where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike
-to 1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
+shows an error to within a few per cent where it falls with order p; with PREDICTION_FACTOR a motion
+passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4.
+"""
+KINK_PREDICTION_FACTOR = 64.0
+"""PREDICTION_FACTOR where kinks scatter the error: two steps whose errors are alike to 1/64 by
+chance, and alike to 1/64 of 2^p to those of the step before, are one in ten thousand if the scatter
+is an octave.
+"""
 ROOM_OF_CUTS = 16.0
 """The same of a method that cuts its steps at kinks: there only the length of the last part of a
 cut step is random.
 """
-SHARP = 0.1
+MAX_BOUND_TO_SIGNAL = 0.1
 """A bound above this part of the signal decides nothing: a body that never moves would pass it."""
 
 
@@ -75,7 +78,7 @@ class Sight:
     @property
     def is_blind(self) -> bool:
         """The bound is above a tenth of the signal."""
-        return self.bound > SHARP * self.signal > 0
+        return self.bound > MAX_BOUND_TO_SIGNAL * self.signal > 0
 
 
 def sharpest(bounds: Array, signal: Array) -> Sight:
@@ -409,13 +412,13 @@ def largest_so_far(subject: Subject, level: float, run: Trajectory, truth: Sampl
 def room_of(subject: Subject) -> float:
     """Factor by which an error may exceed what its order predicts from another step.
 
-    It is ROOM, and more where kinks scatter the errors.
+    It is PREDICTION_FACTOR, and more where kinks scatter the errors.
     """
     if not kinked(subject.instance):
-        return ROOM
+        return PREDICTION_FACTOR
     if subject.method.locates_events:
         return ROOM_OF_CUTS
-    return ROOM_OF_KINKS
+    return KINK_PREDICTION_FACTOR
 
 
 def signed(subject: Subject, run: Trajectory, truth: SampledTruth, count: int) -> Array:
@@ -461,9 +464,9 @@ def left_at_finest(subject: Subject, coarse: Array) -> float:
     """Largest error at the finest level that the order predicts from the errors (T,) at the
     coarsest level `coarse`; infinite if it predicts nothing.
 
-    An error C h^p falls by 2^-p with every halving of the step; the prediction is ROOM times that,
-    because terms of higher order still count. It predicts nothing where kinks scatter C from step
-    to step. Round-off, which does not fall, is the caller's to add.
+    An error C h^p falls by 2^-p with every halving of the step; the prediction is PREDICTION_FACTOR
+    times that, because terms of higher order still count. It predicts nothing where kinks scatter C
+    from step to step. Round-off, which does not fall, is the caller's to add.
     """
     if (
         subject.method.control != "step"
@@ -473,7 +476,7 @@ def left_at_finest(subject: Subject, coarse: Array) -> float:
         return float(np.inf)
     order = subject.order
     octaves = float(np.log2(subject.levels[0] / subject.levels[-1]))
-    return float(ROOM * np.max(coarse) / 2.0 ** (order * octaves))
+    return float(PREDICTION_FACTOR * np.max(coarse) / 2.0 ** (order * octaves))
 
 
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:

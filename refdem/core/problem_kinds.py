@@ -23,10 +23,11 @@ LATEST = 1e250
 FIT = 1e-10
 """A tenth of the relative error that the length of a rod or string may have at the start."""
 DENSE = 128
-PER_OCTAVE = 8
-"""An iteration is sampled at every iterate up to DENSE, then PER_OCTAVE times in each octave, and
-at its last.
+"""An iteration is sampled at every iterate up to this one: errors of a chaotic map grow from
+round-off to the size of the map within it.
 """
+PER_OCTAVE = 8
+"""Samples in each octave of iterates after DENSE, and one at the last iterate."""
 
 
 class Problem(ABC):

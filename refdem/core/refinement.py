@@ -67,7 +67,7 @@ What a step that holds a kink adds is h^p times a polynomial in the place of the
 step, which is as good as random. Measured: 0.9 for velocity Verlet across a field with two edges,
 18 steps.
 """
-FURTHER = 2
+KINK_HALVINGS = 2
 """Halvings of the finest step for the order of a motion with kinks: a mean over five octaves tells
 orders apart that pairs do not.
 """
@@ -221,12 +221,12 @@ def kinked(instance: Instance) -> bool:
 
 
 def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, ...]:
-    """The levels from which an order is read: with kinks, FURTHER halvings of the finest as
+    """The levels from which an order is read: with kinks, KINK_HALVINGS halvings of the finest as
     well.
     """
     if not levels or not kinked(instance):
         return tuple(levels)
-    finer = (levels[-1] / 2**k for k in range(1, FURTHER + 1))
+    finer = (levels[-1] / 2**k for k in range(1, KINK_HALVINGS + 1))
     return (*levels, *finer)
 
 

@@ -21,8 +21,11 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.wedge import Wedge
 
 JUMP = 0.0
+"""Exponent of a force that jumps at a place: |s|^0."""
 KINK = 1.0
+"""Exponent of a force whose first derivative jumps: |s|."""
 SQUARE = 2.0
+"""Exponent of a force whose second derivative jumps: |s| s."""
 
 
 class Singularity(NamedTuple):

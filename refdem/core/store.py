@@ -26,6 +26,8 @@ from refdem.errors import RefdemError
 T = TypeVar("T")
 
 FORMAT = 2
+"""Version of the format of the file, which grows with every change that older readers cannot read.
+"""
 MOST = 250_000_000
 """Bytes of an entry, at most; SQLite takes 1e9."""
 PATIENCE = 30.0

@@ -24,6 +24,9 @@ STATES = len(COLUMNS)
 POINT = ["1", "0", "0", "0", "0", "0", "0"]
 """Attitude and omega of a body whose columns for them are empty: it does not rotate."""
 MOST_EVENTS = 1_000_000
+"""Rows of an events file that are read: a program that writes more has a defect, and would fill the
+memory.
+"""
 
 
 def read_trajectory(

@@ -39,10 +39,10 @@ class Reference(Engine):
             for path in FOLDER.glob("*.py")
             if not path.stem.startswith("_") and path.stem != "solver"
         )
-        found: list[Solver] = [import_module(f"refdem.solvers.{name}").METHOD for name in names]
+        solvers: list[Solver] = [import_module(f"refdem.solvers.{name}").METHOD for name in names]
         return {
             s.claims.name: s
-            for s in sorted(found, key=lambda s: (s.claims.cost_rank, s.claims.name))
+            for s in sorted(solvers, key=lambda s: (s.claims.cost_rank, s.claims.name))
         }
 
     @cached_property

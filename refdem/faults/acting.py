@@ -21,8 +21,8 @@ MEMORY = "fresh"
 
 def listening(heard: set[str]) -> Parts:
     """The sound parts; each notes its name when it is called."""
-    found: Parts = _listening(SOUND, "", heard)
-    return found
+    noting: Parts = _listening(SOUND, "", heard)
+    return noting
 
 
 def _listening(parts: Any, prefix: str, heard: set[str]) -> Any:

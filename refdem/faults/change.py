@@ -185,8 +185,8 @@ def of_pace(pace: float, *names: str) -> Inside:
     return lambda p: {name: longer(getattr(p, name)) for name in names}
 
 
-def rounded(found: Any) -> Any:
+def rounded(value: Any) -> Any:
     """A number, or a tuple of numbers, that went through single precision."""
-    if isinstance(found, tuple):
-        return tuple(float(np.float32(x)) for x in found)
-    return float(np.float32(found))
+    if isinstance(value, tuple):
+        return tuple(float(np.float32(x)) for x in value)
+    return float(np.float32(value))

@@ -14,6 +14,9 @@ from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
 
 MOST_EVENTS = 8
+"""Changes of mode in one step. More in one step mean that the modes flip without end, as with a
+faulty rule; the rest of the step is then made without events.
+"""
 
 
 def touch(m: Moving) -> float:
@@ -24,13 +27,14 @@ def touch(m: Moving) -> float:
 
 
 def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number]:
-    """What a contact's modes hang on: positive while it acts, while it presses; and the rate of its
-    overlap.
+    """The guards of a contact's modes, and the rate of its overlap [m/s]: the first is positive
+    while the contact acts, the second, its normal force [N], while it presses.
     """
     _, depth, rate, _ = meeting(m.world, state, m.parts, number)
     push = m.parts.normal_force(m.world.law, depth, rate)
     acts = m.parts.presses(m.world.law, depth, push)
     if m.world.corners[number] is not None:
+        # A corner parts at zero overlap at the latest, whatever the cutoff.
         acts = min(acts, m.world.law.stiffness * depth)
     return acts, push, rate
 
@@ -46,12 +50,15 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
         radii = m.world.radius[i]
         if j >= 0:
             radii = radii + m.world.radius[j]
-        reach = radii * touch(m)
+        # A guard this near to 0 is a touch: in m, or in N where the guard is a force.
+        tolerance = radii * touch(m)
         if m.world.law.cutoff == "zero_force":
-            reach = reach * m.world.law.stiffness
-        state.acting[number] = state.pressing[number] = bool(
-            acts > reach or (acts > -reach and rate * h > 0)
-        )
+            tolerance = tolerance * m.world.law.stiffness
+        closes = rate * h > 0
+        is_acting = bool(acts > tolerance or (acts > -tolerance and closes))
+        state.acting[number] = is_acting
+        state.pressing[number] = is_acting
+        # Without a force to press, any slip is beyond Coulomb's limit.
         if state.acting[number] and push <= m.world.law.stiffness * m.world.radius[i] * touch(m):
             state.sliding[number] = slides(
                 m, state, m.parts.loads(m.world, state, m.parts), number, h
@@ -77,7 +84,11 @@ def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
 
 
 def pull_along(m: Moving, state: State, number: int) -> Number:
-    """The force [N] along a slider's axis of all else, where it does not slip."""
+    """The force [N] along a slider's axis of all else, where it does not slip.
+
+    A slider at rest would balance whatever pulls it; one that slips adds a known friction. So the
+    loads are taken as if it slipped, less that friction.
+    """
     slider = m.world.sliders[number]
     subject = state.copy()
     subject.side[number] = 1
@@ -152,7 +163,12 @@ def slide_margin(
 ) -> Number:
     """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
-        return limit_excess_rate(m, after, load, number, h) or -positional.TINY
+        # It slides on while the limit would be exceeded; exactly 0 counts as below 0, and sticks.
+        excess_rate = limit_excess_rate(m, after, load, number, h)
+        if excess_rate == 0:
+            return -positional.TINY
+        return excess_rate
+    # It sticks on while k_t |xi| <= mu F_n.
     law = m.world.law
     return law.friction * push - law.tangential_stiffness * vec.size(load.stretch[number])
 
@@ -163,38 +179,54 @@ Change = tuple[str, int]
 def margins(
     m: Moving, before: State, after: State, load: Loads, h: Number
 ) -> list[tuple[Number, Change]]:
-    """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
-    found: list[tuple[Number, Change]] = []
+    """The guard of every mode at the end of a step, each with the change of mode it stands for.
+
+    A guard below 0 says that the mode of the step's begin does not fit any more.
+    """
+    pairs = range(len(m.world.pairs))
     if m.world.is_rigid:
-        for number in range(len(m.world.pairs)):
-            found.append((impacts.margin(m, after, number, h), ("impact", number)))
-        return found
-    for number in range(len(m.world.pairs)):
-        acts, push, _ = values(m, after, number)
-        if before.acting[number]:
-            margin = acts
-        else:
-            margin = -acts
-        found.append((margin, ("contact", number)))
-        if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
-            continue
-        if before.pressing[number]:
-            margin = push
-        else:
-            margin = -push or -positional.TINY
-        found.append((margin, ("press", number)))
-        if margin >= 0 and has_spring(m, before, number):
-            found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+        return [(impacts.margin(m, after, number, h), ("impact", number)) for number in pairs]
+    margins_found: list[tuple[Number, Change]] = []
+    for number in pairs:
+        margins_found += _contact_margins(m, before, after, load, number, h)
     if m.world.hooks:
-        found += holding.margins(m.world, before, after, h)
+        margins_found += holding.margins(m.world, before, after, h)
     if m.world.tents or m.world.walls:
-        found += positional.margins(m.world, before, after, m.parts, h)
-    return found + _stop_margins(m, before, after)
+        margins_found += positional.margins(m.world, before, after, m.parts, h)
+    return margins_found + _stop_margins(m, before, after)
+
+
+def _contact_margins(
+    m: Moving, before: State, after: State, load: Loads, number: int, h: Number
+) -> list[tuple[Number, Change]]:
+    """The guards of a pair: it parts (contact), it ceases to press (press), its tangential spring
+    comes to its limit or leaves it (slide).
+    """
+    acts, push, _ = values(m, after, number)
+    if before.acting[number]:
+        margin = acts
+    else:
+        margin = -acts
+    guards: list[tuple[Number, Change]] = [(margin, ("contact", number))]
+    # "press" and "slide" mean nothing for a pair that parts, does not act, or has no friction.
+    if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
+        return guards
+    if before.pressing[number]:
+        margin = push
+    else:
+        # 0 counts as below 0: a force of exactly 0 begins to press.
+        margin = -push
+        if margin == 0:
+            margin = -positional.TINY
+    guards.append((margin, ("press", number)))
+    if margin >= 0 and has_spring(m, before, number):
+        guards.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+    return guards
 
 
 def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, Change]]:
     """How far every slider is from its stop, and from letting go."""
-    found: list[tuple[Number, Change]] = []
+    margins_found: list[tuple[Number, Change]] = []
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
         if side != 0:
@@ -203,13 +235,13 @@ def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, 
             margin = 1.0
         else:
             margin = -1.0
-        found.append((margin, ("stop", number)))
-    return found
+        margins_found.append((margin, ("stop", number)))
+    return margins_found
 
 
-def least(found: list[tuple[Number, Change]]) -> Number:
+def least(margins_found: list[tuple[Number, Change]]) -> Number:
     """The smallest of all margins."""
-    return min((margin for margin, _ in found), default=1.0)
+    return min((margin for margin, _ in margins_found), default=1.0)
 
 
 def _meet_or_part(m: Moving, state: State, number: int) -> None:
@@ -227,11 +259,12 @@ def _meet_or_part(m: Moving, state: State, number: int) -> None:
     state.stretch[number] = ZERO
     state.sliding[number] = False
     body, _ = m.world.pairs[number]
-    m.told.append((state.t, kind, body))
+    m.events.append((state.t, kind, body))
 
 
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
-    """Makes one change of mode."""
+    """Makes one change of mode in `state`: its kind and the number of pair, hook, field or slider.
+    """
     kind, number = change
     if kind == "contact":
         _meet_or_part(m, state, number)
@@ -249,19 +282,21 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
         state.pressing[number] = not state.pressing[number]
         state.stretch[number] = ZERO
     else:
+        # "stop": the slip along the axis is exactly 0, and the next side is what pulls it.
         slider = m.world.sliders[number]
         v = state.v[slider.a]
         state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
         before = state.side[number]
         state.side[number] = m.parts.side_of(m, state, number, 0.0)
         if not before:
-            m.told.append((state.t, "slip", slider.a))
+            m.events.append((state.t, "slip", slider.a))
         elif not state.side[number]:
-            m.told.append((state.t, "stick", slider.a))
+            m.events.append((state.t, "stick", slider.a))
 
 
 def held(world: World, depth: Number) -> Number:
     """What the normal spring holds [J]; lost if the contact ends while the bodies still overlap."""
+    # k d^(n+1)/(n+1), the work against k d^n.
     power = world.law.exponent + 1
     if depth > 0:
         return world.law.stiffness * depth**power / power
@@ -269,18 +304,23 @@ def held(world: World, depth: Number) -> Number:
 
 
 def advance(m: Moving, step: Step, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """One step of h, in pieces between changes of mode."""
+    """One step of h [s], in pieces between changes of mode: the state and its loads at the end.
+
+    A trial step over the rest of h is accepted if all modes of its begin still fit at its end.
+    Otherwise it is cut where the first of them has just ceased to fit, and that mode is changed.
+    """
     if m.world.is_smooth:
         return step(m, state, load, h)
     left = h
     for _ in range(MOST_EVENTS):
         after, load_after = step(m, state, load, left)
-        found = margins(m, state, after, load_after, left)
-        if least(found) >= 0:
+        margins_found = margins(m, state, after, load_after, left)
+        if least(margins_found) >= 0:
             return after, load_after
-        part, after, found = _cut(m, step, state, load, left, (after, found))
+        # `part` in [0, 1] is the part of the rest at which the mode ends.
+        part, after, margins_found = _cut(m, step, state, load, left, (after, margins_found))
         after = after.copy()
-        for margin, change in found:
+        for margin, change in margins_found:
             if margin < 0:
                 changed(m, after, change)
         state = after
@@ -301,10 +341,10 @@ def _cut(
 
     def margin(part: float) -> float:
         subject, load_trial = step(m, state, load, part * h)
-        found = margins(m, state, subject, load_trial, h)
-        if least(found) < 0:
-            kept[0] = subject, found
-        return float(least(found))
+        margins_found = margins(m, state, subject, load_trial, h)
+        if least(margins_found) < 0:
+            kept[0] = subject, margins_found
+        return float(least(margins_found))
 
     if m.world.number is float:
         resolution = 2.0**-53

@@ -54,11 +54,11 @@ def windows(defect: Array) -> list[int]:
         count = max(3, int(shown[0]) + 2)
     else:
         count = whole
-    found = []
+    counts = []
     while count < whole:
-        found.append(count)
+        counts.append(count)
         count *= 2
-    return [*found, whole]
+    return [*counts, whole]
 
 
 def amplitude(difference: Difference, counts: list[int]) -> float | None:
@@ -84,12 +84,12 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
     return found
 
 
-def _explains(difference: Difference, count: int, found: float) -> bool:
+def _explains(difference: Difference, count: int, amplitude: float) -> bool:
     """Whether the amplitude leaves little of the defect over so many samples: what does not is not
     followed to the end of the run.
     """
     plain = difference(0.0, count)
-    left = difference(found, count)
+    left = difference(amplitude, count)
     if plain is None or left is None:
         return False
     return float(np.linalg.norm(left)) <= UNEXPLAINED * float(np.linalg.norm(plain))

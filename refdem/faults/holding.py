@@ -14,6 +14,9 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 
 SWEEPS = 60
+"""Sweeps over the rods and strings at most. Rods that share a body disturb each other, so that one
+sweep holds them to a part only; a chain of a few rods ends at ENOUGH long before.
+"""
 ENOUGH = {True: 2e-16, False: 1e-7}
 """What a sweep in double (True) or single precision may leave, relative to lengths and speeds."""
 NEAR = {True: 1e-9, False: 1e-5}
@@ -54,13 +57,13 @@ SOUND_HOLDING = HoldingParts(
 )
 
 
-def turned_at_joints(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def turned_at_joints(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds what the forces on bodies on joints do about their joints."""
     for joint in world.joints:
         i = joint.a
         arm = vec.times(-1.0, parts.to_space(state.q[i], joint.anchor_a))
-        torque = parts.holding.tip_torque(arm, found.force[i])
-        found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
+        torque = parts.holding.tip_torque(arm, total.force[i])
+        total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
 def follow(m: Moving, state: State) -> State:
@@ -107,18 +110,18 @@ def _pull(m: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> N
 
 def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
     """The two bodies of a string, their directions from the wheel and their distances."""
-    found = []
+    sides = []
     for i in (string.a, string.b):
-        away = vec.minus(r[i], string.centre)
-        distance = vec.size(away)
-        found.append((i, vec.times(1.0 / distance, away), distance))
-    return found
+        branch = vec.minus(r[i], string.centre)
+        distance = vec.size(branch)
+        sides.append((i, vec.times(1.0 / distance, branch), distance))
+    return sides
 
 
 def _haul(m: Moving, state: State, sides: list[tuple[int, Vector, Number]], amount: Number) -> None:
     """The string pulls both bodies to the wheel by an impulse [N s]."""
-    for i, away, _ in sides:
-        state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], away)
+    for i, direction, _ in sides:
+        state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], direction)
 
 
 def _hold_string(
@@ -181,7 +184,7 @@ def hold_speed(m: Moving, state: State) -> State:
             break
     for string in m.world.strings:
         sides = _sides(string, state.r)
-        out_a, out_b = (vec.dot(state.v[i], away) for i, away, _ in sides)
+        out_a, out_b = (vec.dot(state.v[i], direction) for i, direction, _ in sides)
         speed = m.parts.holding.string_speed(string, out_a, out_b)
         _haul(m, state, sides, speed / sum(1.0 / m.world.mass[i] for i, _, _ in sides))
     return follow(m, state)
@@ -190,25 +193,25 @@ def hold_speed(m: Moving, state: State) -> State:
 def rod_forces(m: Moving, state: State) -> list[Number]:
     """Force [N] in every rod that ends at the world."""
     load = m.parts.loads(m.world, state, m.parts)
-    found = []
+    forces = []
     for rod in m.world.rods:
         apart, relative, ease = _ends(m, rod, state)
         pull = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
-        found.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
-    return found
+        forces.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
+    return forces
 
 
 def margins(
     world: World, before: State, after: State, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
     """How far bodies are from closest approach to the hooks that may catch them."""
-    found = []
+    distances = []
     for number, hook in enumerate(world.hooks):
         was = _leaving(hook, before) * h
         now = _leaving(hook, after) * h
         if before.caught[number] is None and was < 0:
-            found.append((-now, ("catch", number)))
-    return found
+            distances.append((-now, ("catch", number)))
+    return distances
 
 
 def _leaving(hook: Catch, state: State) -> Number:

@@ -12,21 +12,23 @@ from refdem.faults.vectors import Number, Vector
 from refdem.scene.elements.contact import Contact
 
 
-def normal_impulse(law: Contact, ease: Number, closing: Number) -> Number:
-    """p = (1 + e) c/(1/m_i + 1/m_j) [N s]; `ease` is 1/m_i + 1/m_j."""
-    return (1 + law.restitution) * closing / ease
+def normal_impulse(law: Contact, inverse_mass: Number, closing: Number) -> Number:
+    """p = (1 + e) c/(1/m_i + 1/m_j) [N s]; `inverse_mass` is 1/m_i + 1/m_j."""
+    return (1 + law.restitution) * closing / inverse_mass
 
 
-def tangential_ease(ease: Number, turn_i: Number, turn_j: Number) -> Number:
-    """1/m_t = 1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j [1/kg]."""
-    return ease + turn_i + turn_j
+def tangential_ease(inverse_mass: Number, turn_i: Number, turn_j: Number) -> Number:
+    """1/m_t = 1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j [1/kg]; `turn_i` is R_i^2/J_i."""
+    return inverse_mass + turn_i + turn_j
 
 
-def tangential_impulse(law: Contact, ease: Number, slip: Vector, pressing: Number) -> Vector:
+def tangential_impulse(
+    law: Contact, inverse_mass: Number, slip: Vector, pressing: Number
+) -> Vector:
     """The impulse [N s] on body i across the normal: (1 + b) m_t |s| against the slip, at most mu
-    p.
+    p. `inverse_mass` is 1/m_t, `pressing` p.
     """
-    factor = (1 + law.slip_restitution) / ease
+    factor = (1 + law.slip_restitution) / inverse_mass
     speed = vec.size(slip)
     limit = law.friction * pressing
     if factor * speed > limit:
@@ -59,30 +61,36 @@ def margin(m: Moving, state: State, number: int, h: Number) -> Number:
 
 
 def struck(m: Moving, state: State, number: int) -> None:
-    """Makes the impact of one pair: velocities, spins and the energy lost."""
+    """Makes the impact of pair `number`: changes velocities and spins, and adds the energy lost.
+
+    Body i gets the impulse P = -p n - k s, body j its reaction; the slip is s = v - (v . n) n +
+    (R_i omega_i + R_j omega_j) x n. A plane (j < 0) does not move.
+    """
     parts = m.parts
     world = m.world
     law = world.law
     i, j = world.pairs[number]
     normal, _, closing, relative = meeting(world, state, parts, number)
-    ease = 1 / world.mass[i]
+    inverse_mass = 1 / world.mass[i]
     turns = [_turn_ease(m, i), 0.0]
     spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
     if j >= 0:
-        ease = ease + 1 / world.mass[j]
+        inverse_mass = inverse_mass + 1 / world.mass[j]
         turns[1] = _turn_ease(m, j)
         spin = vec.moved(spin, world.radius[j], parts.to_space(state.q[j], state.w[j]))
     slip = parts.slip(relative, spin, normal)
-    pressing = parts.impacts.normal_impulse(law, ease, closing)
-    across_ease = parts.impacts.tangential_ease(ease, turns[0], turns[1])
-    rubbing = parts.impacts.tangential_impulse(law, across_ease, slip, pressing)
+    pressing = parts.impacts.normal_impulse(law, inverse_mass, closing)
+    tangential_inverse_mass = parts.impacts.tangential_ease(inverse_mass, turns[0], turns[1])
+    rubbing = parts.impacts.tangential_impulse(law, tangential_inverse_mass, slip, pressing)
+    # P = -p n - k s, `rubbing` being -k s.
     impulse = vec.moved(rubbing, -pressing, normal)
     before = _energy(m, state, i) + _energy(m, state, j)
     _push(m, state, i, normal, impulse, rubbing)
     if j >= 0:
         _push(m, state, j, normal, parts.reaction(impulse), rubbing)
+    # What the kinetic energies lose is the work of the contact.
     state.work = state.work + before - _energy(m, state, i) - _energy(m, state, j)
-    m.told.append((state.t, "contact", i))
+    m.events.append((state.t, "contact", i))
 
 
 def _turn_ease(m: Moving, i: int) -> Number:

@@ -66,7 +66,7 @@ def centre(table: Billiard) -> float:
 
 
 def reflected(direction: Pair, normal: Pair) -> Pair:
-    """The direction after the bounce."""
+    """The direction after the bounce, u - 2 (u . n) n."""
     along = direction[0] * normal[0] + direction[1] * normal[1]
     return direction[0] - 2.0 * along * normal[0], direction[1] - 2.0 * along * normal[1]
 
@@ -115,17 +115,21 @@ def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
 
 
 def _next(state: State, asked: Any, parts: MapParts) -> State:
+    """The next iterate of a map; for a billiard the next bounce, as place and direction after it.
+    """
     if isinstance(asked, LogisticFlow):
         return (parts.logistic_flow(state[0], asked.eta),)
     if isinstance(asked, Logistic):
         return (parts.logistic(state[0], asked.eta),)
     place = (state[0], state[1])
     direction = (state[2], state[3])
+    # The place on the straight walls, prolonged, that is `way` ahead.
     way = parts.ahead(place, direction, asked)
     hit = (place[0] + way * direction[0], place[1] + way * direction[1])
     if isinstance(asked, StadiumBilliard) and (
         abs(hit[0]) > parts.centre(asked) or not direction[1]
     ):
+        # Beyond the straight walls of a stadium the half circle of that side is met instead.
         hit, normal = _on_arc(place, direction, asked, parts.centre(asked) * _side(hit[0]))
     else:
         normal = parts.straight_normal(hit, asked)
@@ -141,8 +145,11 @@ def _on_arc(place: Pair, direction: Pair, table: Billiard, middle: float) -> tup
     """The place on the half circle about (middle, 0) that is met, and the normal there."""
     r = table.height / 2
     x = place[0] - middle
+    # |(x, y) + way (u, v)| = r, the farther root: way^2 + 2 b way + c = 0 for a direction of length
+    # 1, b = x u + y v and c = x^2 + y^2 - r^2. Rounding may leave b^2 - c below 0 at a tangent.
     b = x * direction[0] + place[1] * direction[1]
     way = -b + sqrt(max(0.0, b * b - (x * x + place[1] ** 2 - r * r)))
     n = ((x + way * direction[0]) / r, (place[1] + way * direction[1]) / r)
+    # Back to length 1, so that the place lies on the circle to round-off.
     n = (n[0] / hypot(*n), n[1] / hypot(*n))
     return (middle + r * n[0], r * n[1]), n

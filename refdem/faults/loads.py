@@ -1,4 +1,10 @@
-"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
+"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs.
+
+Notation of a contact of bodies i and j (or a plane): n the unit normal from i to j, d the overlap
+(`depth`), d' its rate, v = v_i - v_j, s the slip of the surfaces that touch, xi the tangential
+spring (`stretch`), F_n the normal force. Every function adds to `total`, whose `power` is the rate
+[W] at which energy leaves the motion.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,72 +24,72 @@ def loads(
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
     bodies = len(world.mass)
     pairs = len(world.pairs)
-    found = Loads(
+    total = Loads(
         [ZERO] * bodies, [ZERO] * bodies, [ZERO] * pairs, [ZERO] * pairs, list(state.stretch), 0.0
     )
     for source in world.sources:
-        SOURCES[source](world, state, parts, found, before, h)
-    return found
+        SOURCES[source](world, state, parts, total, before, h)
+    return total
 
 
-def _springs(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _springs(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for spring in world.springs:
         if spring.b >= 0:
             other = state.r[spring.b]
         else:
             other = spring.anchor_b
-        _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+        _add(total, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
 
 
-def _dashpots(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for pot in world.dashpots:
         apart = vec.minus(state.r[pot.a], pot.anchor_b)
-        _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
+        _lose(total, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
 
 
-def _drags(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for drag in world.drags:
         relative = state.v[drag.a]
         if drag.b >= 0:
             relative = vec.minus(relative, state.v[drag.b])
         force = parts.drag_force(drag, relative)
-        _add(found, drag.a, drag.b, force, parts)
-        found.power -= vec.dot(force, relative)
+        _add(total, drag.a, drag.b, force, parts)
+        total.power -= vec.dot(force, relative)
 
 
-def _drives(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _drives(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for drive in world.drives:
-        _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
+        _lose(total, state, drive, parts.drive_force(drive, state.t, world.number), parts)
 
 
-def _fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
-            found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
+            total.force[i] = vec.plus(total.force[i], parts.central_force(mass, gm, state.r[i]))
 
 
 def _contacts(
-    world: World, state: State, parts: Parts, found: Loads, before: Loads | None, h: Number
+    world: World, state: State, parts: Parts, total: Loads, before: Loads | None, h: Number
 ) -> None:
     for number, acts in enumerate(state.acting):
         if acts:
-            _touch(world, state, parts, found, number, before, h)
+            _touch(world, state, parts, total, number, before, h)
 
 
-def _weights(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
-            found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
+            total.force[i] = vec.plus(total.force[i], parts.weight(mass, g))
 
 
-def _sliders(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
-    """Last: a slider that sticks holds against all else."""
+def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the dry friction of sliders, last: one that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
         force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
         if side == 0:
-            force = vec.times(-vec.dot(found.force[slider.a], slider.axis), slider.axis)
-        found.force[slider.a] = vec.plus(found.force[slider.a], force)
-        found.power -= vec.dot(force, state.v[slider.a])
+            force = vec.times(-vec.dot(total.force[slider.a], slider.axis), slider.axis)
+        total.force[slider.a] = vec.plus(total.force[slider.a], force)
+        total.power -= vec.dot(force, state.v[slider.a])
 
 
 SOURCES = {
@@ -102,52 +108,52 @@ SOURCES = {
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""
 
 
-def _lose(found: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
+def _lose(total: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
     """A force of damping or of a drive; its power leaves the motion."""
-    _add(found, link.a, link.b, force, parts)
-    found.power -= vec.dot(force, state.v[link.a])
+    _add(total, link.a, link.b, force, parts)
+    total.power -= vec.dot(force, state.v[link.a])
 
 
-def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
+def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
     """A force on a and its reaction on b, unless that is the world."""
-    found.force[a] = vec.plus(found.force[a], force)
+    total.force[a] = vec.plus(total.force[a], force)
     if b >= 0:
-        found.force[b] = vec.plus(found.force[b], parts.reaction(force))
+        total.force[b] = vec.plus(total.force[b], parts.reaction(force))
 
 
 def meeting(
     world: World, state: State, parts: Parts, number: int
 ) -> tuple[Vector, Number, Number, Vector]:
-    """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
+    """Normal (3) from i to j, overlap d [m], its rate d' [m/s], and velocity (3) [m/s] of i against
+    j, of pair `number`.
+
+    A corner of body i may touch a plane; a sphere may touch a plane or another sphere.
+    """
     i, j = world.pairs[number]
     if world.corners[number] is not None:
+        # x = r + arm is the corner; d = (x - p) . n beyond the plane through p, d' = x' . n.
         arm = arm_of(world, state, parts, number)
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
-        speed = vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm))
-        return (
-            normal,
-            vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal),
-            vec.dot(speed, normal),
-            speed,
-        )
+        omega = parts.to_space(state.q[i], state.w[i])
+        velocity = vec.plus(state.v[i], vec.cross(omega, arm))
+        corner = vec.plus(state.r[i], arm)
+        depth = vec.dot(vec.minus(corner, plane.point), normal)
+        return normal, depth, vec.dot(velocity, normal), velocity
     if j < 0:
+        # d = R - distance of the centre from the plane, d' = v . n.
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
-        depth = parts.overlap(
-            world.radius[i], 0.0, -vec.dot(vec.minus(state.r[i], plane.point), normal)
-        )
+        distance = -vec.dot(vec.minus(state.r[i], plane.point), normal)
+        depth = parts.overlap(world.radius[i], 0.0, distance)
         return normal, depth, vec.dot(state.v[i], normal), state.v[i]
-    apart = parts.away(state.r[i], state.r[j])
-    distance = vec.size(apart)
-    normal = vec.times(1.0 / distance, apart)
+    # d = R_i + R_j - |r_j - r_i|, d' = (v_i - v_j) . n.
+    branch = parts.away(state.r[i], state.r[j])
+    distance = vec.size(branch)
+    normal = vec.times(1.0 / distance, branch)
     relative = vec.minus(state.v[i], state.v[j])
-    return (
-        normal,
-        parts.overlap(world.radius[i], world.radius[j], distance),
-        vec.dot(relative, normal),
-        relative,
-    )
+    depth = parts.overlap(world.radius[i], world.radius[j], distance)
+    return normal, depth, vec.dot(relative, normal), relative
 
 
 def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
@@ -158,44 +164,52 @@ def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
     return parts.to_space(state.q[i], corner)
 
 
-def _corner(world: World, state: State, parts: Parts, found: Loads, number: int, h: Number) -> None:
+def _corner(world: World, state: State, parts: Parts, total: Loads, number: int, h: Number) -> None:
     """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
     spring.
     """
     law = world.law
     (i, j) = world.pairs[number]
-    normal, depth, rate, speed = meeting(world, state, parts, number)
+    normal, depth, rate, velocity = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     force = vec.times(-push, normal)
     if law.friction > 0:
-        slip = found.slip[number] = parts.slip(speed, ZERO, normal)
-        rub = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-        force = vec.plus(force, rub)
-        found.power = found.power - vec.dot(rub, slip)
-    found.power += law.damping * rate * rate
-    found.force[i] = vec.plus(found.force[i], force)
+        slip = parts.slip(velocity, ZERO, normal)
+        total.slip[number] = slip
+        friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
+        force = vec.plus(force, friction)
+        total.power = total.power - vec.dot(friction, slip)
+    # The dashpot c d' loses c d'^2.
+    total.power += law.damping * rate * rate
+    total.force[i] = vec.plus(total.force[i], force)
+    # The torque arm x F, in body axes.
     torque = vec.cross(arm_of(world, state, parts, number), force)
-    found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
+    total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
 def _touch(
     world: World,
     state: State,
     parts: Parts,
-    found: Loads,
+    total: Loads,
     number: int,
     before: Loads | None,
     h: Number,
 ) -> None:
-    """Adds the contact forces and torques of one pair."""
+    """Adds the contact forces and torques of pair `number`.
+
+    `before` are the loads at the begin of a step of h [s], from which its tangential spring grows;
+    None where there is no step, and the spring stays as it is in the state.
+    """
     if world.corners[number] is not None:
-        return _corner(world, state, parts, found, number, h)
+        return _corner(world, state, parts, total, number, h)
     law = world.law
     (i, j) = world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
-    _add(found, i, j, vec.times(-push, normal), parts)
-    found.power += law.damping * rate * rate
+    _add(total, i, j, vec.times(-push, normal), parts)
+    # The dashpot c d' loses c d'^2.
+    total.power += law.damping * rate * rate
     if not law.friction > 0 or not state.pressing[number]:
         return
     arm = parts.lever(law, world.radius[i], depth)
@@ -204,32 +218,37 @@ def _touch(
     if j >= 0:
         arm_j = parts.lever(law, world.radius[j], depth)
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
-    slip = found.slip[number] = parts.slip(relative, spin, normal)
+    slip = parts.slip(relative, spin, normal)
+    total.slip[number] = slip
     if law.tangential_stiffness > 0:
         stretch = state.stretch[number]
-        found.normal[number] = normal
+        total.normal[number] = normal
         if before is not None:
-            old = before.normal[number]
-            stretch = parts.transported(stretch, old, normal)
-            was = parts.transported(before.slip[number], old, normal)
+            # xi' = s, after spring and slip of the begin are turned into the tangent plane of now.
+            old_normal = before.normal[number]
+            stretch = parts.transported(stretch, old_normal, normal)
+            old_slip = parts.transported(before.slip[number], old_normal, normal)
             if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
+                # At Coulomb's limit the spring turns with the slip, and its length is the limit's:
+                # taken midway between those of the begin and of the end.
                 stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
-                turns = _turning(stretch, vec.plus(was, slip), h)
-                stretch = parts.stretched(stretch, turns(was), turns(slip), h)
+                across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
+                stretch = parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)
             else:
-                stretch = parts.stretched(stretch, was, slip, h)
+                stretch = parts.stretched(stretch, old_slip, slip, h)
         if state.sliding[number]:
             stretch = parts.clipped(law, stretch, push)
-        found.stretch[number] = stretch
+        total.stretch[number] = stretch
         force = parts.spring_friction(law, stretch)
     else:
         force = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-    _add(found, i, j, force, parts)
-    found.power -= vec.dot(force, slip)
+    _add(total, i, j, force, parts)
+    total.power -= vec.dot(force, slip)
+    # Both bodies turn the same way: the torque of the tangential force is arm n x F on each.
     for body, length in ((i, arm), (j, arm_j)):
         if body >= 0:
             torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
-            found.torque[body] = vec.plus(found.torque[body], torque)
+            total.torque[body] = vec.plus(total.torque[body], torque)
 
 
 def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:
@@ -250,11 +269,13 @@ def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Ve
 
 def _stopping(world: World, i: int, j: int, h: Number) -> Number:
     """The factor [kg/s] with which friction would undo the slip of two solid spheres in one
-    step.
+    step: m_t/|h|, beyond all forces where there is no step.
     """
-    ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
+    # 1/m_t = sum of 1/m + R^2/J = (1 + 5/2)/m over the bodies: J = (2/5) m R^2.
+    inverse_mass = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
     if h:
-        return 1.0 / (abs(h) * ease)
+        return 1.0 / (abs(h) * inverse_mass)
+    # Larger than any force over a speed, in the numbers of this precision.
     if world.number is float:
         return world.number(1e300)
     return world.number(1e30)

@@ -15,21 +15,27 @@ from refdem.scene.elements.spring import Spring
 
 
 def linear_flow(x: float, v: float, square: float, delta: float, t: float) -> tuple[float, float]:
-    """Place and velocity after t: the real parts of two exponentials."""
+    """Place [m] and velocity [m/s] after t [s] of x'' + 2 delta x' + w0^2 x = 0; `square` is w0^2.
+
+    x(t) = a exp(l1 t) + b exp(l2 t), whose real part is taken: the roots may be complex.
+    """
+    # l1, l2 = -delta +- sqrt(delta^2 - w0^2).
     root = sqrt(delta * delta - square)
-    fast = -delta + root
-    slow = -delta - root
-    a = (v - slow * x) / (fast - slow)
-    b = (fast * x - v) / (fast - slow)
-    first = a * exp(fast * t)
-    second = b * exp(slow * t)
-    return (first + second).real, (fast * first + slow * second).real
+    l1 = -delta + root
+    l2 = -delta - root
+    # a + b = x and l1 a + l2 b = v.
+    a = (v - l2 * x) / (l1 - l2)
+    b = (l1 * x - v) / (l1 - l2)
+    first = a * exp(l1 * t)
+    second = b * exp(l2 * t)
+    return (first + second).real, (l1 * first + l2 * second).real
 
 
 def carried(problem: Ensemble, flow: Callable[..., Any]) -> Trajectory:
     """`position` and `velocity` (T, M, 1, 3) of starts along x."""
     scene = problem.scene
     mass = float(scene.bodies.mass[0])
+    # w0^2 = k/m, 2 delta = c/m.
     square = scene.all(Spring)[0].stiffness / mass
     delta = sum(dashpot.damping for dashpot in scene.all(Dashpot)) / (2 * mass)
     shape = (len(problem.times), len(problem.position), 1, 3)

@@ -145,7 +145,7 @@ class Moving:
     def __init__(self, world: World, parts: Parts) -> None:
         self.world = world
         self.parts = parts
-        self.told: list[tuple[float, str, int]] = []
+        self.events: list[tuple[float, str, int]] = []
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         jointed = {joint.a for joint in world.joints}
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]

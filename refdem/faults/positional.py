@@ -40,7 +40,7 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
 SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
 
 
-def pushed_by_fields(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def pushed_by_fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds the forces of the fields to those found."""
     for i, fixed in enumerate(world.fixed):
         if fixed:
@@ -48,16 +48,16 @@ def pushed_by_fields(world: World, state: State, parts: Parts, found: Loads, *_:
         for field in world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
             push = parts.positional.field_force(field, s)
-            found.force[i] = vec.moved(found.force[i], push, field.axis)
+            total.force[i] = vec.moved(total.force[i], push, field.axis)
 
 
-def pushed_by_walls(world: World, state: State, parts: Parts, found: Loads, *_: Any) -> None:
+def pushed_by_walls(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds the forces of walls for wedges."""
     for wall, i in pairs(world):
         depth, rate, edge = approach(wall, state, parts, i)
         if depth > 0:
             push = parts.positional.wedge_force(wall, depth, edge, rate)
-            found.force[i] = vec.moved(found.force[i], push, wall.normal)
+            total.force[i] = vec.moved(total.force[i], push, wall.normal)
 
 
 def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, Number, bool]:
@@ -84,13 +84,13 @@ def margins(
     wall from coming to a stop in it.
     """
     sides = zip(edges(world, before, parts), edges(world, after, parts), strict=True)
-    found = [(_edge_margin(was, now), ("edge", 0)) for was, now in sides]
+    distances = [(_edge_margin(was, now), ("edge", 0)) for was, now in sides]
     for number, (wall, i) in enumerate(pairs(world)):
         _, rate, _ = approach(wall, before, parts, i)
         depth, now, _ = approach(wall, after, parts, i)
         if depth > 0 and rate * h > 0:
-            found.append((now * h, ("turn", number)))
-    return found
+            distances.append((now * h, ("turn", number)))
+    return distances
 
 
 def edges(world: World, state: State, parts: Parts) -> list[Number]:

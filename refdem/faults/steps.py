@@ -1,4 +1,8 @@
-"""Methods of the transparent engine: one step each, in the verbs kick, drift, hold."""
+"""Methods of the transparent engine: one step each, in the verbs kick, drift, hold.
+
+Notation: r, v place and velocity, q attitude, w omega in body axes, h the step [s]. kick: v += h
+F/m, w += h J^-1 torque. drift: r += h v, q turns as a free body does. hold: impulses of rods.
+"""
 
 from typing import NamedTuple
 
@@ -37,10 +41,14 @@ def drift(m: Moving, state: State, h: Number) -> State:
     for i in m.turning:
         inertia = m.world.inertia[i]
         if inertia[0] == inertia[1] == inertia[2]:
+            # A sphere turns about a fixed axis: omega is constant.
             q[i] = m.parts.unit(m.parts.turned(q[i], w[i], h))
             continue
         spin = w[i]
         attitude = q[i]
+        # The kinetic energy L_1^2/2J_1 + L_2^2/2J_2 + L_3^2/2J_3 in its three parts, each of which
+        # turns the body about one axis exactly; their symmetric composition is of order 2
+        # (McLachlan 1993).
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
         w[i] = spin
@@ -56,17 +64,24 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
     forces depend on velocity.
     """
     first, second = m.parts.verlet_kicks
-    moved = drift(m, hold_length(m, state, kick(m, state, load, first * h), h), h)
+    kicked = kick(m, state, load, first * h)
+    held = hold_length(m, state, kicked, h)
+    moved = drift(m, held, h)
+    # The lost power by the trapezoidal rule, its second half below.
     moved.work = state.work + 0.5 * h * load.power
     if m.reads_velocity:
         guess = kick(m, moved, load, second * h)
     else:
         guess = moved
+    # Loads at the end of the step; where they depend on the velocity there, which is not known
+    # before the last kick, they are taken at a velocity predicted by the loads of the begin ...
     after = m.parts.loads(m.world, guess, m.parts, load, h)
     if m.depends_on_velocity:
+        # ... and once more at the velocity that this kick gives.
         after = m.parts.loads(m.world, kick(m, moved, after, second * h), m.parts, load, h)
     ended = hold_speed(m, kick(m, moved, after, second * h))
     if m.world.sliders:
+        # A slider that sticks balances the loads of the velocity that was reached.
         after = m.parts.loads(m.world, ended, m.parts, load, h)
     ended.stretch = after.stretch
     ended.work = moved.work + 0.5 * h * after.power
@@ -78,6 +93,7 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
     kicked = kick(m, state, load, h)
     spun = list(kicked.w)
     for i in m.turning:
+        # w += h J^-1 (-w x J w), with the w that the torques have changed.
         inertia = m.world.inertia[i]
         torque = m.parts.gyroscopic(inertia, spun[i])
         spun[i] = m.parts.spun_up(spun[i], torque, inertia, h)
@@ -141,20 +157,20 @@ def rates(m: Moving, state: State) -> Rates:
     """The rates of the state of every body."""
     parts = m.parts
     load = parts.loads(m.world, state, parts)
-    found = Rates(list(state.v), [], [], [])
+    derivative = Rates(list(state.v), [], [], [])
     for i, mass in enumerate(m.world.mass):
         # m v' = F
-        found.v.append(parts.kicked(vec.ZERO, load.force[i], mass, 1.0))
+        derivative.v.append(parts.kicked(vec.ZERO, load.force[i], mass, 1.0))
         if not m.world.turns[i]:
-            found.q.append(STILL)
-            found.w.append(vec.ZERO)
+            derivative.q.append(STILL)
+            derivative.w.append(vec.ZERO)
             continue
-        found.q.append(parts.turn_rate(state.q[i], state.w[i]))
+        derivative.q.append(parts.turn_rate(state.q[i], state.w[i]))
         # J omega' = -omega x J omega + torque
         inertia = m.world.inertia[i]
         torque = vec.plus(parts.gyroscopic(inertia, state.w[i]), load.torque[i])
-        found.w.append(parts.spun_up(vec.ZERO, torque, inertia, 1.0))
-    return found
+        derivative.w.append(parts.spun_up(vec.ZERO, torque, inertia, 1.0))
+    return derivative
 
 
 def onward(state: State, rate: Rates, h: Number) -> State:
@@ -167,12 +183,16 @@ def onward(state: State, rate: Rates, h: Number) -> State:
 
 
 def rk4(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """The classical method of order 4 (Kutta 1901)."""
+    """The classical method of order 4 (Kutta 1901): y + h sum b_i k_i, k_i = f(y + c_i h k_(i-1)).
+
+    The loads are handed through: stages compute their own.
+    """
     stages = [rates(m, state)]
     for node in m.parts.rk4_nodes:
         stages.append(rates(m, onward(state, stages[-1], node * h)))
     for rate, weight in zip(stages, m.parts.rk4_weights, strict=True):
         state = onward(state, rate, weight * h)
+    # The method turns no quaternion exactly; its length is put right once a step.
     state.q = [m.parts.unit(q) for q in state.q]
     return state, load
 

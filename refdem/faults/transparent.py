@@ -300,7 +300,7 @@ class Recording:
 
     def trajectory(self) -> Trajectory:
         """The recorded samples as a trajectory."""
-        events = tuple(Event(time=time, kind=kind, body=body) for time, kind, body in self.m.told)
+        events = tuple(Event(time=time, kind=kind, body=body) for time, kind, body in self.m.events)
         return Trajectory(t=self.t, **self.columns, channels=self.channels, events=events)
 
 

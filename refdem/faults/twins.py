@@ -66,6 +66,7 @@ defect.
 FOLLOWED = 12
 """Known faults that are followed, the nearest."""
 MOST_DIGITS = 16.0
+"""Digits of a twin that agrees exactly: those of binary64."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,13 +154,13 @@ class Diagnosis:
     @property
     def alike(self) -> tuple[str, ...]:
         """Other faults that do the same on this scene."""
-        found = self.explanation
-        if found is None or not found.name:
+        explanation = self.explanation
+        if explanation is None or not explanation.name:
             return ()
         names = [
             twin.name
             for twin in self._telling
-            if _is_alike(twin, self._telling[0]) and twin.name != found.name
+            if _is_alike(twin, self._telling[0]) and twin.name != explanation.name
         ]
         return tuple(dict.fromkeys(name for name in names if name))
 
@@ -171,12 +172,11 @@ class Diagnosis:
             right = f"; the right motion is {_size(self.defect)} away"
         else:
             right = ""
-        found = self.explanation
-        if found is not None:
+        explanation = self.explanation
+        if explanation is not None:
             alike = "".join(f" (as does {name})" for name in self.alike)
-            return (
-                f"behaves as {found.behaviour}{alike}, agrees to {found.digits:.1f} digits{right}"
-            )
+            agreement = f"agrees to {explanation.digits:.1f} digits"
+            return f"behaves as {explanation.behaviour}{alike}, {agreement}{right}"
         nearest = self.twins[0]
         return (
             f"behaves as no twin; nearest: {nearest.behaviour}, at {nearest.digits:.1f} digits"
@@ -216,13 +216,13 @@ def diagnosis(
     sound = beside.sound
     if not sound:
         return Diagnosis(twins=(), defect=inf)
-    found = list(sound.values())
-    if min(twin.distance for twin in found) > EXPLAINED:
-        found += beside.faulty()
+    twins = list(sound.values())
+    if min(twin.distance for twin in twins) > EXPLAINED:
+        twins += beside.faulty()
     finest = [twin.distance for twin in sound.values() if twin.step < (request.step or inf)]
-    found.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))
-    refuted = _refuted(instance, [twin for twin in found if twin.name and twin.is_telling], other)
-    return Diagnosis(twins=tuple(found), defect=min(finest, default=inf), refuted=refuted)
+    twins.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))
+    refuted = _refuted(instance, [twin for twin in twins if twin.name and twin.is_telling], other)
+    return Diagnosis(twins=tuple(twins), defect=min(finest, default=inf), refuted=refuted)
 
 
 def _refuted(
@@ -285,13 +285,13 @@ class Beside:
         best = next((name for name in ("rk4", "verlet", "suzuki") if name in able), None)
         if best is not None:
             asked.append((best, self.step / FINER))
-        found = {}
+        twins = {}
         for method, step in asked:
             heard = self.heard.setdefault(method, set())
-            away = self.distance(self.ran(Transparent(listening(heard)), method, step))
-            if away is not None:
-                found[method, step] = Twin(method=method, step=step, distance=away)
-        return found
+            distance = self.distance(self.ran(Transparent(listening(heard)), method, step))
+            if distance is not None:
+                twins[method, step] = Twin(method=method, step=step, distance=distance)
+        return twins
 
     def ran(
         self, engine: Engine, method: str, step: float, samples: int | None = None
@@ -358,7 +358,8 @@ class Beside:
         # Own steps first: what does not act there need not be tried at the finer step, which costs
         # most.
         followed = sorted(
-            (key for key, away in first.items() if away <= HOPELESS * best), key=lambda key: -key[1]
+            (key for key, distance in first.items() if distance <= HOPELESS * best),
+            key=lambda key: -key[1],
         )
         yield from self._known(followed, first)
         scene = self.request.problem.scene
@@ -422,12 +423,12 @@ class Beside:
             for method, step in self._tries(fault, followed):
                 if method in inert:
                     continue
-                away = self._early(fault.carrier(), method, step)
+                distance = self._early(fault.carrier(), method, step)
                 plain = first[method, step]
-                if abs(away - plain) <= SAME * plain:
+                if abs(distance - plain) <= SAME * plain:
                     inert.add(method)
-                elif away <= PROMISING * plain:
-                    early.append((away, number, fault, method, step))
+                elif distance <= PROMISING * plain:
+                    early.append((distance, number, fault, method, step))
         for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:FOLLOWED]:
             whole = self.distance(self.ran(fault.carrier(), method, step))
             if whole is not None:
@@ -450,8 +451,8 @@ class Beside:
                 inert.add(method)
             if not amplitude:
                 continue
-            away = self.distance(self.ran(knob.carrier(amplitude), method, step))
-            if away is not None:
+            distance = self.distance(self.ran(knob.carrier(amplitude), method, step))
+            if distance is not None:
                 plain = self.sound[method, step].distance
                 yield Twin(
                     fault=knob.fault,
@@ -459,7 +460,7 @@ class Beside:
                     amplitude=amplitude,
                     method=method,
                     step=step,
-                    distance=away,
+                    distance=distance,
                     beside=plain,
                 )
 
@@ -505,14 +506,16 @@ def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | N
     if run.position.shape != twin.position.shape:
         return None
     with np.errstate(all="ignore"):
-        found = float(np.max(distances(instance, run, twin)))
+        largest = float(np.max(distances(instance, run, twin)))
         first = instance.observe(run)
         second = instance.observe(twin)
     for name, quantity in instance.quantities.items():
         if name in first and name in second and not quantity.group and not quantity.angle:
-            found = max(found, float(np.max(np.abs(first[name] - second[name]))) / quantity.scale)
-    if np.isfinite(found):
-        return found
+            largest = max(
+                largest, float(np.max(np.abs(first[name] - second[name]))) / quantity.scale
+            )
+    if np.isfinite(largest):
+        return largest
     return None
 
 

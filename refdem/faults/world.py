@@ -166,15 +166,15 @@ def _touching(scene: Scene, number: Callable[[float], Number]) -> list[Touching]
     bodies = scene.bodies
     planes = [-1 - n for n in range(len(scene.all(Plane)))]
     round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
-    found: list[Touching] = [(pair, None) for pair in combinations(round_bodies, 2)]
+    candidates: list[Touching] = [(pair, None) for pair in combinations(round_bodies, 2)]
     for i in round_bodies:
-        found += [((i, plane), None) for plane in planes]
+        candidates += [((i, plane), None) for plane in planes]
     for i, shape in enumerate(bodies.shape):
         if not isinstance(shape, Polyhedron):
             continue
         corners = [_tuple(corner, number) for corner in shape.vertices]
-        found += [((i, plane), corner) for plane, corner in product(planes, corners)]
-    return found
+        candidates += [((i, plane), corner) for plane, corner in product(planes, corners)]
+    return candidates
 
 
 def _length(string: StringOverWheel, bodies: Bodies, number: Callable[[float], Number]) -> Number:

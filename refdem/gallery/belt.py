@@ -10,7 +10,9 @@ from refdem.core import discovery
 from refdem.gallery.runs import Array, Seen, command, instance, moved, remember
 
 SKIPPED = 60
+"""Periods of the drive before the picture begins: the start is forgotten by then."""
 PER_PERIOD = 240
+"""Samples in a period of the drive: a curve drawn through them looks smooth."""
 
 
 def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:

@@ -7,7 +7,9 @@ from refdem.gallery.runs import seen
 from refdem.mechanics.oscillation import turning_points
 
 DURATION = 16
+"""Duration [s] of the motions, several periods, in which the decay is seen."""
 SAMPLES = 1600
+"""Sample intervals: 100 a second, so that curves look smooth."""
 
 
 def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:

@@ -37,8 +37,8 @@ def figure(name: str) -> Figure:
     refuse_unknown(name)
     stem = name.replace(".", "_").replace("-", "_")
     with recorded() as commands:
-        made: Figure = import_module(f"refdem.gallery.figures.fig_{stem}").figure()
-    return replace(made, commands=(f"refdem gallery {name}", *dict.fromkeys(commands)))
+        drawn: Figure = import_module(f"refdem.gallery.figures.fig_{stem}").figure()
+    return replace(drawn, commands=(f"refdem gallery {name}", *dict.fromkeys(commands)))
 
 
 def figures(chosen: Iterable[str] = ()) -> list[Figure]:

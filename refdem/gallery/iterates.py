@@ -10,18 +10,20 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 from refdem.mechanics.poincare import distinct
 
 SETTLED = 4096
+"""Iterates before the picture begins: by then the map is on its attractor but near doublings."""
 START = 0.3
+"""First iterate, anywhere in the basin of the attractor."""
 
 
 def late(eta: float, chunks: int = 1) -> Array:
     """The next `chunks` times 129 iterates, after SETTLED others."""
-    found = []
+    orbits = []
     x = last(eta, START, SETTLED)
     for _ in range(chunks):
         orbit = iterates(eta, x, DENSE)
-        found.append(orbit)
+        orbits.append(orbit)
         x = float(orbit[-1])
-    return np.concatenate(found)
+    return np.concatenate(orbits)
 
 
 def iterates(eta: float, x0: float, counts: Any) -> Array:

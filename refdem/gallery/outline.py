@@ -11,6 +11,7 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 from refdem.mechanics.oscillation import phase_area
 
 COARSE = 4096
+"""Points of the outline: a thousandth of its length apart, which no eye sees in the picture."""
 FINE = 100_000
 """Points that find out where the outline stretches, and points that it then has at least."""
 MOST = 64
@@ -68,5 +69,5 @@ def finer(outline: Array, cuts: Any) -> Array:
     along = number_on_side / cuts[side]
     begin = outline[side]
     end = np.roll(outline, -1, axis=0)[side]
-    found: Array = begin + along[:, None] * (end - begin)
-    return found
+    points: Array = begin + along[:, None] * (end - begin)
+    return points

@@ -11,22 +11,22 @@ from refdem.gallery.outline import Outline
 from refdem.gallery.runs import Array, Seen
 
 SHAFT = 0.055
+"""Length of an arrow in units of half the width of the picture."""
 BARB = 0.35
+"""Length of a barb in units of the shaft."""
 OPENING = 0.45
-"""An arrow's length in units of the picture, its barbs in units of the shaft, and their opening
-[rad].
-"""
+"""Angle between the shaft and a barb [rad]."""
 
 
 def heads(outline: Outline, samples: Sequence[int], *, ink: int = 0) -> list[Series]:
     """The filled outline at some samples."""
-    found = []
+    series = []
     for k in samples:
         # Closed: the first point again at the end.
         x = np.append(outline.x[k], outline.x[k, 0])
         v = np.append(outline.v[k], outline.v[k, 0])
-        found.append(Series(x=x, y=v, ink=ink, mark="area"))
-    return found
+        series.append(Series(x=x, y=v, ink=ink, mark="area"))
+    return series
 
 
 def trajectories(runs: Sequence[Seen], *, names: tuple[str, str] = ("x", "v")) -> list[Series]:
@@ -68,8 +68,8 @@ def _arrow(tip: Array, way: Array, length: float) -> Array:
 def _turned(vector: Array, angle: float) -> Array:
     """A vector (2,) turned to the left by an angle [rad]."""
     aside = np.array([-vector[1], vector[0]])
-    found: Array = vector * np.cos(angle) + aside * np.sin(angle)
-    return found
+    rotated: Array = vector * np.cos(angle) + aside * np.sin(angle)
+    return rotated
 
 
 def portrait(series: Sequence[Series], ends: tuple[float, float], *, width: int = 440) -> Panel:

@@ -5,21 +5,22 @@ import numpy as np
 from refdem.core.figure import GREY, Series
 from refdem.gallery.runs import Array
 
-ACROSS = 35.0
-UP = 25.0
-"""Degrees by which the axes are turned about the vertical, and the view is raised."""
+AZIMUTH = 35.0
+"""Degrees by which the axes are turned about the vertical: none of them then hides another."""
+ELEVATION = 25.0
+"""Degrees by which the view is raised above the horizontal."""
 
 
 def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
     """Right, up and towards the eye (N,) of points (N, 3) in a parallel projection."""
-    turn = np.radians(ACROSS)
-    rise = np.radians(UP)
+    turn = np.radians(AZIMUTH)
+    rise = np.radians(ELEVATION)
     x, y, z = points.T
     # A turn about the vertical, then one about the line to the right.
     right = x * np.cos(turn) + y * np.sin(turn)
-    away = -x * np.sin(turn) + y * np.cos(turn)
-    up = z * np.cos(rise) + away * np.sin(rise)
-    towards = z * np.sin(rise) - away * np.cos(rise)
+    depth = -x * np.sin(turn) + y * np.cos(turn)
+    up = z * np.cos(rise) + depth * np.sin(rise)
+    towards = z * np.sin(rise) - depth * np.cos(rise)
     return right, up, towards
 
 

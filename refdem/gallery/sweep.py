@@ -9,9 +9,13 @@ import numpy as np
 from refdem.gallery.runs import Array, moved, seen
 
 ALPHA = 1.0
+"""Linear stiffness over mass [1/s^2] of Duffing's oscillator in figures 1.23 and 1.24."""
 BETA = 0.4
+"""Cubic stiffness over mass [1/(m^2 s^2)] there."""
 FORCE = 1.5
+"""Amplitude of the drive over mass [m/s^2] there."""
 PER_PERIOD = 32
+"""Samples in the last period, from which the amplitude is read: to (pi/32)^2/2 = 0.5 %."""
 SETTLED = 9.0
 """Times 1/delta after which a run is at its amplitude to 1e-4."""
 
@@ -23,11 +27,11 @@ def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
     """
     x = 0.1
     v = 0.0
-    found = []
+    halves = []
     for drive in drives:
         x, v, amplitude = settled(delta, drive, x, v)
-        found.append(amplitude)
-    return np.array(found)
+        halves.append(amplitude)
+    return np.array(halves)
 
 
 def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, float, float]:

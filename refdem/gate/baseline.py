@@ -10,6 +10,7 @@ from refdem.core.reading import content, json_as
 from refdem.errors import StoreError, UsageError
 
 FORMAT = 1
+"""Version of the format of a baseline."""
 PARTS = 5
 """Of an id: case, engine, method, check, quantity."""
 

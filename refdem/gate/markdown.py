@@ -7,8 +7,10 @@ from collections import Counter
 from refdem.core.finding import BROKEN, WORST_FIRST, CaseSheet, Finding, Record, Sheet, worst_first
 from refdem.core.outside import markdown_text, one_line
 
-SHOWN = 20
-LONGEST = 300
+MAX_FINDINGS = 20
+"""Rows of the table: a comment on a pull request stays readable."""
+MAX_SENTENCE = 300
+"""Characters of a finding's sentence in the table."""
 
 
 def markdown(engine: str, sheets: list[Sheet]) -> str:
@@ -30,22 +32,22 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
         lines += [
             "| outcome | finding | why |",
             "|---|---|---|",
-            *(_row(*pair) for pair in broken[:SHOWN]),
+            *(_row(*pair) for pair in broken[:MAX_FINDINGS]),
         ]
-        if len(broken) > SHOWN:
-            lines.append(f"| | ... and {len(broken) - SHOWN} more | |")
+        if len(broken) > MAX_FINDINGS:
+            lines.append(f"| | ... and {len(broken) - MAX_FINDINGS} more | |")
         lines += ["", "To reproduce, beside `refdem.toml`:", "", "```"]
         lines += [*_commands(sheets, [record for record, _ in broken]), "```"]
     return "\n".join(lines) + "\n"
 
 
 def _row(record: Record, finding: Finding) -> str:
-    """The row of a finding in the table, its sentence cut after LONGEST characters."""
+    """The row of a finding in the table, its sentence cut after MAX_SENTENCE characters."""
     name = markdown_text(record.id(finding))
-    if len(finding.sentence) <= LONGEST:
+    if len(finding.sentence) <= MAX_SENTENCE:
         sentence = finding.sentence
     else:
-        sentence = f"{finding.sentence[:LONGEST]} ..."
+        sentence = f"{finding.sentence[:MAX_SENTENCE]} ..."
     return f"| {finding.outcome} | {name} | {markdown_text(sentence)} |"
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from refdem.errors import EngineMissingError
 
 _repeats = 1
+"""Times that a kernel does its work within one reading of the clock: once, but in `repeated`."""
 
 
 @cache

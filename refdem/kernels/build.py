@@ -34,14 +34,14 @@ def sections(header: Path) -> dict[str, str]:
 
 def declared(family: str) -> tuple[str, str]:
     """The header that declares a family, and its declarations; ends the program if none does."""
-    own = f"{family}_kernel.h"
-    for name in (SHARED, own):
-        found = sections(FOLDER / name)
-        if family in found:
-            return name, found[family]
+    own_header = f"{family}_kernel.h"
+    for name in (SHARED, own_header):
+        declarations = sections(FOLDER / name)
+        if family in declarations:
+            return name, declarations[family]
     raise SystemExit(
         f"{family}.c is a kernel family that no header declares; write its functions below the line"
-        f" '/* == {family} == */' in {own}"
+        f" '/* == {family} == */' in {own_header}"
     )
 
 

@@ -11,37 +11,50 @@
  * t_end) (Schwager and Poeschel 2007).
  */
 #include <assert.h>
+#include <stdbool.h>
 
 #include "double_double.h"
 #include "kernels.h"
 
 typedef struct {
-    double decay, rate; /* b [1/s]; w or W [rad/s] */
-    double end;         /* how long the contact lasts [s] */
-    int kind;           /* sign of w^2 */
+    double decay;     /* b [1/s] */
+    double frequency; /* w or W [rad/s] */
+    double end;       /* how long the contact lasts [s] */
+    int sign;         /* of w^2: 1 underdamped, 0 critically damped, -1 overdamped */
 } damped;
+
+/* Columns of a row of the output. */
+enum { OVERLAP, OVERLAP_RATE, PRESSES, FORCE, LOST_WORK, COLUMNS };
+
+/* A time [s] that stands for "never": exp(-b LATEST) is 0, where infinity would give 0 * infinity.
+ */
+#define LATEST 1e300
 
 /* Time [s] of the largest overlap, d' = 0: tan(w t) = w/b, tanh(W t) = W/b, or t = 1/b. */
 static double turning_time(const damped *s)
 {
-    if (s->kind == 0)
+    if (s->sign == 0)
         return 1.0 / s->decay;
-    if (s->kind > 0)
-        return atan2(s->rate, s->decay) / s->rate;
-    return atanh(s->rate / s->decay) / s->rate;
+    if (s->sign > 0)
+        return atan2(s->frequency, s->decay) / s->frequency;
+    return atanh(s->frequency / s->decay) / s->frequency;
 }
 
 /* The contact of spheres with the effective mass `mass`. */
 static damped prepare(dd mass, double stiffness, double damping, int no_pull)
 {
     dd b = dd_div(dd_of(0.5 * damping), mass);
+    /* w^2 = k/m - b^2 in twice the digits: near critical damping it cancels. */
     dd square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
-    damped s = {.decay = dd_round(b), .rate = sqrt(fabs(dd_round(square)))};
-    s.kind = (square.hi > 0.0) - (square.hi < 0.0);
+    damped s = {.decay = dd_round(b), .frequency = sqrt(fabs(dd_round(square)))};
+    if (square.hi > 0.0)
+        s.sign = 1;
+    else if (square.hi < 0.0)
+        s.sign = -1;
     s.end = INFINITY; /* overdamped, and free to pull: it never parts */
     if (no_pull && damping > 0.0)
         s.end = 2.0 * turning_time(&s);
-    else if (s.kind > 0) /* half a period */
+    else if (s.sign > 0) /* half a period */
         s.end = dd_round(dd_div(DD_PI, dd_sqrt(square)));
     return s;
 }
@@ -49,67 +62,70 @@ static damped prepare(dd mass, double stiffness, double damping, int no_pull)
 /* Overlap and its rate at t [s] after the touch, for V = 1. */
 static void state_at(const damped *p, double t, double *restrict overlap, double *restrict rate)
 {
+    /* S and S' by the sign of w^2. */
     double s_rate = 1.0;
     double s = t;
-    double fade = exp(-p->decay * t);
-    if (p->kind > 0) {
-        s_rate = cos(p->rate * t);
-        s = sin(p->rate * t) / p->rate;
+    double decayed = exp(-p->decay * t);
+    if (p->sign > 0) {
+        s_rate = cos(p->frequency * t);
+        s = sin(p->frequency * t) / p->frequency;
     }
-    if (p->kind < 0) {
-        s_rate = cosh(p->rate * t);
-        s = sinh(p->rate * t) / p->rate;
+    if (p->sign < 0) {
+        s_rate = cosh(p->frequency * t);
+        s = sinh(p->frequency * t) / p->frequency;
     }
-    *overlap = fade * s;
-    *rate = fade * (s_rate - p->decay * s);
+    *overlap = decayed * s;
+    *rate = decayed * (s_rate - p->decay * s);
 }
 
 int refdem_head_on(double mass1, double mass2, double stiffness, double damping, int no_pull,
                    double overlap, double closing, int64_t samples, const double *t, double *touch,
                    double *out)
 {
-    assert(samples >= 1 && t && touch && out); /* (2) and (samples, 5) doubles */
+    assert(samples >= 1 && t && touch && out); /* touch (2), out (samples, COLUMNS) */
     dd total = two_sum(mass1, mass2);
     dd mass = dd_div(two_product(mass1, mass2), total);
-    damped s = prepare(mass, stiffness, damping, no_pull);
+    damped contact = prepare(mass, stiffness, damping, no_pull);
     double m = dd_round(mass);
-    double begin = INFINITY; /* time of the touch: spheres that do not close never meet */
+    /* The time of the touch, where overlap + closing t = 0; never for spheres that do not close. */
+    double begin = INFINITY;
     if (closing > 0.0)
         begin = fmax(0.0, -overlap / closing);
-    double at_end, rate_after;
-    double overlap_after
-        = 0.0; /* overlap at the end: the force ends before it where there is no pull */
-    state_at(&s, fmin(s.end, 1e300), &at_end,
-             &rate_after); /* exp(-b 1e300) = 0 where it has no end */
-    if (no_pull && damping > 0.0)
-        overlap_after = at_end * closing;
-    rate_after = -closing * exp(-s.decay * s.end);
-    for (int64_t row = 0; row < samples; row++, out += 5) {
+    /* Where no force may pull, it ends while the spheres still overlap. */
+    double overlap_after = 0.0;
+    if (no_pull && damping > 0.0) {
+        double unit_overlap, unit_rate; /* for V = 1 */
+        state_at(&contact, fmin(contact.end, LATEST), &unit_overlap, &unit_rate);
+        overlap_after = unit_overlap * closing;
+    }
+    double rate_after = -closing * exp(-contact.decay * contact.end);
+    for (int64_t row = 0; row < samples; row++, out += COLUMNS) {
         double since = t[row] - begin;
-        double *d = out;
-        double *rate = out + 1;
-        int presses = since >= 0.0 && since < s.end;
-        *d = overlap + closing * t[row];
-        *rate = closing;
+        bool presses = since >= 0.0 && since < contact.end;
+        /* Before the touch the spheres close at a constant speed. */
+        double d = overlap + closing * t[row];
+        double d_rate = closing;
         if (presses) {
-            state_at(&s, since, d, rate);
-            *d *= closing;
-            *rate *= closing;
-        } else if (since >= s.end) { /* they fly apart */
-            *d = overlap_after + rate_after * (since - s.end);
-            *rate = rate_after;
+            state_at(&contact, since, &d, &d_rate);
+            d *= closing;
+            d_rate *= closing;
+        } else if (since >= contact.end) { /* they fly apart */
+            d = overlap_after + rate_after * (since - contact.end);
+            d_rate = rate_after;
         }
-        out[2] = 0.0;
-        out[3] = 0.0;
+        out[OVERLAP] = d;
+        out[OVERLAP_RATE] = d_rate;
+        out[PRESSES] = 0.0;
+        out[FORCE] = 0.0;
         if (presses) {
-            out[2] = 1.0;
-            out[3] = stiffness * *d + damping * *rate;
+            out[PRESSES] = 1.0;
+            out[FORCE] = stiffness * d + damping * d_rate;
         }
-        /* Work lost: m (V^2 - d'^2)/2 - k d^2/2. */
-        out[4] = 0.5 * m * (closing - *rate) * (closing + *rate)
-                 - 0.5 * stiffness * fmax(*d, 0.0) * fmax(*d, 0.0);
+        /* m (V^2 - d'^2)/2 - k d^2/2. */
+        double kinetic_lost = 0.5 * m * (closing - d_rate) * (closing + d_rate);
+        out[LOST_WORK] = kinetic_lost - 0.5 * stiffness * fmax(d, 0.0) * fmax(d, 0.0);
     }
     touch[0] = begin;
-    touch[1] = begin + s.end;
+    touch[1] = begin + contact.end;
     return 0;
 }

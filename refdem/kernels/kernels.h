@@ -192,14 +192,14 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
 /* n points of mass (n) (infinite: fixed) in uniform gravity (3), on rods and springs; ends (.., 2)
  * are numbers of points, the second -1 for the world, where anchor (.., 3) is the place; spring_law
  * (springs, 3): stiffness, length, exponent. Steps h [s] of either sign, a sample after every
- * `stride`. work: 9 n + 9 rods + rods^2 doubles. position, velocity (samples, n, 3): row 0 is the
- * start; force (samples, rods) [N], tension. Returns 0, or the sample (from 1) before which the
+ * `stride`. work: 9 n + 8 rods + rods^2 doubles, unknown: rods integers. position, velocity
+ * (samples, n, 3): row 0 is the start; force (samples, rods) [N], tension. Returns 0, or the sample (from 1) before which the
  * rods could not be held. */
 int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods,
                   const int64_t *rod_ends, const double *rod_anchor, const double *rod_length,
                   int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work,
-                  double *position, double *velocity, double *force);
+                  int64_t *unknown, double *position, double *velocity, double *force);
 
 /* == rod_taylor == */
 

@@ -116,7 +116,7 @@ static inline void measure(const pair *p, const motion *m, segment *restrict z,
  * -friction f is the force across that does work: none where it is free. */
 static inline void expand_work(const pair *p, const motion *m, segment *restrict z)
 {
-    double g[ROOM], slip[ROOM], power[2 * ROOM];
+    double g[PADDED_ORDER], slip[PADDED_ORDER], power[2 * PADDED_ORDER];
     double sign = -1.0;
     if (m->mode == FREE)
         sign = 0.0;

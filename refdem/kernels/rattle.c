@@ -31,7 +31,12 @@ typedef struct {
     const double *rod_anchor, *rod_length;
     const int64_t *spring_ends;
     const double *spring_anchor, *spring_law; /* law: stiffness, length, exponent */
-    double *acceleration, *low_x, *low_v, *old, *new, *matrix, *rhs, *solution, *column;
+    double *acceleration;                     /* (n, 3) [m/s^2] */
+    double *low_x, *low_v;  /* (n, 3), what rounding the sums x and v has lost so far */
+    double *old, *new;      /* (rods, 3), the vectors d of the begin and of the end of a step */
+    double *matrix;         /* (rods, rods), G M^-1 G^T; `solve` leaves its triangular form */
+    double *rhs, *solution; /* (rods,) */
+    int64_t *unknown;       /* (rods,), the number of the unknown that each column multiplies */
 } system_of_rods;
 
 /* The vector d (3) from the second end (or the world's anchor) to the first, of positions or of any
@@ -66,17 +71,21 @@ static void directions(const system_of_rods *s, const double *restrict x, double
     }
 }
 
-/* Pull [N] over length of a spring of this size; `law`: stiffness, length, exponent. */
-static double pull_per_length(const double *restrict law, double size)
+/* Pull over length, F/|d| [N/m], of a spring between points |d| = `distance` [m] apart: F = k
+ * |s|^exponent sgn(s), s = |d| - length. `law`: stiffness k, length, exponent. */
+static double pull_per_length(const double *restrict law, double distance)
 {
-    double stretch = size - law[1];
-    if (law[1] == 0.0 && law[2] == 1.0) /* no direction is needed */
-        return law[0];
-    if (!(size > 0.0)) /* it has no direction */
+    const double stiffness = law[0];
+    const double length = law[1];
+    const double exponent = law[2];
+    double stretch = distance - length;
+    if (length == 0.0 && exponent == 1.0) /* F = k d: no direction is needed */
+        return stiffness;
+    if (!(distance > 0.0)) /* it has no direction */
         return 0.0;
-    if (law[2] == 1.0)
-        return law[0] * stretch / size;
-    return law[0] * copysign(pow(fabs(stretch), law[2]), stretch) / size;
+    if (exponent == 1.0)
+        return stiffness * stretch / distance;
+    return stiffness * copysign(pow(fabs(stretch), exponent), stretch) / distance;
 }
 
 /* Accelerations (n, 3) by gravity and springs [m/s^2]. */
@@ -95,6 +104,7 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
         double d[3];
         difference(ends, s->spring_anchor + 3 * k, x, d);
         double pull = pull_per_length(law, sqrt(dot(d, d)));
+        /* a -= F d/(|d| m) at the first end, the reaction at the second. */
         double sense[2] = {pull, -pull};
         for (int end = 0; end < 2; end++) {
             if (ends[end] < 0) /* the world */
@@ -150,8 +160,8 @@ static void swap(double *a, double *b)
 }
 
 /* Solves matrix solution = rhs by elimination with complete pivoting. Pivots below 1e-11 of the
- * largest belong to redundant rods, which carry nothing. `column`: where the unknowns have been
- * swapped to. */
+ * largest belong to redundant rods, which carry nothing: rounding leaves 1e-16 times the condition
+ * of the other rods there. `unknown`: which unknown the swapped columns belong to. */
 static void solve(const system_of_rods *s)
 {
     const int64_t n = s->rods;
@@ -160,10 +170,11 @@ static void solve(const system_of_rods *s)
     double largest = 0.0;
     int64_t rank = 0;
     for (int64_t i = 0; i < n; i++) {
-        s->column[i] = (double)i;
+        s->unknown[i] = i;
         s->solution[i] = 0.0;
     }
     for (; rank < n; rank++) {
+        /* The pivot: the largest entry of the rows and columns that are left. */
         int64_t row = rank;
         int64_t col = rank;
         for (int64_t i = rank; i < n; i++)
@@ -181,7 +192,10 @@ static void solve(const system_of_rods *s)
         for (int64_t i = 0; i < n; i++)
             swap(&a[i * n + col], &a[i * n + rank]);
         swap(&b[row], &b[rank]);
-        swap(&s->column[col], &s->column[rank]);
+        int64_t swapped = s->unknown[col];
+        s->unknown[col] = s->unknown[rank];
+        s->unknown[rank] = swapped;
+        /* Rows below lose the pivot's column. */
         for (int64_t i = rank + 1; i < n; i++) {
             double factor = a[i * n + rank] / a[rank * n + rank];
             for (int64_t j = rank; j < n; j++)
@@ -189,11 +203,12 @@ static void solve(const system_of_rods *s)
             b[i] -= factor * b[rank];
         }
     }
+    /* Back substitution, from the last row that has a pivot. */
     for (int64_t i = rank - 1; i >= 0; i--) {
         double sum = b[i];
         for (int64_t j = i + 1; j < rank; j++)
-            sum -= a[i * n + j] * s->solution[(int64_t)s->column[j]];
-        s->solution[(int64_t)s->column[i]] = sum / a[i * n + i];
+            sum -= a[i * n + j] * s->solution[s->unknown[j]];
+        s->solution[s->unknown[i]] = sum / a[i * n + i];
     }
 }
 
@@ -223,23 +238,29 @@ static void apply_multipliers(const system_of_rods *s, const double *restrict d,
     }
 }
 
+enum { MAX_SWEEPS = 60 }; /* Newton converges in a few; where it does not, never */
+#define ROUND_OFF 2.3e-16 /* a relative error of a length that is one rounding */
+#define STALLED 1e-14     /* one that is no more than the roundings of a chain of rods */
+
 /* Newton's rule on the multipliers, G(d) M^-1 G(d0)^T lambda = (|d|^2 - l^2)/2, until the rods'
  * lengths are right to round-off. Returns 0, or 1 if they never are. */
 static int hold_lengths(const system_of_rods *s, double h, double *restrict x, double *restrict v)
 {
     double worst_before = INFINITY;
-    for (int sweep = 0; sweep < 60; sweep++) {
+    for (int sweep = 0; sweep < MAX_SWEEPS; sweep++) {
         double worst = 0.0;
         directions(s, x, s->new);
         for (int64_t r = 0; r < s->rods; r++) {
             double l = s->rod_length[r];
-            double size = sqrt(dot(s->new + 3 * r, s->new + 3 * r));
-            s->rhs[r] = 0.5 * (size - l) * (size + l);
-            worst = fmax(worst, fabs(size - l) / l);
-            if (!isfinite(size)) /* it has diverged */
+            double distance = sqrt(dot(s->new + 3 * r, s->new + 3 * r));
+            /* (|d|^2 - l^2)/2 without cancellation. */
+            s->rhs[r] = 0.5 * (distance - l) * (distance + l);
+            worst = fmax(worst, fabs(distance - l) / l);
+            if (!isfinite(distance)) /* it has diverged */
                 return 1;
         }
-        if (worst <= 2.3e-16 || (worst < 1e-14 && worst >= worst_before))
+        /* Done at round-off, or where a further sweep has only moved the roundings. */
+        if (worst <= ROUND_OFF || (worst < STALLED && worst >= worst_before))
             return 0;
         worst_before = worst;
         set_matrix(s, s->new, s->old);
@@ -247,7 +268,7 @@ static int hold_lengths(const system_of_rods *s, double h, double *restrict x, d
         apply_multipliers(s, s->old, 1.0, x, s->low_x);
         apply_multipliers(s, s->old, 1.0 / h, v, s->low_v);
     }
-    return worst_before > 1e-14;
+    return worst_before > STALLED;
 }
 
 /* Makes the relative velocity along every rod zero: G M^-1 G^T mu = G v. */
@@ -297,6 +318,7 @@ static int step(const system_of_rods *s, double h, double *restrict x, double *r
 {
     directions(s, x, s->old);
     kick(s, 0.5 * h, v);
+    /* Drift: x += h v. */
     for (int64_t i = 0; i < 3 * s->n; i++)
         add_compensated(&x[i], &s->low_x[i], h * v[i]);
     if (hold_lengths(s, h, x, v))
@@ -311,41 +333,43 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   const int64_t *rod_ends, const double *rod_anchor, const double *rod_length,
                   int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work,
-                  double *position, double *velocity, double *force)
+                  int64_t *unknown, double *position, double *velocity, double *force)
 {
     assert(n >= 1 && mass && gravity && samples >= 1 && stride >= 1);
     assert(rods == 0 || (rod_ends && rod_anchor && rod_length));
     assert(springs == 0 || (spring_ends && spring_anchor && spring_law));
-    assert(work && position && velocity && force); /* `work`: 9 n + 9 rods + rods^2 doubles */
-    system_of_rods s = {n,
-                        rods,
-                        springs,
-                        mass,
-                        gravity,
-                        rod_ends,
-                        rod_anchor,
-                        rod_length,
-                        spring_ends,
-                        spring_anchor,
-                        spring_law,
-                        work,
-                        work + 3 * n,
-                        work + 6 * n,
-                        work + 9 * n,
-                        work + 9 * n + 3 * rods,
-                        0,
-                        0,
-                        0,
-                        0};
+    assert(work && position && velocity && force); /* `work`: 9 n + 8 rods + rods^2 doubles */
+    assert(rods == 0 || unknown);
+    system_of_rods s = {
+        .n = n,
+        .rods = rods,
+        .springs = springs,
+        .mass = mass,
+        .gravity = gravity,
+        .rod_ends = rod_ends,
+        .rod_anchor = rod_anchor,
+        .rod_length = rod_length,
+        .spring_ends = spring_ends,
+        .spring_anchor = spring_anchor,
+        .spring_law = spring_law,
+        .unknown = unknown,
+    };
+    /* The work space, one array after the other. */
+    s.acceleration = work;
+    s.low_x = s.acceleration + 3 * n;
+    s.low_v = s.low_x + 3 * n;
+    s.old = s.low_v + 3 * n;
+    s.new = s.old + 3 * rods;
     s.rhs = s.new + 3 * rods;
     s.solution = s.rhs + rods;
-    s.column = s.solution + rods;
-    s.matrix = s.column + rods;
+    s.matrix = s.solution + rods;
+    /* Nothing is lost yet: low_x and low_v stand side by side. */
     memset(s.low_x, 0, (size_t)(6 * n) * sizeof(double));
     tension(&s, position, velocity, force);
     for (int64_t k = 1; k < samples; k++) {
         double *x = position + 3 * n * k;
         double *v = velocity + 3 * n * k;
+        /* Steps are made in the row of the sample, from the state of the row before. */
         memcpy(x, x - 3 * n, (size_t)(3 * n) * sizeof(double));
         memcpy(v, v - 3 * n, (size_t)(3 * n) * sizeof(double));
         for (int64_t m = 0; m < stride; m++)

@@ -18,7 +18,7 @@
 enum {
     ORDER = 20,
     LANES = 4,               /* numbers in a short vector of the processor */
-    ROOM = ORDER + 2 * LANES /* room for a whole vector beyond the last coefficient */
+    PADDED_ORDER = ORDER + 2 * LANES /* room for a whole vector beyond the last coefficient */
 };
 
 /* The product c = a b of two series whose coefficients become known one by one, c_n = sum over k of
@@ -26,14 +26,14 @@ enum {
  * or b_0. Each new pair is added to all later sums at once, in short vectors without a sum across
  * them: the next coefficient waits for a single multiplication and addition. */
 typedef struct {
-    double a[ROOM], b[ROOM], sum[ROOM];
+    double a[PADDED_ORDER], b[PADDED_ORDER], sum[PADDED_ORDER];
 } running_product;
 
 /* An empty product. Loops of the width of a vector: a single memset of the structure took a quarter
  * of an expansion. */
 static inline void clear(running_product *g)
 {
-    for (int k = 0; k < ROOM; k += LANES) {
+    for (int k = 0; k < PADDED_ORDER; k += LANES) {
         for (int i = 0; i < LANES; i++)
             g->a[k + i] = 0.0;
         for (int i = 0; i < LANES; i++)

@@ -27,14 +27,14 @@ def digests(folder: Path) -> dict[str, str]:
     checks that apply to it say of themselves, and the writers.
     """
     writers = digest_of_files({ROOT / name for name in WRITERS})
-    found = {}
+    by_case = {}
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if not isinstance(case, Selection):
             said = list(checks(case.at()))
-            told = f"{writers}{said}{_own(name, folder)}"
-            found[name] = hashlib.sha256(told.encode()).hexdigest()
-    return found
+            sources = f"{writers}{said}{_own(name, folder)}"
+            by_case[name] = hashlib.sha256(sources.encode()).hexdigest()
+    return by_case
 
 
 def _own(case: str, folder: Path) -> str:
@@ -53,9 +53,9 @@ def _own(case: str, folder: Path) -> str:
     return f"{digest_of(case)}{witness}{kept}"
 
 
-def text_of(found: dict[str, str]) -> str:
+def text_of(by_case: dict[str, str]) -> str:
     """The text of the file: a line a case, sorted by name."""
-    return "".join(f"{digest}  {case}\n" for case, digest in sorted(found.items()))
+    return "".join(f"{digest}  {case}\n" for case, digest in sorted(by_case.items()))
 
 
 def out_of_date(pages: Path, folder: Path) -> list[str]:
@@ -63,16 +63,16 @@ def out_of_date(pages: Path, folder: Path) -> list[str]:
     any more.
     """
     path = pages / NAME
-    made = {}
+    recorded = {}
     if path.is_file():
         for line in path.read_text().splitlines():
             digest, case = line.split("  ")
-            made[case] = digest
+            recorded[case] = digest
     now = digests(folder)
     there = {page.stem for page in pages.glob("*.md")} - {"index"}
-    every = sorted({*made, *now, *there})
+    every = sorted({*recorded, *now, *there})
     return [
         case
         for case in every
-        if case not in there or case not in now or made.get(case) != now[case]
+        if case not in there or case not in now or recorded.get(case) != now[case]
     ]

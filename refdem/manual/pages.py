@@ -64,11 +64,11 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
 def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
     """The certified scalars at the defaults; none where the case has none at them."""
     try:
-        found = instance.truth().refined(DIGITS).scalars()
+        values = instance.truth().refined(DIGITS).scalars()
     except NotCertifiedError:
         return ()
     lines = []
-    for name, ball in found.items():
+    for name, ball in values.items():
         if name not in instance.quantities:
             mid, radius = ball.decimals(DIGITS)
             lines.append(QuantityLine(name=name, mid=mid, radius=radius))
@@ -77,28 +77,28 @@ def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
     """How it is proved, by the case itself where the store has nothing."""
-    found = certified_case(name, sets)
+    certified = certified_case(name, sets)
     truth = instance.truth()
-    own_witness = found.own_witness or truth.witness
+    own_witness = certified.own_witness or truth.witness
     known_witness = witnesses().get(name)
     if known_witness is None:
         witness = "none"
     else:
         witness = known_witness.method
-    if found.witnessed:
-        witness = found.witness
+    if certified.witnessed:
+        witness = certified.witness
     not_certified: list[tuple[str, str, str]] = []
     for one in sets:
         not_certified += [(one.label, t, reason) for t, reason in one.not_certified.items()]
     return TruthLine(
-        method="; ".join(found.methods) or truth.method,
+        method="; ".join(certified.methods) or truth.method,
         own_witness=own_witness,
         witness=witness,
-        witnessed=found.witnessed,
-        agreed=found.agreed,
-        sets=found.sets,
-        values=found.values,
-        digits=found.digits,
+        witnessed=certified.witnessed,
+        agreed=certified.agreed,
+        sets=certified.sets,
+        values=certified.values,
+        digits=certified.digits,
         has_no_witness=known_witness is None and own_witness in ("", "none"),
         labels=tuple(one.label for one in sets),
         not_certified=tuple(not_certified),

@@ -91,16 +91,16 @@ def spin_wanders() -> Measured:
     return tuple(shown)
 
 
-def _vector_of(found: Mapping[str, Ball], name: str, axes: str) -> np.ndarray:
+def _vector_of(balls: Mapping[str, Ball], name: str, axes: str) -> np.ndarray:
     """The middles of the certified components of a vector, `name.axis` for every axis."""
-    return np.array([float(found[f"{name}.{axis}"].mid) for axis in axes])
+    return np.array([float(balls[f"{name}.{axis}"].mid) for axis in axes])
 
 
 def quaternion_and_rate() -> Measured:
     """Whether q and its derivative commute, on a certified motion."""
-    found = truth_of("free-rigid-body").at(Fraction(1))
-    q = _vector_of(found, "attitude", "wxyz")
-    omega = np.array([0.0, *_vector_of(found, "omega", "xyz")])
+    motion = truth_of("free-rigid-body").at(Fraction(1))
+    q = _vector_of(motion, "attitude", "wxyz")
+    omega = np.array([0.0, *_vector_of(motion, "omega", "xyz")])
     # qdot = (0, omega) q / 2, omega in space axes.
     rate = product(omega, q) / 2
     commutator = product(q, rate) - product(rate, q)
@@ -221,9 +221,9 @@ def kept_with_minus_integral() -> Measured:
     return tuple(shown)
 
 
-def _point(found: Mapping[str, Ball]) -> tuple[float, float]:
+def _point(balls: Mapping[str, Ball]) -> tuple[float, float]:
     """The middles of the certified place [m] and velocity [m/s]."""
-    return float(found["x"].mid), float(found["v"].mid)
+    return float(balls["x"].mid), float(balls["v"].mid)
 
 
 def crossings(path: np.ndarray) -> int:

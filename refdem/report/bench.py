@@ -65,12 +65,12 @@ def _styles(section: Section) -> list[tuple[str, str, str]]:
         colours.setdefault(engine, colour)
         if method not in methods.setdefault(engine, []):
             methods[engine].append(method)
-    found = []
+    styles = []
     for engine, mine in methods.items():
         for number, method in enumerate(mine):
             shape = SHAPES[number % len(SHAPES)]
-            found.append((f"{engine} {method}", colours[engine], shape))
-    return found
+            styles.append((f"{engine} {method}", colours[engine], shape))
+    return styles
 
 
 def markdown(
@@ -89,8 +89,8 @@ def markdown(
 def _markdown(cells: Cells) -> str:
     """A title, and its table with every cell escaped."""
     title, header, rows = cells
-    told = [list(map(markdown_text, row)) for row in rows]
-    return f"{title}:\n\n{table(list(header), told)}"
+    escaped = [list(map(markdown_text, row)) for row in rows]
+    return f"{title}:\n\n{table(list(header), escaped)}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:

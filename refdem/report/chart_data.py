@@ -34,7 +34,7 @@ class ChartData:
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step (or tolerance) of one instance, with bounds."""
-    found: list[dict[str, Any]] = []
+    points: list[dict[str, Any]] = []
     for row in rows:
         for level in row.levels:
             point = {
@@ -45,11 +45,11 @@ def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
                 "error": rounded(level.error),
                 "bound": rounded(level.bound),
             }
-            found.append(point)
+            points.append(point)
     records = [row.record for row in rows]
-    chart = _chart("errors", contents, records, found, ("error", "bound"), _quantities(rows))
+    chart = _chart("errors", contents, records, points, ("error", "bound"), _quantities(rows))
     for control in ("step", "tolerance", "exact"):
-        chosen = [float(item["level"]) for item in found if item["control"] == control]
+        chosen = [float(item["level"]) for item in points if item["control"] == control]
         if chart and chosen:
             chart.extents[control] = _ends(chosen)
     return chart
@@ -68,7 +68,7 @@ def _ends(values: list[float]) -> tuple[float, float]:
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against seconds of one instance; only for pages that are not committed."""
-    found: list[dict[str, Any]] = []
+    points: list[dict[str, Any]] = []
     for row in rows:
         for level in row.levels:
             if level.seconds <= 0:
@@ -79,11 +79,11 @@ def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
                 "seconds": rounded(level.seconds),
                 "error": rounded(level.error),
             }
-            found.append(point)
+            points.append(point)
     records = [row.record for row in rows]
-    chart = _chart("costs", contents, records, found, ("error",), _quantities(rows))
+    chart = _chart("costs", contents, records, points, ("error",), _quantities(rows))
     if chart:
-        chart.extents["seconds"] = _ends([float(item["seconds"]) for item in found])
+        chart.extents["seconds"] = _ends([float(item["seconds"]) for item in points])
     return chart
 
 
@@ -95,7 +95,7 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step in units of the first step, every instance a small picture, every engine a
     colour.
     """
-    found: list[dict[str, Any]] = []
+    points: list[dict[str, Any]] = []
     for row in worst_rows(rows):
         if row.control != "step":
             continue
@@ -111,18 +111,18 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
                 "halvings": rounded(halvings, 3),
                 "error": rounded(level.error),
             }
-            found.append(point)
-    if not found:
+            points.append(point)
+    if not points:
         return None
     colours = engine_colours(contents)
-    engines = sorted({item["engine"] for item in found}, key=list(colours).index)
-    cases = tuple(sorted({item["case"] for item in found}))
+    engines = sorted({item["engine"] for item in points}, key=list(colours).index)
+    cases = tuple(sorted({item["case"] for item in points}))
     marks = tuple((name, colours[name], "circle") for name in engines)
     return ChartData(
         "overview",
-        _csv(found),
+        _csv(points),
         styles=marks,
-        extents={"error": _decades(found, ("error",))},
+        extents={"error": _decades(points, ("error",))},
         labels=cases,
     )
 
@@ -131,18 +131,18 @@ def drifts(contents: Contents, label: str) -> ChartData | None:
     """Curves over time of every finding that has one, chosen by check and quantity."""
     records: list[Record] = []
     order: list[tuple[int, bool, str]] = []
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     for record in contents.of(label):
         for finding in record.findings:
             if finding.series is None or not finding.series.t:
                 continue
             records.append(record)
-            found.extend(_points(record, finding))
+            rows.extend(_points(record, finding))
             # The worst outcome first; the check of energy before others of the same outcome.
             rank = WORST_FIRST.index(finding.outcome)
             order.append((rank, finding.check != "energy", _choice(finding)))
     choices = list(dict.fromkeys(choice for *_, choice in sorted(order)))
-    return _chart("drifts", contents, records, found, ("value", "bound"), choices)
+    return _chart("drifts", contents, records, rows, ("value", "bound"), choices)
 
 
 def _points(record: Record, finding: Finding) -> Iterable[dict[str, Any]]:
@@ -171,7 +171,7 @@ def _chart(
     kind: str,
     contents: Contents,
     shown: Iterable[Record],
-    found: list[dict[str, Any]],
+    rows: list[dict[str, Any]],
     names: tuple[str, ...],
     choices: Sequence[str],
 ) -> ChartData | None:
@@ -179,19 +179,19 @@ def _chart(
 
     Zeros go to the floor, as a log axis has no place for them.
     """
-    if not found:
+    if not rows:
         return None
-    ends = _decades(found, names)
-    for item in found:
+    ends = _decades(rows, names)
+    for item in rows:
         item |= {f"shown_{name}": max(item[name], ends[0]) for name in names}
     marks = styles(((record.engine, record.method) for record in shown), engine_colours(contents))
-    return ChartData(kind, _csv(found), tuple(choices), tuple(marks), {"error": ends})
+    return ChartData(kind, _csv(rows), tuple(choices), tuple(marks), {"error": ends})
 
 
-def _decades(found: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float, float]:
+def _decades(rows: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float, float]:
     """Powers of ten below and above all positive values; zeros are drawn at the lower one."""
     values: list[float] = []
-    for item in found:
+    for item in rows:
         values += [item[name] for name in names if item[name] > 0]
     if not values:
         values = [1e-16]
@@ -200,10 +200,10 @@ def _decades(found: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float
     return 10.0**lowest, 10.0**highest
 
 
-def _csv(found: list[dict[str, Any]]) -> str:
+def _csv(rows: list[dict[str, Any]]) -> str:
     """The rows as CSV with a header, in the columns of the first row."""
     out = io.StringIO()
-    writer = csv.DictWriter(out, list(found[0]), lineterminator="\n")
+    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
     writer.writeheader()
-    writer.writerows(found)
+    writer.writerows(rows)
     return out.getvalue()

@@ -9,8 +9,11 @@ from altair.utils.schemapi import debug_mode
 from refdem.report.chart_data import ChartData
 
 WIDTH = 460
+"""Pixels of a chart: two stand beside each other on an ordinary screen."""
 HEIGHT = 300
+"""Pixels of a chart."""
 SIDE = 100
+"""Pixels of a chart that a further kind of curve takes."""
 PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
 """What is chosen in a chart, by its kind."""
 

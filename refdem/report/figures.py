@@ -104,18 +104,18 @@ def _script() -> bytes:
     return bytes(vl_convert.javascript_bundle(SNIPPET).encode())
 
 
-def _kept(store: Store | None, kind: str, parts: list[Any], made: Callable[[], bytes]) -> bytes:
+def _kept(store: Store | None, kind: str, parts: list[Any], drawn: Callable[[], bytes]) -> bytes:
     """What the store has under the digest of `parts`; made and put there if it has nothing."""
     key = hashlib.sha256(json.dumps(parts, sort_keys=True).encode("utf-8", "replace")).hexdigest()
     if store:
-        found = store.get(kind, key)
+        kept = store.get(kind, key)
     else:
-        found = None
-    if found is None:
-        found = made()
+        kept = None
+    if kept is None:
+        kept = drawn()
         if store:
-            store.put(kind, key, found)
-    return found
+            store.put(kind, key, kept)
+    return kept
 
 
 @cache

@@ -45,13 +45,13 @@ def write_figures(
         for figure in drawn
     }
     drawing = environment().get_template("figure.html")
-    made = {
+    drawings = {
         figure.id: drawing.render(figure=figure, spec=specs[figure.id]).strip() + "\n"
         for figure in drawn
     }
     order = list(every or specs)
-    shown = merged(order, earlier(folder / "gallery.html", SECTION), made)
-    told = merged(
+    shown = merged(order, earlier(folder / "gallery.html", SECTION), drawings)
+    described = merged(
         order,
         earlier(folder / "gallery.md", CHAPTER),
         {figure.id: chapter(figure) for figure in drawn},
@@ -62,7 +62,9 @@ def write_figures(
     for figure in drawn:
         written(folder / f"{figure.name}.svg", figures.picture(specs[figure.id], store))
     figures.equip(folder, store)
-    written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
+    written(
+        folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *described.values()])
+    )
     named = {id: file_name(id) for id in shown}
     sections = map(Markup, shown.values())
     sheet = environment().get_template("gallery.html")
@@ -76,14 +78,14 @@ def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
         text = path.read_text("utf-8", "replace")
     else:
         text = ""
-    return {found[1]: found[0].rstrip("\n") + "\n" for found in part.finditer(text)}
+    return {section[1]: section[0].rstrip("\n") + "\n" for section in part.finditer(text)}
 
 
 def merged(
-    order: Sequence[str], before: Mapping[str, str], made: Mapping[str, str]
+    order: Sequence[str], before: Mapping[str, str], new: Mapping[str, str]
 ) -> dict[str, str]:
     """What was made, and else what was there before, in order."""
-    return {id: made.get(id) or before[id] for id in order if id in made or id in before}
+    return {id: new.get(id) or before[id] for id in order if id in new or id in before}
 
 
 def chapter(figure: Figure) -> str:

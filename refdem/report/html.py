@@ -108,10 +108,10 @@ def grouped(contents: Contents, outcome: str) -> dict[str, list[tuple[Record, Fi
     return groups
 
 
-def refusals(found: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], dict[str, str]]]:
+def refusals(refused: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], dict[str, str]]]:
     """(engine, methods, {label: id of a finding}) for each engine that refused for one reason."""
     engines: dict[str, tuple[list[str], dict[str, str]]] = {}
-    for record, finding in found:
+    for record, finding in refused:
         methods, places = engines.setdefault(record.engine, ([], {}))
         places.setdefault(record.label, record.id(finding))
         if record.method not in methods:
@@ -139,13 +139,13 @@ def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
     the finest level.
     """
     best = best_errors(rows, WORST)
-    found = []
+    pairs = []
     for a, b in itertools.combinations(best, 2):
         # |error_a - error_b| <= distance <= error_a + error_b.
         at_least = abs(best[a] - best[b])
         at_most = best[a] + best[b]
-        found.append((a, b, at_least, at_most))
-    return found
+        pairs.append((a, b, at_least, at_most))
+    return pairs
 
 
 def environment() -> Environment:

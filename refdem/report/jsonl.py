@@ -49,10 +49,10 @@ def sheets_in(folder: Path) -> list[Sheet]:
         try:
             sheets.append(_DECODER.decode(_printable(line)))
         except UNREADABLE as error:
-            told = said(error, Record)
+            message = said(error, Record)
             raise UsageError(
-                f"{path}, line {number}: {told}. Expected one sheet of the schema of `refdem schema"
-                " records`."
+                f"{path}, line {number}: {message}."
+                " Expected one sheet of the schema of `refdem schema records`."
             ) from None
     return sheets
 

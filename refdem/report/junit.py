@@ -14,11 +14,11 @@ def junit(contents: Contents) -> bytes:
     """The XML: failures for what closes a gate or breaks a run; skipped, with the reason, for
     unsupported and undecided.
     """
-    found = list(contents.findings())
+    findings = list(contents.findings())
     counts: dict[str, int] = {str(outcome): count for outcome, count in contents.counts().items()}
     root = Element("testsuites", name="refdem")
     numbers = {
-        "tests": len(found),
+        "tests": len(findings),
         "failures": sum(counts.get(x, 0) for x in FAILING),
         "errors": counts.get("error", 0),
         "skipped": sum(counts.get(x, 0) for x in SKIPPED),
@@ -26,7 +26,7 @@ def junit(contents: Contents) -> bytes:
     attributes = {key: str(value) for key, value in numbers.items()}
     name = _text(contents.campaign.name)
     suite = SubElement(root, "testsuite", name=name, attrib=attributes)
-    for record, finding in found:
+    for record, finding in findings:
         _testcase(suite, record, finding)
     indent(root)
     return bytes(tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
@@ -42,8 +42,8 @@ def _testcase(suite: Element, record: Record, finding: Finding) -> None:
             tag = "error"
         else:
             tag = "failure"
-        told = SubElement(item, tag, type=finding.outcome, message=message)
-        told.text = _text(finding.basis)
+        element = SubElement(item, tag, type=finding.outcome, message=message)
+        element.text = _text(finding.basis)
     elif finding.outcome in SKIPPED:
         SubElement(item, "skipped", type=finding.outcome, message=message)
 

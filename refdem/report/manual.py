@@ -98,23 +98,23 @@ def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:
     return ["parameter", "default", "unit", "bounds", "what"], lines
 
 
-def quantities(found: Sequence[QuantityLine]) -> str:
+def quantities(entries: Sequence[QuantityLine]) -> str:
     """A table, or a list of names where they are many."""
-    if len(found) > FEW:
-        names = ", ".join(f"`{line.name}`" for line in found)
-        return f"{len(found)} values: {names}."
+    if len(entries) > FEW:
+        names = ", ".join(f"`{line.name}`" for line in entries)
+        return f"{len(entries)} values: {names}."
     head = ["quantity", "unit", "scale: the size relative to which an error is measured"]
-    lines = [[f"`{line.name}`", markdown_text(line.unit), two(line.scale)] for line in found]
+    lines = [[f"`{line.name}`", markdown_text(line.unit), two(line.scale)] for line in entries]
     return table(head, lines)
 
 
-def scalars(found: Sequence[QuantityLine]) -> str:
+def scalars(entries: Sequence[QuantityLine]) -> str:
     """A table, or the first of many."""
-    lines = [[f"`{line.name}`", line.mid, line.radius] for line in found[:FEW]]
+    lines = [[f"`{line.name}`", line.mid, line.radius] for line in entries[:FEW]]
     first = table(["scalar", "value", "radius"], lines)
-    if len(found) <= FEW:
+    if len(entries) <= FEW:
         return first
-    return f"{first}\n\nand {len(found) - FEW} more"
+    return f"{first}\n\nand {len(entries) - FEW} more"
 
 
 def truth(page: ManualPage) -> str:
@@ -145,26 +145,26 @@ def truth(page: ManualPage) -> str:
     return "\n".join(lines)
 
 
-def checks(found: Sequence[CheckLine]) -> str:
+def checks(entries: Sequence[CheckLine]) -> str:
     """A table of the checks that apply, with what each judges and kills."""
     lines = []
-    for line in found:
-        told = (line.name, line.title, line.kills)
-        lines.append([markdown_text(text) for text in told])
+    for line in entries:
+        cells = (line.name, line.title, line.kills)
+        lines.append([markdown_text(text) for text in cells])
     return table(["check", "what it judges", "what it kills"], lines)
 
 
 def slips(page: ManualPage) -> list[str]:
     """What the source says, what holds, and the numbers."""
-    told = []
+    paragraphs = []
     for slip in page.slips:
         where = markdown_text(slip.where)
         says = markdown_text(slip.says)
         holds = markdown_text(slip.holds)
         lines = [[markdown_text(what), markdown_text(value)] for what, value in slip.measured]
         numbers = table(["measured", "value"], lines)
-        told.append(f"**{where}** Said: {says}. Holds: {holds}.\n\n{numbers}")
-    return told
+        paragraphs.append(f"**{where}** Said: {says}. Holds: {holds}.\n\n{numbers}")
+    return paragraphs
 
 
 def index_markdown(pages: Sequence[ManualPage]) -> str:
@@ -173,11 +173,11 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
     values = sum(page.truth.values for page in pages)
     witnessed = sum(page.truth.witnessed for page in pages)
     head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
-    told = (
+    totals = (
         f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved"
         " by a witness that shares no code."
     )
-    return f"# Verification manual\n\n{told}\n\n{table(head, lines)}\n"
+    return f"# Verification manual\n\n{totals}\n\n{table(head, lines)}\n"
 
 
 def _index_line(page: ManualPage) -> list[str]:

@@ -65,10 +65,10 @@ class Group:
         sharpness = "-"
         if nearest.sharpness is not None:
             sharpness = f"{nearest.sharpness:.1e}"
-        told = f"value {nearest.value:.1e}, bound {nearest.bound:.1e}, sharpness {sharpness}"
+        text = f"value {nearest.value:.1e}, bound {nearest.bound:.1e}, sharpness {sharpness}"
         return (
             f"{self.check}  {self.label}  {self.engine}: {nearest.quantity} has"
-            f" {nearest.margin:.1f} decades ({told})"
+            f" {nearest.margin:.1f} decades ({text})"
         )
 
 
@@ -76,19 +76,19 @@ def groups(records: Iterable[Record]) -> list[Group]:
     """The groups, in the order of their names; what nobody decided and what is exactly 0 has no
     margin to compare.
     """
-    found: dict[tuple[str, str, str], list[Finding]] = defaultdict(list)
+    by_group: dict[tuple[str, str, str], list[Finding]] = defaultdict(list)
     for record in records:
         for finding in record.findings:
             margin = finding.margin
             if finding.outcome in DECIDED and margin is not None and math.isfinite(margin):
-                found[finding.check, record.label, record.engine].append(finding)
-    return [Group(*names, tuple(findings)) for names, findings in sorted(found.items())]
+                by_group[finding.check, record.label, record.engine].append(finding)
+    return [Group(*names, tuple(findings)) for names, findings in sorted(by_group.items())]
 
 
-def margins_by_check(found: Iterable[Group], *, at_round_off: bool) -> dict[str, list[float]]:
+def margins_by_check(groups: Iterable[Group], *, at_round_off: bool) -> dict[str, list[float]]:
     """Margins by check, of bounds at round-off or of all others."""
     margins: dict[str, list[float]] = defaultdict(list)
-    for group in found:
+    for group in groups:
         for finding in group.findings:
             small = finding.bound is not None and finding.bound < AT_ROUND_OFF
             if small == at_round_off and finding.margin is not None:
@@ -96,16 +96,16 @@ def margins_by_check(found: Iterable[Group], *, at_round_off: bool) -> dict[str,
     return dict(margins)
 
 
-def summary(found: list[Group]) -> list[str]:
+def summary(groups: list[Group]) -> list[str]:
     """Lines for people: loose groups, then medians."""
-    loose = [group for group in found if group.is_loose]
+    loose = [group for group in groups if group.is_loose]
     lines = [
-        f"{len(loose)} of {len(found)} groups are {LOOSE:g} decades or more above what is measured"
+        f"{len(loose)} of {len(groups)} groups are {LOOSE:g} decades or more above what is measured"
         " throughout."
     ]
     lines += [f"  {group.line}" for group in loose]
     for at_round_off, words in ((True, "at round-off"), (False, "above round-off")):
-        by_check = margins_by_check(found, at_round_off=at_round_off)
+        by_check = margins_by_check(groups, at_round_off=at_round_off)
         every = list(chain.from_iterable(by_check.values()))
         if every:
             middle = median(every)

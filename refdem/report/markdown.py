@@ -109,8 +109,8 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
     for sheet in contents.cases:
         texts = []
         for engine in contents.engines:
-            found = cell(contents, rows[sheet.label], sheet.label, engine.engine)
-            texts.append(_digits(found))
+            best = cell(contents, rows[sheet.label], sheet.label, engine.engine)
+            texts.append(_digits(best))
         lines.append([markdown_text(sheet.label), *texts])
     if not lines:
         return ""
@@ -122,19 +122,19 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
     return f"## Correct digits\n\n{note}\n\n{table(head, lines)}"
 
 
-def _digits(found: Cell) -> str:
+def _digits(best: Cell) -> str:
     """A cell of the matrix: the mark of the worst outcome, then the number of correct digits, or
     the outcome where nothing was measured.
     """
-    if found.worst in (None, "pass", "unsupported"):
+    if best.worst in (None, "pass", "unsupported"):
         mark = ""
     else:
-        mark = f"{MARKS[found.worst]} "
-    if found.digits is None:
-        return f"{mark}{found.worst or ABSENT}"
-    if found.digits == math.inf:
+        mark = f"{MARKS[best.worst]} "
+    if best.digits is None:
+        return f"{mark}{best.worst or ABSENT}"
+    if best.digits == math.inf:
         return f"{mark}exact"
-    return f"{mark}{found.digits:.0f}"
+    return f"{mark}{best.digits:.0f}"
 
 
 def _findings(contents: Contents) -> str:
@@ -144,8 +144,8 @@ def _findings(contents: Contents) -> str:
         if outcome == "pass":
             continue
         lines = []
-        for sentence, found in grouped(contents, outcome).items():
-            places = [record.id(finding) for record, finding in found]
+        for sentence, findings in grouped(contents, outcome).items():
+            places = [record.id(finding) for record, finding in findings]
             lines.append(_group(sentence, places))
         if lines:
             parts.append(f"### {outcome}\n\n" + "\n".join(lines))

@@ -32,11 +32,11 @@ def engine_colours(contents: Contents) -> dict[str, str]:
 def styles(pairs: Iterable[tuple[str, str]], colours: dict[str, str]) -> list[tuple[str, str, str]]:
     """(series, colour, shape) of every (engine, method): colour by engine, shape by method."""
     methods: dict[str, list[str]] = {}
-    found = []
+    triples = []
     for engine, method in pairs:
         mine = methods.setdefault(engine, [])
         if method not in mine:
             shape = SHAPES[len(mine) % len(SHAPES)]
             mine.append(method)
-            found.append((f"{engine} {method}", colours[engine], shape))
-    return found
+            triples.append((f"{engine} {method}", colours[engine], shape))
+    return triples

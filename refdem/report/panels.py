@@ -20,11 +20,12 @@ from refdem.report.palette import ENGINES, REFERENCE
 Array = NDArray[np.float64]
 FINE = 0.3
 """Pixels by which a curve may be off, and by which points that are drawn are apart."""
-SHARP = 2
+DOTS_PER_PIXEL = 2
 """Dots of a cloud's picture on each pixel."""
 SYMBOL = 26
+"""Pixels that a legend takes for a symbol with its margins."""
 LETTER = 5.0
-"""Pixels that a legend takes for a symbol with its margins, and for a letter of its text."""
+"""Pixels that a legend takes for a letter of its text."""
 FAINTEST = 110
 """Opacity, of 255, of a single point of a cloud."""
 
@@ -76,10 +77,10 @@ def _scaled(panel: Panel, name: Any) -> Any:
     width, height = panel.size
     # A tick label takes about 70 pixels across and 50 up.
     if name == "x":
-        room = width // 70
+        most_ticks = width // 70
     else:
-        room = height // 50
-    ticks = max(3, room)
+        most_ticks = height // 50
+    ticks = max(3, most_ticks)
     if axis.is_log:
         written: dict[str, Any] = {"format": "~e"}
     else:
@@ -153,15 +154,15 @@ def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, 
     columns = min(fit, wanted)
     legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
-    found: dict[str, Any] = {
+    channels: dict[str, Any] = {
         "color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)
     }
     if any(s.dashed for s in labels.values()):
         dashes = alt.Scale(domain=list(labels), range=[_dash(s) for s in labels.values()])
-        found["strokeDash"] = alt.StrokeDashDatum(
+        channels["strokeDash"] = alt.StrokeDashDatum(
             series.label, type="nominal", title=None, scale=dashes, legend=legend
         )
-    return found
+    return channels
 
 
 def _frame(panel: Panel, x: Any, y: Any) -> Any:
@@ -273,15 +274,15 @@ def density(series: Series, panel: Panel) -> str:
     through.
     """
     place = pixels(series, panel)
-    width = panel.size[0] * SHARP
-    height = panel.size[1] * SHARP
-    across, up = (np.floor(place * SHARP)).astype(np.int64).T
+    width = panel.size[0] * DOTS_PER_PIXEL
+    height = panel.size[1] * DOTS_PER_PIXEL
+    across, up = (np.floor(place * DOTS_PER_PIXEL)).astype(np.int64).T
     inside = (across >= 0) & (across < width) & (up >= 0) & (up < height)
     # Rows of a picture run from its top down.
     dot = (height - 1 - up[inside]) * width + across[inside]
     counts = np.bincount(dot, minlength=width * height).reshape(height, width)
     # A point is as wide as its series says.
-    wide = round(series.width * SHARP)
+    wide = round(series.width * DOTS_PER_PIXEL)
     grown = counts
     for axis in (0, 1):
         grown = np.maximum.reduce([np.roll(grown, shift, axis) for shift in range(wide)])

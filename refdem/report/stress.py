@@ -20,6 +20,7 @@ from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
 LOW = 1e-4
+"""Least ratio of error to bound that is drawn; what is below stands at the edge."""
 HIGH = 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
 CAPTION = (
@@ -68,9 +69,9 @@ def chart(section: Section) -> ChartData | None:
     writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
         height = HIGH
-        told: float | str = ""
+        label: float | str = ""
         if point.ratio is not None:
-            told = rounded(point.ratio)
+            label = rounded(point.ratio)
             if math.isfinite(point.ratio):
                 height = min(max(point.ratio, LOW), HIGH)
         # A rung without a run is an error, unless it says itself that it is undecided.
@@ -81,7 +82,7 @@ def chart(section: Section) -> ChartData | None:
             mark = "error"
         ladder = ladders.index(_name(point))
         series = f"{point.engine} {point.method}"
-        writer.writerow((ladder, point.rung, series, told, rounded(height), mark))
+        writer.writerow((ladder, point.rung, series, label, rounded(height), mark))
     return ChartData(
         "ladders",
         out.getvalue(),
@@ -117,12 +118,12 @@ def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
         mine = methods.setdefault(point.engine, [])
         if point.method not in mine:
             mine.append(point.method)
-    found = []
+    styles = []
     for engine, mine in methods.items():
         for number, method in enumerate(mine):
             shape = SHAPES[number % len(SHAPES)]
-            found.append((f"{engine} {method}", colours[engine], shape))
-    return found
+            styles.append((f"{engine} {method}", colours[engine], shape))
+    return styles
 
 
 def markdown(
@@ -141,8 +142,8 @@ def markdown(
 def _markdown(cells: Cells) -> str:
     """A title, and its table with every cell escaped."""
     title, header, rows = cells
-    told = [list(map(markdown_text, row)) for row in rows]
-    return f"{title}:\n\n{table(list(header), told)}"
+    escaped = [list(map(markdown_text, row)) for row in rows]
+    return f"{title}:\n\n{table(list(header), escaped)}"
 
 
 def page(

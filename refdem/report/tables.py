@@ -105,8 +105,8 @@ def _finding_row(record: Record, finding: Finding) -> tuple[Any, ...]:
     of_record = ("case", "label", "engine", "version", "method", "is_reference")
     of_finding = FINDING[1 + len(of_record) :]
     run = [getattr(record, name) for name in of_record]
-    told = [getattr(finding, name) for name in of_finding]
-    return (record.id(finding), *run, *told)
+    cells = [getattr(finding, name) for name in of_finding]
+    return (record.id(finding), *run, *cells)
 
 
 def tolerance_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
@@ -147,13 +147,13 @@ def _tolerance_row(row: Row) -> tuple[Any, ...]:
 
 def level_rows(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
     """One row for each refinement level, with the columns LEVEL."""
-    found: list[tuple[Any, ...]] = []
+    lines: list[tuple[Any, ...]] = []
     for row in rows:
         record = row.record
         run = (record.case, record.label, record.engine, record.method, row.quantity, row.control)
         for level in row.levels:
-            found.append((*run, level.level, level.error, level.bound, level.seconds, level.counts))
-    return found
+            lines.append((*run, level.level, level.error, level.bound, level.seconds, level.counts))
+    return lines
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -208,8 +208,8 @@ class Cell:
 def cell(contents: Contents, rows: list[Row], label: str, engine: str) -> Cell:
     """The cell of the matrix: correct digits are -log10 of the worst error at the finest level."""
     records = [record for record in contents.of(label) if record.engine == engine]
-    own = [row for row in worst_rows(rows) if row.record.engine == engine]
-    best = min(own, key=lambda row: (row.error, row.record.method), default=None)
+    of_engine = [row for row in worst_rows(rows) if row.record.engine == engine]
+    best = min(of_engine, key=lambda row: (row.error, row.record.method), default=None)
     if best is None:
         return Cell(None, "", contents.counts(records))
     return Cell(digits(best.error), best.record.method, contents.counts(records))

@@ -43,22 +43,22 @@ def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
 
 
 def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
-    told = [sheet for sheet in sheets if not isinstance(sheet, CampaignSheet)]
+    others = [sheet for sheet in sheets if not isinstance(sheet, CampaignSheet)]
     names = [sheet.name for sheet in sheets if isinstance(sheet, CampaignSheet)]
     under = [
         fingerprint.of_refdem(),
         *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml")),
     ]
-    parts = [names, told, under, (folder / "gallery" / "gallery.html").exists()]
+    parts = [names, others, under, (folder / "gallery" / "gallery.html").exists()]
     return hashlib.sha256(msgspec.msgpack.encode(parts, order="deterministic")).hexdigest()
 
 
 def _files(folder: Path) -> Files:
     """Every file of the folder and of the folders of a report in it."""
-    found: Files = {}
+    files: Files = {}
     for part in (".", "cases", "figures", "assets"):
         for path in (folder / part).glob("*"):
             if path.is_file():
                 state = path.stat()
-                found[str(path.relative_to(folder))] = (state.st_size, state.st_mtime_ns)
-    return found
+                files[str(path.relative_to(folder))] = (state.st_size, state.st_mtime_ns)
+    return files

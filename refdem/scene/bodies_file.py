@@ -60,16 +60,16 @@ def packed(bodies: Bodies) -> bytes:
     return archive.getvalue()
 
 
-def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
-    """The bodies in a file, or in its bytes, to which a scene has the reference `told`.
+def unpacked(data: bytes | Path, reference: BodiesFile) -> Bodies:
+    """The bodies in a file, or in its bytes, to which a scene has the reference `reference`.
 
     Raises SceneError if the content is another one, or that of unphysical bodies.
     """
-    where = f"scene.bodies: {told.file}"
-    if told.count < 1:
-        raise SceneError(f"scene.bodies.count is {told.count}; expected at least 1")
+    where = f"scene.bodies: {reference.file}"
+    if reference.count < 1:
+        raise SceneError(f"scene.bodies.count is {reference.count}; expected at least 1")
     try:
-        columns = _read(data, told.count, where)
+        columns = _read(data, reference.count, where)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise SceneError(f"{where} cannot be read: {error}") from None
     shapes = _shapes(columns.pop("shapes"), where)
@@ -81,10 +81,10 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
             f" 0..{len(shapes) - 1}"
         )
     bodies = Bodies(shape=tuple(map(shapes.__getitem__, number.tolist())), fixed=fixed, **columns)
-    if content(bodies) != told.sha256:
+    if content(bodies) != reference.sha256:
         raise SceneError(
             f"{where} has other content than the scene was written with: its sha256 is"
-            f" {content(bodies)}, not {told.sha256}"
+            f" {content(bodies)}, not {reference.sha256}"
         )
     return bodies
 

@@ -19,9 +19,9 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 
-REACH = 1.0 + 1e-9
+HOOK_RADIUS_TOLERANCE = 1.0 + 1e-9
 """Factor on the hook's radius: a mass that just reaches it is caught in any rotated frame."""
-ACROSS = 1e-12
+RADIAL_TOLERANCE = 1e-12
 """Relative radial velocity that is rounding: closest approach is at the start."""
 
 
@@ -61,11 +61,11 @@ class ExactCapture(SceneSolver):
         # Closest approach: d/dt |arm + v t|^2 = 0 at t = -arm.v/v^2.
         radial = arm @ v
         catch_time = 0.0
-        if speed2 > 0 and abs(radial) > ACROSS * np.linalg.norm(arm) * speed:
+        if speed2 > 0 and abs(radial) > RADIAL_TOLERANCE * np.linalg.norm(arm) * speed:
             catch_time = -radial / speed2
         nearest = arm + v * catch_time
         distance = float(np.linalg.norm(nearest))
-        is_caught = catch_time >= 0 and 0 < distance <= hook.radius * REACH
+        is_caught = catch_time >= 0 and 0 < distance <= hook.radius * HOOK_RADIUS_TOLERANCE
         # Time since the catch; negative throughout if there is none.
         since = np.full(len(t), -1.0)
         if is_caught:

@@ -59,6 +59,7 @@ ASTRAY = 3
 THREADS = "REFDEM_THREADS"
 """Name of the environment variable."""
 MOST_THREADS = 64
+"""Threads of a gas, of which the kernel has one table each (MOST_THREADS in kernels/gas_team.h)."""
 
 
 class Gas(KernelSolver):

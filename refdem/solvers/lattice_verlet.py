@@ -23,7 +23,7 @@ from refdem.solvers._kernel_solver import (
 from refdem.solvers._line import Line
 
 FAMILY = "lattice"
-ROOM = 1.7
+POTENTIAL_MARGIN = 1.7
 """Factor by which the potential at the lattice's ends exceeds the energy, so that a start and its
 return choose the same units.
 """
@@ -108,8 +108,8 @@ def _reach(line: Line) -> tuple[float, float] | None:
     """Powers of two [m] and [m/s] that bound position and velocity of the motion; None if it is
     unbounded.
 
-    The motion stays in |x| < size if the potential at both ends exceeds ROOM times its energy, both
-    above the lowest potential; then m v^2/2 is at most that energy.
+    The motion stays in |x| < size if the potential at both ends exceeds POTENTIAL_MARGIN times its
+    energy, both above the lowest potential; then m v^2/2 is at most that energy.
     """
     spring = line.spring
 
@@ -125,9 +125,9 @@ def _reach(line: Line) -> tuple[float, float] | None:
         lowest = min(potential(half_width * sixteenth / 16) for sixteenth in range(-16, 17))
         # The barrier, and what the motion has of it, with room.
         barrier = min(potential(half_width), potential(-half_width)) - lowest
-        needed = ROOM * (energy - lowest)
+        needed = POTENTIAL_MARGIN * (energy - lowest)
         if barrier >= needed > 0:
-            fastest = sqrt(2 * ROOM * (energy - lowest) / line.mass)
+            fastest = sqrt(2 * POTENTIAL_MARGIN * (energy - lowest) / line.mass)
             return half_width, ldexp(1.0, ceil(log2(fastest)))
         half_width *= 2
     return None

@@ -70,12 +70,13 @@ class Rattle(KernelSolver):
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
         rod_fields = (len(rods), *_links(rods), length)
         spring_fields = (len(springs), *_links(springs), law)
-        work_space = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
+        work_space = np.empty(9 * n + 8 * len(rods) + len(rods) ** 2)
+        pivots = np.empty(len(rods), dtype=np.int64)
         return KernelCall(
             function="refdem_rattle",
             inputs=(n, mass, single.gravity(scene), *rod_fields, *spring_fields),
             clock=steps_to_samples(request),
-            outputs=(work_space, *_room(scene, len(request.problem.times), len(rods))),
+            outputs=(work_space, pivots, *_recorded(scene, len(request.problem.times), len(rods))),
             steps=steps_of(request),
         )
 
@@ -88,7 +89,7 @@ class Rattle(KernelSolver):
                 f"rattle: no multipliers hold the rods before sample {status - 1} at a step of"
                 f" {request.step} s; take a smaller one"
             )
-        _, position, velocity, force = call.outputs
+        _, _, position, velocity, force = call.outputs
         channels = {"rod_force": force}
         return Trajectory.of_points(request.problem.times, position, velocity, channels=channels)
 
@@ -104,7 +105,7 @@ def _links(links: "list[Rod] | list[Spring]") -> tuple[NDArray[np.int64], Array]
     return ends, anchors
 
 
-def _room(scene: Scene, samples: int, rods: int) -> tuple[Array, Array, Array]:
+def _recorded(scene: Scene, samples: int, rods: int) -> tuple[Array, Array, Array]:
     """Arrays for position and velocity (T, N, 3) with the start in row 0, and for rod forces (T,
     rods).
     """

@@ -24,6 +24,7 @@ from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, ScenePattern
 Array = NDArray[np.float64]
 FAMILY = "stick_slip"
 MOST_EVENTS = 100_000
+"""Rows of the table of events: thousands of periods of the cases, each with two of them."""
 KINDS = {1: "stick", 2: "slip"}
 """Kinds of events by their numbers in the kernel."""
 ASKEW = 1e-15

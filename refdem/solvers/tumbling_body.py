@@ -27,7 +27,9 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 FAMILY = "tumbling_body"
 MOST_CORNERS = 32
+"""Corners of a body, as many as the kernel has tables for (kernels/tumbling_body.c)."""
 MOST_EVENTS = 4096
+"""Rows of the table of events, far beyond the impacts of a body that comes to rest on a slope."""
 CHANNELS = ("contacts", "overlap", "contact_force")
 KINDS = {0: "contact", 1: "release"}
 """Kind of an event by the corner's mode before it: 0 off the plane, 1 pressing."""

@@ -56,7 +56,8 @@ Hypotheses, and where each is checked:
   `FreeBody.fastest`;
 * the cells cover all times at which errors are made: `BodyGrowth.cover`; errors of the cell that
   holds t are those of `Tumbling.of_cell_of_now`;
-* what doubles may have lost is a small part of S: `BodyGrowth.largest` compares it with LOST.
+* what doubles may have lost is a small part of S: `BodyGrowth.largest` compares it with
+  MAX_ROUNDING_PART.
 """
 
 from abc import ABC, abstractmethod
@@ -76,7 +77,7 @@ from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.free_body import FreeBody, dot_exact
 from refdem.truth.growth import (
     BOUNDLESS,
-    LOST,
+    MAX_ROUNDING_PART,
     UPWARDS,
     WIDEST,
     Grows,
@@ -101,7 +102,7 @@ SPIN = slice(3, 6)
 BODY = slice(3, 6)
 SPACE = slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
-ACROSS = slice(1, 3)
+TRANSVERSE = slice(1, 3)
 """Components along w and b."""
 
 RECENT = 4
@@ -248,7 +249,7 @@ class BodyGrowth(ABC):
         bounded by the sum of the norms; `sources` (cells, 3, 3) is what a change of omega is made
         of there; `halves` (cells,) [s] is h, half the width of each cell. `turns_anyhow` adds the
         bound of i q lambda for any unit number q. Infinite where doubles end; UnsharpError where
-        rounding may have lost more than the part LOST.
+        rounding may have lost more than the part MAX_ROUNDING_PART.
         """
         one_turn = near([arb_of(self.scales.turn)])
         # |D_psi| and |D_omega| of the theorem on cells, by quantity (7: the turn, six components).
@@ -260,9 +261,9 @@ class BodyGrowth(ABC):
             by_spin = by_spin + row_norms(response[..., SPIN] @ sources)
         if turns_anyhow:
             # |r . (q lambda)| <= |r| |lambda|, with lambda = J d/L + psi x m across m.
-            reach = row_norms(read[None, :, ACROSS])
+            reach = row_norms(read[None, :, TRANSVERSE])
             by_turn = by_turn + reach * one_turn
-            by_spin = by_spin + reach * spectral_norms(sources[:, ACROSS])[:, None]
+            by_spin = by_spin + reach * spectral_norms(sources[:, TRANSVERSE])[:, None]
         # |D(t, s)| <= |D_psi| (1 + h g) + |D_omega| g with g = exp(a h) (theorem on cells).
         omega_growth = np.exp(self.scales.jacobian * halves)[:, None]
         turn_growth = halves[:, None] * self.scales.shear * omega_growth
@@ -271,7 +272,7 @@ class BodyGrowth(ABC):
         bound = float((growth + rounding).max(initial=0.0)) * UPWARDS
         if not isfinite(bound):
             return inf
-        if float(rounding.max(initial=0.0)) > LOST * bound:
+        if float(rounding.max(initial=0.0)) > MAX_ROUNDING_PART * bound:
             raise UnsharpError("how errors of a body grow is not known well at this precision")
         return bound
 

@@ -59,13 +59,13 @@ class ClosedForm(Guarded, Truth):
 
     `refiner` proves values and has their scales and digits; `proof_of_s` proves S. `state` names,
     for each coordinate of the start, the quantity in whose scale that coordinate is displaced.
-    `told` names the quantities that `at` returns; empty for all.
+    `reported` names the quantities that `at` returns; empty for all.
     """
 
     refiner: Refiner
     proof_of_s: Sensitivity = Sensitivity()
     state: tuple[str, ...]
-    told: tuple[str, ...] = ()
+    reported: tuple[str, ...] = ()
 
     @abstractmethod
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -120,7 +120,7 @@ class ClosedForm(Guarded, Truth):
         balls = self.refiner.balls(
             lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s", t, self.evaluated_at_0
         )
-        return {name: balls[name] for name in self.told or balls}
+        return {name: balls[name] for name in self.reported or balls}
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""

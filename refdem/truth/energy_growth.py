@@ -29,7 +29,7 @@ Hypotheses, and where each is checked:
 * P, K and H' are those of the family: `Line.neighbour`, in closed form, which the families derive;
 * |f'| is at most `Line.steepest` all along the motion: an exact number of each family;
 * the cells cover all times at which errors are made: `unrounded_at`, with a last cell up to t;
-* what rounding may have lost is a small part of S: `grown` compares it with LOST.
+* what rounding may have lost is a small part of S: `grown` compares it with MAX_ROUNDING_PART.
 """
 
 from collections.abc import Callable
@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.growth import (
     KNOWN,
-    LOST,
+    MAX_ROUNDING_PART,
     UPWARDS,
     WIDEST,
     UnsharpError,
@@ -209,7 +209,7 @@ class EnergyGrowth:
         """The growth of errors of the first `count` cells, made `periods` periods ago.
 
         `read` (q, 2) are the readings at the instant `now`. Infinite where doubles end;
-        UnsharpError where rounding may have lost more than the part LOST.
+        UnsharpError where rounding may have lost more than the part MAX_ROUNDING_PART.
         """
         if count == 0:
             return 0.0
@@ -235,7 +235,7 @@ class EnergyGrowth:
         rounding = ROUNDED * float(np.linalg.norm(read)) * largest_matrix
         if not isfinite(largest):
             return inf
-        if rounding > LOST * largest:
+        if rounding > MAX_ROUNDING_PART * largest:
             raise UnsharpError(
                 "rounding has a larger part in how errors grow than doubles allow", final=True
             )

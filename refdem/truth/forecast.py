@@ -35,10 +35,11 @@ HOPELESS = 86400.0
 """Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp.
 """
 FEW_PIECES = 4
-FAR_BEYOND = 1000
-"""After so few pieces, whose pace may be that of a start with a jerk, a forecast is believed where
-it is beyond HOPELESS by this factor.
+"""Pieces after which a forecast may be believed at all: the pace of fewer may be that of a start
+with a jerk.
 """
+FAR_BEYOND = 1000
+"""Factor beyond HOPELESS from which on a forecast is believed after so few pieces."""
 
 NextBits = Callable[[int, float | None], int | None]
 """The bits after those that did not suffice, from how many are lacking (None: the motion was not
@@ -140,9 +141,9 @@ class Course:
     def seconds_for(self, work: float) -> float:
         """CPU seconds for so many pieces, at what those so far took."""
         half, last = self.later_half()
-        made = last.pieces - half.pieces
-        if made:
-            return work * (last.seconds - half.seconds) / made
+        pieces = last.pieces - half.pieces
+        if pieces:
+            return work * (last.seconds - half.seconds) / pieces
         return 0.0
 
 
@@ -174,13 +175,13 @@ def follow(
     course.marks.append(mark())
     while course.marks[-1].time < t and step():
         course.marks.append(mark())
-        made = course.marks[-1].pieces - course.marks[0].pieces
+        pieces_made = course.marks[-1].pieces - course.marks[0].pieces
         left = work()
         seconds = course.seconds_for(left)
-        if made >= telling:
+        if pieces_made >= telling:
             tell(seconds)
-            telling = 2 * made
-        if is_enough(made, left, seconds):
+            telling = 2 * pieces_made
+        if is_enough(pieces_made, left, seconds):
             break
 
 

@@ -27,8 +27,8 @@ Hypotheses, and where each is checked:
 * t lies in one stretch: `Stretch.is_over_at` raises UnsharpError within the uncertainty of an end;
 * |P_m - Q_m| <= eps_m: `doubles` gives the radii of what is rounded, and ROUNDING is a bound of
   products in binary64 (`Growth.passed`, `Growth.effect_at`);
-* what rounding may have lost is a small part of S: `Growth.read` compares it with LOST, and goes on
-  in balls (`read_in_balls`), or asks for more bits.
+* what rounding may have lost is a small part of S: `Growth.read` compares it with
+  MAX_ROUNDING_PART, and goes on in balls (`read_in_balls`), or asks for more bits.
 """
 
 from bisect import bisect_right
@@ -73,7 +73,7 @@ WIDEST = 1 / 8
 """The largest delta of a cell: S is at most 1/(1 - 1/8), 14 per cent, larger than what it
 bounds.
 """
-LOST = 1 / 8
+MAX_ROUNDING_PART = 1 / 8
 """The part of S that rounding may have lost at most; a higher precision loses less."""
 HALVINGS = 80
 """The most halvings of a cell; one that is still too wide says that M is not known well enough."""
@@ -119,20 +119,20 @@ class Stretch:
 
     `begin` [s] is when it begins, `length` [s] how long it lasts (None: it never ends).
     `fundamental` is M over the times since the begin. `handover` is M at the end, times the jump
-    matrix of an event there: it takes the coordinates of M to the state after the end. `felt` is a
-    matrix that an error undergoes as soon as it is made, as a slip does that friction stops; None
-    where errors stay what they are. `joins` says that nothing happens at the end, where only the
-    coordinates change. `quickness` bounds the norm of the field's Jacobian on a ball of times, or
-    the logarithmic norms of it and of its negative where errors are felt as they are made; M is
-    then evaluated at points only. `affine` says that M(s)^-1 is affine in the time s, as that of a
-    free flight is.
+    matrix of an event there: it takes the coordinates of M to the state after the end.
+    `instant_map` F is a matrix that an error undergoes as soon as it is made, as a slip does that
+    friction stops; None where errors stay what they are. `joins` says that nothing happens at the
+    end, where only the coordinates change. `quickness` bounds the norm of the field's Jacobian on a
+    ball of times, or the logarithmic norms of it and of its negative where errors are felt as they
+    are made; M is then evaluated at points only. `affine` says that M(s)^-1 is affine in the time
+    s, as that of a free flight is.
     """
 
     begin: arb
     length: arb | None
     fundamental: Fundamental
     handover: Callable[[], arb_mat]
-    felt: arb_mat | None = None
+    instant_map: arb_mat | None = None
     joins: bool = False
     quickness: Callable[[arb], float] | None = None
     affine: bool = False
@@ -160,7 +160,7 @@ def smooth(
     fundamental: Fundamental,
     *,
     jump: arb_mat | None = None,
-    felt: arb_mat | None = None,
+    instant_map: arb_mat | None = None,
     joins: bool = False,
     quickness: Callable[[arb], float] | None = None,
     affine: bool = False,
@@ -176,7 +176,7 @@ def smooth(
             return last
         return jump * last
 
-    return Stretch(begin, length, fundamental, handover, felt, joins, quickness, affine)
+    return Stretch(begin, length, fundamental, handover, instant_map, joins, quickness, affine)
 
 
 class Norm:
@@ -416,11 +416,11 @@ class Front:
     """The effect of all errors that were made before the begin of an element, seen at that begin.
 
     `carried` (cells, n, n) has M(begin) X of every cell so far; `answers` is the same for errors as
-    they are felt at once (`Stretch.felt`); `slack` (cells,) widens both. `after` (elements, n, n)
-    has the derivative from the end of every element so far to here, `weight` (elements,) the bound
-    eps_m of what the doubles of that element lost, times S at its begin: the two factors of the
-    theorem on products. `whole` is the derivative from the start of the motion, `largest` is S of
-    the state here, `count` is the number of elements that lie before.
+    they are felt at once (`Stretch.instant_map`); `slack` (cells,) widens both. `after` (elements,
+    n, n) has the derivative from the end of every element so far to here, `weight` (elements,) the
+    bound eps_m of what the doubles of that element lost, times S at its begin: the two factors of
+    the theorem on products. `whole` is the derivative from the start of the motion, `largest` is S
+    of the state here, `count` is the number of elements that lie before.
     """
 
     carried: Array
@@ -476,8 +476,9 @@ class Growth:
 
     S is found by products of doubles, and by products of balls where rounding loses too much.
     `readings(t)` gives the derivative of the quantities at t by the state, both in scales; without
-    it the state itself is read. `made` has the numbers of the coordinates in which errors are made:
-    by default all of them. `step` [s] is the width that the first cell is tried with.
+    it the state itself is read. `error_coordinates` has the numbers of the coordinates in which
+    errors are made: by default all of them. `step` [s] is the width that the first cell is tried
+    with.
     """
 
     def __init__(
@@ -485,13 +486,13 @@ class Growth:
         stretches: Iterable[Stretch],
         size: Norm,
         readings: Callable[[arb], arb_mat] | None = None,
-        made: Sequence[int] | None = None,
+        error_coordinates: Sequence[int] | None = None,
         step: Fraction = Fraction(1, 8),
     ) -> None:
         self.coming: Iterator[Stretch] = iter(stretches)
         self.norm = size
         self.readings = readings
-        self.made = made
+        self.error_coordinates = error_coordinates
         self.step = step
         self.elements: list[Element] = []
         self.front: Front | None = None
@@ -518,7 +519,7 @@ class Growth:
         # An error made at the time itself has not grown, but is read.
         at_once = self.norm.read(effect.reading)
         bound = max(float(by_cell.max(initial=0.0)), float(at_once))
-        if effect.rounding > LOST * bound:
+        if effect.rounding > MAX_ROUNDING_PART * bound:
             return self.read_in_balls(time, readings)
         return bounded(bound + effect.rounding)
 
@@ -531,14 +532,14 @@ class Growth:
     def largest(self, answers: arb_mat, slack: Array) -> float:
         """The largest growth by M X (q, n cells) of all cells side by side.
 
-        UnsharpError where the radii of the balls make more than the part LOST of it.
+        UnsharpError where the radii of the balls make more than the part MAX_ROUNDING_PART of it.
         """
         middles, radii = split(answers, len(slack))
         middle_norms = self.norm.read(middles)
         radius_norms = self.norm.read(radii)
         by_cell = (middle_norms + radius_norms) * (1 + slack)
         bound = float(by_cell.max(initial=0.0)) * UPWARDS
-        if not float(radius_norms.max(initial=0.0)) <= LOST * bound:
+        if not float(radius_norms.max(initial=0.0)) <= MAX_ROUNDING_PART * bound:
             raise UnsharpError("how errors grow is not known well enough at this precision")
         return bound
 
@@ -551,8 +552,8 @@ class Growth:
         number = self.number(time)
         element = self.elements[number]
         stretches = [one.stretch for one in self.elements[: number + 1]]
-        has_felt_errors = any(stretch.felt is not None for stretch in stretches)
-        if self.made is not None or has_felt_errors:
+        has_instant_maps = any(stretch.instant_map is not None for stretch in stretches)
+        if self.error_coordinates is not None or has_instant_maps:
             raise UnsharpError(
                 "rounding has a larger part in how errors grow than this precision allows"
             )
@@ -623,7 +624,9 @@ class Growth:
         return Effect(
             reading=reading,
             rounding=loss_of_fresh + loss_of_carried + loss_on_the_way,
-            answers=np.concatenate([since_begin @ front.answers, self.felt(element, fresh)]),
+            answers=np.concatenate(
+                [since_begin @ front.answers, self.after_instant_map(element, fresh)]
+            ),
             carried=np.concatenate([since_begin @ front.carried, fresh]),
             slack=np.concatenate([front.slack, self.slack(element, cells)]),
             whole=since_begin @ front.whole,
@@ -695,7 +698,7 @@ class Growth:
         ) * (element.origin.slack + 4 * ROUNDING)
         weight = product_loss * front.largest + unit_loss * float(self.norm(inverses).max())
         after = np.concatenate([whole @ front.after, np.eye(len(whole))[None]])
-        answers = np.concatenate([whole @ front.answers, self.felt(element, fresh)])
+        answers = np.concatenate([whole @ front.answers, self.after_instant_map(element, fresh)])
         carried = np.concatenate([whole @ front.carried, fresh])
         slack = np.concatenate([front.slack, self.slack(element, element.cells)])
         weights = np.concatenate([front.weight, [weight]])
@@ -716,27 +719,27 @@ class Growth:
     def slack(self, element: Element, cells: Sequence[Cell]) -> Array:
         """The slack (cells,) of cells, times the norm of what errors undergo at once, if anything.
 
-        M (1 + Delta)^-1 F differs from M F by at most |M| slack |F|, F being `Stretch.felt`.
+        M (1 + Delta)^-1 F differs from M F by at most |M| slack |F|, F being `Stretch.instant_map`.
         """
         slacks = np.array([cell.slack for cell in cells])
-        if element.stretch.felt is None:
+        if element.stretch.instant_map is None:
             return slacks
-        return slacks * float(self.norm(doubles(element.stretch.felt)[0])) * UPWARDS
+        return slacks * float(self.norm(doubles(element.stretch.instant_map)[0])) * UPWARDS
 
-    def felt(self, element: Element, carried: Array) -> Array:
+    def after_instant_map(self, element: Element, carried: Array) -> Array:
         """Matrices (cells, q, n) of carried errors, times what errors undergo as they are made."""
-        if element.stretch.felt is None:
+        if element.stretch.instant_map is None:
             return self.chosen(carried)
-        return self.chosen(carried @ doubles(element.stretch.felt)[0])
+        return self.chosen(carried @ doubles(element.stretch.instant_map)[0])
 
     def chosen(self, carried: Array) -> Array:
         """Matrices (cells, q, n) with zero columns for the coordinates in which no errors are
         made.
         """
-        if self.made is None:
+        if self.error_coordinates is None:
             return carried
         chosen = np.zeros_like(carried)
-        chosen[..., list(self.made)] = carried[..., list(self.made)]
+        chosen[..., list(self.error_coordinates)] = carried[..., list(self.error_coordinates)]
         return chosen
 
 
@@ -776,7 +779,7 @@ class PeriodicGrowth:
             readings = self.first.readings(time)
         this_period = self.first.read(since, readings)
         earlier, rounding = self.of_earlier(since, readings, turns)
-        if rounding > LOST * max(this_period, earlier):
+        if rounding > MAX_ROUNDING_PART * max(this_period, earlier):
             return bounded(max(this_period, self.of_earlier_in_balls(since, readings, turns)))
         return bounded(max(this_period, earlier + rounding))
 

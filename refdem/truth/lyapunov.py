@@ -26,6 +26,7 @@ from refdem.truth.validated_flow import ValidatedFlow, balls_of
 from refdem.truth.validated_ivp.integration import Integration, Steps
 
 LEAST_BITS = 256
+"""Bits of the first try."""
 MOST_BITS = 2**13
 """The first and the last working precision [bit]."""
 MOST_SQUARINGS = 80

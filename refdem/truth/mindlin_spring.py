@@ -26,7 +26,9 @@ from refdem.truth.power_contact import PowerContact
 NEAR = Fraction(3, 4)
 """The scaled overlap D at which legs meet."""
 INWARD = 0
+"""Number of the leg on which the sphere approaches the wall."""
 TURNING = 1
+"""Number of the leg about the largest overlap, where the rate changes its sign."""
 OUTWARD = 2
 """The legs of a contact in order of time; x is D, -u and -D on them."""
 

@@ -119,8 +119,8 @@ class ValidatedFlow(Guarded, Truth):
     raised until every radius is met; the pieces of an integration are kept for each precision.
 
     A family hands in what it adds: `witness` says who checked; `escape` proves that a motion is
-    infinite; `constants` gives the scalars; `told` names the quantities that `at` returns (all by
-    default); `door` raises NotCertifiedError where the quantities have no meaning.
+    infinite; `constants` gives the scalars; `reported` names the quantities that `at` returns (all
+    by default); `door` raises NotCertifiedError where the quantities have no meaning.
     """
 
     method = (
@@ -141,7 +141,7 @@ class ValidatedFlow(Guarded, Truth):
         witness: str = "none",
         escape: Escape = never,
         constants: "Callable[[ValidatedFlow], dict[str, arb]]" = lambda flow: {},
-        told: Sequence[str] = (),
+        reported: Sequence[str] = (),
         door: "Callable[[ValidatedFlow], None]" = lambda flow: None,
     ) -> None:
         self.refiner = Refiner.of(scale, digits=digits)
@@ -158,7 +158,7 @@ class ValidatedFlow(Guarded, Truth):
         self.witness = witness
         self.escape = escape
         self.constants = constants
-        self.told = tuple(told)
+        self.reported = tuple(reported)
         self.door = door
 
     @property
@@ -180,7 +180,7 @@ class ValidatedFlow(Guarded, Truth):
         balls = self.refiner_now().balls(
             lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s", t, self.evaluated_at_0
         )
-        return {name: balls[name] for name in self.told or balls}
+        return {name: balls[name] for name in self.reported or balls}
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from refdem.truth.balls import outward
 
-REACH = 12
+MAX_DISC_EXPONENT = 12
 """The most that |J| at the start times the outer radius may be: sums whose terms grow as exp of
 that lose its bits.
 """
@@ -33,13 +33,13 @@ def quickest(slopes: Sequence[arb | acb]) -> float:
 
 def typical(jacobian: Callable[[float], list[Any]], radius: float) -> list[Any] | None:
     """The Jacobian J on a disc of at most this radius, halved until |J| times the radius is below
-    REACH; None if it never is.
+    MAX_DISC_EXPONENT; None if it never is.
 
     `jacobian(radius)` gives balls of J on the disc, its rows one after another.
     """
     for _ in range(HALVINGS):
         slopes = jacobian(radius)
-        if quickest(slopes) * radius < REACH:
+        if quickest(slopes) * radius < MAX_DISC_EXPONENT:
             return slopes
         radius /= 2
     return None

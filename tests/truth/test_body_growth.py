@@ -30,7 +30,7 @@ LOOKS = 12
 """Times at which what is left of them is compared."""
 MARGIN = 2e-3
 """What Runge and Kutta may be off."""
-SHARP = 2.0
+MAX_OVERESTIMATE = 2.0
 """S is at most so many times the largest growth that is found."""
 ONE = (Fraction(1), Fraction(0), Fraction(0), Fraction(0))
 TILTED = (Fraction(1), Fraction(2), Fraction(-3), Fraction(1, 2))
@@ -143,7 +143,9 @@ def compared(numbers: Numbers, t: Fraction, growth: float) -> None:
     assert growth <= bound * (1 + MARGIN), (
         f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
     )
-    assert bound <= SHARP * growth, f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+    assert bound <= MAX_OVERESTIMATE * growth, (
+        f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+    )
 
 
 def inner(truth: ClosedForm, t: Fraction) -> float:

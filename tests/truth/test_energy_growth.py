@@ -21,7 +21,7 @@ STRUCK = 240
 """Times of impulses."""
 LOOKS = 6
 """Times at which the largest growth is compared with S."""
-SHARP = 2.0
+MAX_OVERESTIMATE = 2.0
 """S is at most so many times the largest growth."""
 
 MOTIONS = [
@@ -74,6 +74,6 @@ def test_s_is_at_most_twice_the_largest_growth_and_not_below_it(case, given, per
             largest = max(growth(now, one) for s, one in zip(struck, back, strict=True) if s <= t)
             bound = truth.sensitivity(t)
             assert largest <= bound, f"t = {float(t)}: an impulse grows by {largest}, S is {bound}"
-            assert bound <= SHARP * largest, (
+            assert bound <= MAX_OVERESTIMATE * largest, (
                 f"t = {float(t)}: S is {bound}, the largest growth {largest}"
             )

@@ -31,7 +31,7 @@ SIZE = 1e-8
 """Of an impulse, in scales; what differences of doubles lose is a millionth of it."""
 MARGIN = 2e-3
 """What differences of motions in doubles may be off, kinks of forces included."""
-SHARP = 2.0
+MAX_OVERESTIMATE = 2.0
 """S is at most so many times the largest growth that is found."""
 
 State = np.ndarray
@@ -250,7 +250,7 @@ def test_no_impulse_grows_by_more_than_s_and_s_is_at_most_twice_the_largest_grow
         assert growth <= bound * (1 + MARGIN), (
             f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
         )
-        assert bound <= SHARP * max(1.0, growth), (
+        assert bound <= MAX_OVERESTIMATE * max(1.0, growth), (
             f"t = {float(t)}: S is {bound}, the largest growth {growth}"
         )
 

@@ -22,7 +22,7 @@ LOOKS = 12
 """Times at which what is left of the impulses is compared."""
 MARGIN = 5e-3
 """What steps across switches, and differences of motions, may be off."""
-SHARP = 2.0
+MAX_OVERESTIMATE = 2.0
 """S is at most so many times the largest growth that is found."""
 
 State = np.ndarray
@@ -196,7 +196,9 @@ def compared(instance, law: Law) -> None:
         assert growth <= bound * (1 + MARGIN), (
             f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
         )
-        assert bound <= SHARP * growth, f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+        assert bound <= MAX_OVERESTIMATE * growth, (
+            f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+        )
 
 
 @pytest.mark.parametrize("angle", ["1/4", "-0.05", "1/2", "1.2", "0"])

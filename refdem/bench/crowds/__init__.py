@@ -13,8 +13,8 @@ def crowds() -> list[Crowd]:
     names = sorted(
         path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_")
     )
-    found: list[Crowd] = [import_module(f"refdem.bench.crowds.{name}").CROWD for name in names]
+    installed: list[Crowd] = [import_module(f"refdem.bench.crowds.{name}").CROWD for name in names]
     return sorted(
-        (crowd for crowd in found if crowd.missing() is None),
+        (crowd for crowd in installed if crowd.missing() is None),
         key=lambda crowd: not crowd.is_reference,
     )

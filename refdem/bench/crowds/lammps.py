@@ -71,15 +71,15 @@ class Lammps(Crowd):
             folder = Path(name)
             (folder / "data.lammps").write_text(_data(gas))
             (folder / "in.lammps").write_text(words)
-            told = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
+            environment = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
             command = ["lmp", "-in", "in.lammps", "-log", "none"]
             done = subprocess.run(
-                command, cwd=folder, env=told, capture_output=True, text=True, check=False
+                command, cwd=folder, env=environment, capture_output=True, text=True, check=False
             )
-        found = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
-        if done.returncode or found is None:
+        loop_time = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
+        if done.returncode or loop_time is None:
             raise EngineError(f"lammps: {(done.stdout + done.stderr).strip()[-300:]}")
-        return float(found[1])
+        return float(loop_time[1])
 
 
 def _data(gas: Gas) -> str:

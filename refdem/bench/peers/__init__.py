@@ -13,5 +13,5 @@ def peers() -> list[Engine]:
     names = sorted(
         path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_")
     )
-    found: list[Engine] = [import_module(f"refdem.bench.peers.{name}").PEER for name in names]
-    return [peer for peer in found if peer.missing() is None]
+    installed: list[Engine] = [import_module(f"refdem.bench.peers.{name}").PEER for name in names]
+    return [peer for peer in installed if peer.missing() is None]

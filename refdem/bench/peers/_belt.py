@@ -161,12 +161,12 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
 
         stops.terminal = True  # type: ignore[attr-defined]
         stops.direction = -1  # type: ignore[attr-defined]
-        found = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
+        solution = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
         passed = [
             (float(when), float(y[0]) + belt.anchor)
-            for when, y in zip(found.t_events[1], found.y_events[1], strict=True)
+            for when, y in zip(solution.t_events[1], solution.y_events[1], strict=True)
         ]
-        return float(found.t[-1]), float(found.y[0, -1]), passed
+        return float(solution.t[-1]), float(solution.y[0, -1]), passed
 
     def stick(t: float, pull: float, end: float, frequency: float) -> float:
         def rates(now: float, y: np.ndarray) -> tuple[float]:
@@ -177,7 +177,7 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
 
         passes.terminal = True  # type: ignore[attr-defined]
         passes.direction = -1  # type: ignore[attr-defined]
-        found = solve_ivp(rates, (t, end), (pull,), events=passes, **given)
-        return float(found.t[-1])
+        solution = solve_ivp(rates, (t, end), (pull,), events=passes, **given)
+        return float(solution.t[-1])
 
     return slip, stick

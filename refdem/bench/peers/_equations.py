@@ -140,8 +140,8 @@ def _pendulum(scene: Scene) -> Equations | None:
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         return [state[1], -ratio * sine(state[0])]
 
-    def trajectory(t: Array, found: Array) -> Trajectory:
-        angle, rate = found.T
+    def trajectory(t: Array, states: Array) -> Trajectory:
+        angle, rate = states.T
         s = np.sin(angle)
         c = np.cos(angle)
         zero = np.zeros(len(t))
@@ -214,10 +214,10 @@ def _oscillator(scene: Scene) -> Equations | None:
             return [v, -force]
         return [v, weight - force]
 
-    def trajectory(t: Array, found: Array) -> Trajectory:
+    def trajectory(t: Array, states: Array) -> Trajectory:
         places = np.zeros((len(t), 1, 3))
         speeds = np.zeros((len(t), 1, 3))
-        places[:, 0, 0], speeds[:, 0, 0] = found.T
+        places[:, 0, 0], speeds[:, 0, 0] = states.T
         return Trajectory.of_points(t, places, speeds)
 
     return Equations(
@@ -233,10 +233,10 @@ def _plane(scene: Scene) -> tuple[float, ...]:
     return (*scene.bodies.position[0, :2].tolist(), *scene.bodies.velocity[0, :2].tolist())
 
 
-def _of_plane(t: Array, found: Array) -> Trajectory:
+def _of_plane(t: Array, states: Array) -> Trajectory:
     """The motion of a point in the x-y plane from (T, 4)."""
     place = np.zeros((len(t), 1, 3))
     speed = np.zeros((len(t), 1, 3))
-    place[:, 0, :2] = found[:, :2]
-    speed[:, 0, :2] = found[:, 2:]
+    place[:, 0, :2] = states[:, :2]
+    speed[:, 0, :2] = states[:, 2:]
     return Trajectory.of_points(t, place, speed)

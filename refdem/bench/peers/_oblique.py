@@ -113,7 +113,7 @@ class Oblique:
             SLIPS: -side * law.friction * force,
             FREE: 0.0,
         }
-        made = []
+        integrators = []
         modes: tuple[int, ...] = (FREE,)
         if law.friction:
             modes = (HOLDS, SLIPS, FREE)
@@ -149,8 +149,8 @@ class Oblique:
             integrator = heyoka.taylor_adaptive(
                 system, [0.0] * 7, pars=pars, t_events=events, tol=tolerance
             )
-            made.append(integrator)
-        return made
+            integrators.append(integrator)
+        return integrators
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
         """States in touch at the samples, then the one at which they part, if they do, with its
@@ -160,11 +160,11 @@ class Oblique:
         part of a compiled program's time.
         """
         state, mode, side = self.start()
-        found = [np.array(state)]
+        states = [np.array(state)]
         now = t[0]
         steps = 0
         seconds = 0.0
-        while len(found) < len(t):
+        while len(states) < len(t):
             # Without friction there is one mode, and one integrator.
             if self.law.friction:
                 number = mode
@@ -175,30 +175,30 @@ class Oblique:
             integrator.state[:] = state
             if mode == SLIPS:
                 integrator.pars[0] = side
-            grid = np.concatenate([[now], t[len(found) :]])
+            grid = np.concatenate([[now], t[len(states) :]])
             if len(grid) == 2:
                 started = perf_counter()
-                told = integrator.propagate_until(t[-1])
+                outcome = integrator.propagate_until(t[-1])
                 seconds += perf_counter() - started
             else:
                 started = perf_counter()
-                told = integrator.propagate_grid(grid)
+                outcome = integrator.propagate_grid(grid)
                 seconds += perf_counter() - started
-                found += list(told[-1][1:])
+                states += list(outcome[-1][1:])
             # Samples within the step that an event has cut.
-            while len(found) < len(t) and t[len(found)] <= integrator.time:
-                sample = integrator.update_d_output(t[len(found)])
-                found.append(sample.copy())
-            steps += int(told[3])
-            if len(found) == len(t):
+            while len(states) < len(t) and t[len(states)] <= integrator.time:
+                sample = integrator.update_d_output(t[len(states)])
+                states.append(sample.copy())
+            steps += int(outcome[3])
+            if len(states) == len(t):
                 break
             now = integrator.time
             state = integrator.state.copy()
-            mode, side = self._after(mode, side, -int(told[0]) - 1, state)
+            mode, side = self._after(mode, side, -int(outcome[0]) - 1, state)
             if mode == APART:
-                found.append(np.array([*state, now]))
+                states.append(np.array([*state, now]))
                 break
-        return found, steps, seconds
+        return states, steps, seconds
 
     def _after(self, mode: int, side: float, event: int, state: Array) -> tuple[int, float]:
         """Mode and side after an event; the spring where it begins to hold."""
@@ -218,11 +218,11 @@ class Oblique:
         state[6] = side * INSIDE * self.share * force
         return HOLDS, side
 
-    def trajectory(self, t: Array, found: list[Array]) -> Trajectory:
+    def trajectory(self, t: Array, states: list[Array]) -> Trajectory:
         """The motion of both, straight on once they have parted."""
         bodies = self.scene.bodies
-        parted = len(found[-1]) == 8
-        touch = np.array([row[:7] for row in found])
+        parted = len(states[-1]) == 8
+        touch = np.array([row[:7] for row in states])
         d, _, q, angle, p, r, _ = touch.T
         reach = bodies.radius.sum() - d
         g = touch[:, 1]
@@ -233,7 +233,7 @@ class Oblique:
         spins = np.array([p, r])
         if parted:
             # Straight on with the last velocities, from the time at which they part.
-            since = t[len(found) - 1 :] - found[-1][7]
+            since = t[len(states) - 1 :] - states[-1][7]
             flown = place[:, -1:] + speed[:, -1:] * since
             place = np.concatenate([place[:, :-1], flown], axis=1)
             speed = _held(speed, len(since))

@@ -42,9 +42,9 @@ class Peer(Engine):
     def asked(self, problem: Problem, name: str) -> Equations:
         """The equations; raises UnsupportedError if there are none."""
         if isinstance(problem, Motion):
-            found = equations(problem, cartesian=name.endswith(CARTESIAN))
+            system = equations(problem, cartesian=name.endswith(CARTESIAN))
         else:
-            found = None
-        if found is None:
+            system = None
+        if system is None:
             raise UnsupportedError(f"{self.name} has no equations for this scene")
-        return found
+        return system

@@ -72,12 +72,14 @@ class Heyoka(Peer):
             integrator.time = problem.times[0]
             integrator.state[:] = system.start
             started = perf_counter()
-            found = integrator.propagate_grid(problem.times)
+            propagated = integrator.propagate_grid(problem.times)
             seconds += (perf_counter() - started) / repeats()
         cost = Cost(
-            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3])
+            seconds=seconds,
+            setup=perf_counter() - begun - repeats() * seconds,
+            steps=int(propagated[3]),
         )
-        return system.trajectory(problem.times, np.ascontiguousarray(found[-1])), cost
+        return system.trajectory(problem.times, np.ascontiguousarray(propagated[-1])), cost
 
     def _with_events(self, request: Request) -> tuple[Trajectory, Cost]:
         """Integrates from turning point to turning point, until at one of them the spring is no
@@ -99,12 +101,14 @@ class Heyoka(Peer):
             integrator.state[:] = (law.place, law.speed)
             integrator.pars[0] = law.direction
             started = perf_counter()
-            found = integrator.propagate_grid(t)
-            states[: len(found[-1])] = found[-1]
-            states[len(found[-1]) :] = integrator.state[0], 0.0
+            propagated = integrator.propagate_grid(t)
+            states[: len(propagated[-1])] = propagated[-1]
+            states[len(propagated[-1]) :] = integrator.state[0], 0.0
             seconds += (perf_counter() - started) / repeats()
         cost = Cost(
-            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3])
+            seconds=seconds,
+            setup=perf_counter() - begun - repeats() * seconds,
+            steps=int(propagated[3]),
         )
         position = np.zeros((len(t), 1, 3))
         velocity = np.zeros((len(t), 1, 3))

@@ -15,6 +15,9 @@ from refdem.core.trajectory import Cost, Trajectory
 LEAST = 2.3e-14
 """The smallest relative tolerance that DOP853 takes: 100 units of round-off."""
 MOST_STEPS = 10_000_000
+"""Steps that LSODA may take between two samples; its default of 500 is reached by tolerances near
+round-off, and no run of the bench comes near this.
+"""
 
 
 class SciPy(Peer):
@@ -43,7 +46,7 @@ class SciPy(Peer):
 
         started = perf_counter()
         if request.method == "lsoda":
-            states, told = odeint(
+            states, statistics = odeint(
                 rates,
                 system.start,
                 t,
@@ -54,14 +57,14 @@ class SciPy(Peer):
                 tfirst=True,
             )
             seconds = perf_counter() - started
-            calls = int(told["nfe"][-1])
+            calls = int(statistics["nfe"][-1])
         else:
-            found = solve_ivp(
+            solution = solve_ivp(
                 rates, (t[0], t[-1]), system.start, "DOP853", t, rtol=tolerance, atol=tolerance
             )
             seconds = perf_counter() - started
-            calls = int(found.nfev)
-            states = found.y.T
+            calls = int(solution.nfev)
+            states = solution.y.T
         return system.trajectory(t, np.ascontiguousarray(states)), Cost(
             seconds=seconds, steps=calls
         )

@@ -37,12 +37,12 @@ def home() -> Path:
     """The folder of this process; those of processes that are gone are taken away first."""
     sweep()
     making = f"{MAKING}{os.getpid()}-"
-    made = Path(tempfile.mkdtemp(prefix=making))
+    created = Path(tempfile.mkdtemp(prefix=making))
     # The lock lasts as long as the process does; nobody takes the folder for a stale one before it
     # has it.
-    holding = os.open(made, os.O_RDONLY | os.O_CLOEXEC)
+    holding = os.open(created, os.O_RDONLY | os.O_CLOEXEC)
     fcntl.flock(holding, fcntl.LOCK_SH)
-    held = made.rename(made.with_name(made.name.replace(making, PREFIX)))
+    held = created.rename(created.with_name(created.name.replace(making, PREFIX)))
     atexit.register(remove, held)
     return held
 

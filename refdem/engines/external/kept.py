@@ -12,6 +12,7 @@ MOST_FOLDERS = 16
 MOST_BYTES = 2**20
 """Of each file its beginning is kept; request and trajectory of an ordinary run are shorter."""
 MOST_FILES = 32
+"""Files of a failed run that are kept, in order of their names."""
 
 
 def kept(folder: Path, name: str) -> Path | None:

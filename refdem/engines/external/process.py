@@ -23,12 +23,16 @@ from refdem.engines.external.supervisor import GOODBYE
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
+"""Exit status of a program that cannot run what it was asked; the protocol names it, as automake
+uses it for a test that was skipped.
+"""
 GIGABYTE = 10**9
+"""Bytes of a gigabyte, decimal as in the limits that engine.toml sets."""
 SHARE = 0.9
 """Part of the machine's memory that a process of a program may take unless its author says more."""
 CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Where Linux keeps the limit of a container: control groups version 2, and 1."""
-SHOWN = 300
+MAX_OUTPUT = 300
 """Characters of what a program said that an error shows."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
 _LOCAL = threading.local()
@@ -135,10 +139,10 @@ class Supervised:
 
 def supervised() -> Supervised:
     """The supervisor of this thread, which is started where there is none."""
-    found: Supervised | None = getattr(_LOCAL, "supervised", None)
-    if found is None or found.process.poll() is not None:
-        found = _LOCAL.supervised = Supervised()
-    return found
+    supervisor: Supervised | None = getattr(_LOCAL, "supervised", None)
+    if supervisor is None or supervisor.process.poll() is not None:
+        supervisor = _LOCAL.supervised = Supervised()
+    return supervisor
 
 
 def run(command: list[str], folder: Path, out: BinaryIO, err: BinaryIO, limits: Limits) -> Ended:
@@ -164,24 +168,26 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     # What it said is read from the descriptor: in its folder a program may put anything at that
     # name.
     with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("w+b") as err:
-        found = run(command, folder, out, err, limits)
+        exit = run(command, folder, out, err, limits)
         says = _last_lines(err)
-    if found.status is None:
+    if exit.status is None:
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
-    if found.status == NOT_SUPPORTED:
+    if exit.status == NOT_SUPPORTED:
         reason = "the program reports that the scene is not supported (exit status 77)"
         if says:
             reason = one_line(says[-1])
         raise UnsupportedError(reason)
-    if found.status != 0:
-        told = one_line(" / ".join(says))[-SHOWN:]
-        raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'stderr is empty'}")
-    if found.left:
+    if exit.status != 0:
+        output = one_line(" / ".join(says))[-MAX_OUTPUT:]
         raise EngineError(
-            f"{name} ended and left {found.left} of its processes running, which were ended; "
+            f"{name} ended with {_status(exit.status)}: {output or 'stderr is empty'}"
+        )
+    if exit.left:
+        raise EngineError(
+            f"{name} ended and left {exit.left} of its processes running, which were ended; "
             "expected a program that waits for what it starts"
         )
-    return found.seconds
+    return exit.seconds
 
 
 def end_all() -> None:
@@ -205,5 +211,5 @@ def _status(status: int) -> str:
 def _last_lines(file: BinaryIO) -> list[str]:
     """The lines at the end of what the program said."""
     size = os.fstat(file.fileno()).st_size
-    text = os.pread(file.fileno(), 4 * SHOWN, max(0, size - 4 * SHOWN))
+    text = os.pread(file.fileno(), 4 * MAX_OUTPUT, max(0, size - 4 * MAX_OUTPUT))
     return text.decode(errors="replace").strip().splitlines()

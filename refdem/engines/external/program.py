@@ -63,13 +63,13 @@ class Program:
         """The files that one of `inputs` matches; a fingerprint without them would call a changed
         program unchanged.
         """
-        found = [path for path in self.home.glob(pattern) if path.is_file()]
-        if not found:
+        matches = [path for path in self.home.glob(pattern) if path.is_file()]
+        if not matches:
             raise UsageError(
                 f"{self.home / 'refdem.toml'}: engine.inputs has {pattern!r}, which matches no"
                 " file; correct or remove it"
             )
-        return found
+        return matches
 
     def version(self) -> str:
         """First line of what the version command prints; empty if there is none or it fails."""

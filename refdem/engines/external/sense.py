@@ -14,9 +14,12 @@ from refdem.errors import UsageError
 YEAR = 366 * 86400.0
 """Seconds."""
 LEAST_MEMORY = 0.001
+"""Gigabytes that a limit may name at least: a program cannot start in less than a megabyte."""
 MOST_MEMORY = 1e6
 """Gigabytes that a limit may name."""
 MOST_LEVELS = 10
+"""Levels that a gate may ask for: ten halvings make the finest run 1000 times as long as the first.
+"""
 PLACEHOLDERS = ("request", "request_txt", "trajectory", "events")
 """Names in braces that stand for files in a command."""
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
@@ -29,10 +32,10 @@ Fault = tuple[str, object, str]
 
 def read(path: Path) -> Description:
     """The description in a refdem.toml; raises UsageError that names the fault."""
-    found = toml_as(Description, path, "a refdem.toml that describes a program")
-    for name, came, expected in nonsense(found.engine, found.gate):
+    description = toml_as(Description, path, "a refdem.toml that describes a program")
+    for name, came, expected in nonsense(description.engine, description.gate):
         raise UsageError(f"{path}: {name} is {came!r}; expected {expected}")
-    return found
+    return description
 
 
 def nonsense(engine: EngineTable, gate: GateTable) -> Iterator[Fault]:
@@ -55,10 +58,10 @@ def _of_command(engine: EngineTable) -> Iterator[Fault]:
     slips = [word for word in engine.command if any(map(is_slip, PLACEHOLDER.findall(word)))]
     if slips:
         yield "engine.command", slips, f"{{name}} of a file: {', '.join(PLACEHOLDERS)}"
-    away = [pattern for pattern in engine.inputs if not is_pattern_below(pattern)]
-    if away:
+    outside = [pattern for pattern in engine.inputs if not is_pattern_below(pattern)]
+    if outside:
         expected = "patterns below the folder of refdem.toml, with ** only between slashes"
-        yield "engine.inputs", away, expected
+        yield "engine.inputs", outside, expected
 
 
 def _of_methods(engine: EngineTable) -> Iterator[Fault]:

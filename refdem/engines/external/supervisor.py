@@ -26,7 +26,9 @@ from pathlib import Path
 from typing import Any
 
 PR_SET_PDEATHSIG = 1
+"""Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PR_SET_CHILD_SUBREAPER = 36
+"""Operation of prctl(2), from <sys/prctl.h>: orphans among the descendants become children."""
 GRACE = 1.0
 """Seconds in which what a program has started may end after it."""
 ENDING = 60.0
@@ -221,14 +223,14 @@ def private_memory(process: int) -> int:
 
 def reaped() -> "dict[int, int]":
     """The wait statuses of all children that have ended."""
-    found = {}
+    statuses = {}
     with contextlib.suppress(ChildProcessError):
         while True:
             process, status = os.waitpid(-1, os.WNOHANG)
             if process == 0:
                 break
-            found[process] = status
-    return found
+            statuses[process] = status
+    return statuses
 
 
 def lingering() -> int:
@@ -275,13 +277,13 @@ def descendants() -> "list[int]":
             state, parent = text[text.rindex(b")") + 1 :].split()[:2]
             if state not in (b"Z", b"X"):
                 children.setdefault(int(parent), []).append(int(name))
-    found: list[int] = []
+    processes: list[int] = []
     waiting = [os.getpid()]
     while waiting:
         for process in children.get(waiting.pop(), []):
-            found.append(process)
+            processes.append(process)
             waiting.append(process)
-    return found
+    return processes
 
 
 def control(option: int, value: int) -> None:

@@ -21,10 +21,10 @@ def _step_address() -> int:
     """Address of `mj_step` in the library that MuJoCo's Python package has loaded."""
     import mujoco
 
-    found = sorted(Path(mujoco.__file__).parent.glob("*mujoco*.so*")) + sorted(
+    libraries = sorted(Path(mujoco.__file__).parent.glob("*mujoco*.so*")) + sorted(
         Path(mujoco.__file__).parent.glob("*mujoco*.dylib")
     )
-    library = next((path for path in found if path.name.startswith("libmujoco")), None)
+    library = next((path for path in libraries if path.name.startswith("libmujoco")), None)
     if library is None:
         raise EngineError(
             f"mujoco: no libmujoco beside {mujoco.__file__}; expected the library that the package"

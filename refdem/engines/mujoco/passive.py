@@ -24,6 +24,7 @@ FAMILY = "mujoco_forces"
 (DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE) = range(5)
 """Kinds of forces, as the compiled callback numbers them."""
 NUMBERS = 10
+"""Columns of a force in the table that the compiled callback reads."""
 Places = tuple[list[int], list[int]]
 """Where the coordinates of a body and its velocities lie in MuJoCo's state; a missing third or
 second one is 0."""

@@ -120,13 +120,13 @@ def _rod_force(mujoco: Any, model: Any, q: Array, v: Array) -> Array:
     """
     model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
     data = mujoco.MjData(model)
-    felt = np.empty((len(q), model.nsensordata))
+    sensor_data = np.empty((len(q), model.nsensordata))
     for row, (coordinates, velocities) in enumerate(zip(q, v, strict=True)):
         data.qpos[:] = coordinates
         data.qvel[:] = velocities
         mujoco.mj_forward(model, data)
-        felt[row] = data.sensordata
-    tension = felt[:, 1::3]
+        sensor_data[row] = data.sensordata
+    tension = sensor_data[:, 1::3]
     if tension.shape[1] == 1:
         tension = tension[:, 0]
     return np.ascontiguousarray(tension)

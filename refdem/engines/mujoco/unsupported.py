@@ -112,12 +112,12 @@ def _of_bodies(scene: Scene) -> str | None:
 
 
 def _of_contact(scene: Scene) -> str | None:
-    found = scene.all(Contact)
-    if not found or not scene.has_shapes():
+    laws = scene.all(Contact)
+    if not laws or not scene.has_shapes():
         return None
-    if len(found) > 1:
+    if len(laws) > 1:
         return adapter_lacks("more than one contact law per scene")
-    law = found[0]
+    law = laws[0]
     if law.law == "rigid":
         return _of_rigid_contact(scene, law)
     if law.law == "linear":

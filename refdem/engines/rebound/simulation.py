@@ -182,10 +182,10 @@ def _add_rotors(sim: rebound.Simulation, scene: Scene, fields: Fields) -> ODE | 
 def _callback(name: str, place: int) -> int:
     """The compiled callback for an engine that keeps its user's pointer at byte `place`."""
     library: Any = kernels.load(FAMILY)
-    found = getattr(library.lib, f"refdem_rebound_{name}")(place)
-    if found == library.ffi.NULL:
+    callback = getattr(library.lib, f"refdem_rebound_{name}")(place)
+    if callback == library.ffi.NULL:
         raise EngineError(
             f"rebound keeps its user's pointer at byte {place} of its struct; the callbacks know"
             " places 0 to 1016"
         )
-    return int(library.ffi.cast("uintptr_t", found))
+    return int(library.ffi.cast("uintptr_t", callback))

@@ -31,9 +31,9 @@ def rotation(q: Array) -> Any:
     return rebound.Rotation(ix=x, iy=y, iz=z, r=w)
 
 
-def numbers(found: Any) -> list[float]:
+def numbers(rotation: Any) -> list[float]:
     """A rotation of REBOUND as the quaternion (w, x, y, z)."""
-    return [found.r, found.ix, found.iy, found.iz]
+    return [rotation.r, rotation.ix, rotation.iy, rotation.iz]
 
 
 ANSWERS: dict[str, Callable[..., Any]] = {

@@ -12,10 +12,10 @@ from refdem.faults.fault import Fault
 @cache
 def faults() -> tuple[Fault, ...]:
     """All faults of the catalogue, class by class."""
-    found: list[Fault] = []
+    catalogue: list[Fault] = []
     for path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
-        found += import_module(f"{__name__}.{path.stem}").FAULTS
-    return tuple(found)
+        catalogue += import_module(f"{__name__}.{path.stem}").FAULTS
+    return tuple(catalogue)
 
 
 def chosen(names: list[str]) -> tuple[Fault, ...]:

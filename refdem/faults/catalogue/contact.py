@@ -16,6 +16,9 @@ from refdem.scene.elements.contact import Contact
 
 contact = partial(Fault, kind="contact")
 EPSILON = 1e-9
+"""Relative error of the reaction: momentum drifts by it, which is far above round-off and far below
+the error of any method.
+"""
 
 
 def _late_damping(p: Parts) -> dict[str, Any]:
@@ -42,9 +45,9 @@ def _old_normal(p: Parts) -> dict[str, Any]:
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         turned["by"] = vec.times(-h, vec.minus(state.v[1], state.v[0]))
-        found = p.loads(world, state, parts, before, h)
+        loads_now = p.loads(world, state, parts, before, h)
         turned["by"] = vec.ZERO
-        return found
+        return loads_now
 
     def away(a: Any, b: Any) -> Any:
         apart = p.away(a, b)

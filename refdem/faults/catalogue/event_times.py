@@ -14,7 +14,7 @@ from refdem.core.trajectory import Event, Trajectory
 from refdem.faults.fault import Fault
 from refdem.scene.elements.contact import Contact
 
-told = partial(Fault, kind="event-times", levels=7)
+event = partial(Fault, kind="event-times", levels=7)
 
 
 def _changed(
@@ -45,7 +45,7 @@ def _where_force_turns(
 
 
 FAULTS = (
-    told(
+    event(
         name="release-a-step-late",
         sentence="The end of a contact is told a step late.",
         on=("bounce", "knock", "hertz"),
@@ -56,7 +56,7 @@ FAULTS = (
             )
         ),
     ),
-    told(
+    event(
         name="stick-a-step-late",
         sentence="What sticks is told a step late.",
         on=("sticking", "rubbing"),
@@ -67,7 +67,7 @@ FAULTS = (
             )
         ),
     ),
-    told(
+    event(
         name="slip-at-samples",
         sentence="Events are told at the next row that is written.",
         on=("sticking",),
@@ -83,7 +83,7 @@ FAULTS = (
             )
         ),
     ),
-    told(
+    event(
         name="stick-for-slip",
         sentence="Sticks are told as slips and slips as sticks.",
         on=("sticking",),
@@ -94,7 +94,7 @@ FAULTS = (
             )
         ),
     ),
-    told(
+    event(
         name="contact-that-chatters",
         sentence="A contact is told to end in the middle, and once more where it ends.",
         on=("bounce", "knock", "hertz"),
@@ -106,7 +106,7 @@ FAULTS = (
             )
         ),
     ),
-    told(
+    event(
         name="release-where-the-force-turns",
         sentence=(
             "A contact that ends with the overlap is told to end where the dashpot begins to pull."

@@ -27,6 +27,7 @@ hook = partial(Fault, kind="hook", on=("captured",))
 string = partial(Fault, kind="string", on=("machine",))
 equilibrium = partial(Fault, kind="equilibrium")
 HAIR = 1 + 1e-10
+"""Factor on a length: far above round-off, far below any error of a method."""
 
 
 holding = partial(within, "holding")
@@ -57,11 +58,11 @@ def _omega_body(request: Request, run: Trajectory) -> Trajectory:
 def _last_rod(request: Request, factor: float) -> Request:
     """The last rod longer by a factor."""
     scene = request.problem.scene
-    made = list(scene.elements)
-    rods = {number: element for number, element in enumerate(made) if isinstance(element, Rod)}
+    elements = list(scene.elements)
+    rods = {number: element for number, element in enumerate(elements) if isinstance(element, Rod)}
     last = max(rods)
-    made[last] = msgspec.structs.replace(rods[last], length=factor * rods[last].length)
-    return request.with_scene(Scene(scene.bodies, tuple(made)))
+    elements[last] = msgspec.structs.replace(rods[last], length=factor * rods[last].length)
+    return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
 
 def _braked(request: Request, run: Trajectory) -> Trajectory:

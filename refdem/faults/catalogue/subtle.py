@@ -41,13 +41,13 @@ def _against_ground(p: Parts) -> dict[str, Any]:
     """The dashpot brakes each body against the ground."""
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
-        found = p.loads(world, state, parts, before, h)
+        loads_now = p.loads(world, state, parts, before, h)
         for number, acts in enumerate(state.acting):
             if not acts:
                 continue
             for i in world.pairs[number]:
-                found.force[i] = vec.moved(found.force[i], -1e-3, state.v[i])
-        return found
+                loads_now.force[i] = vec.moved(loads_now.force[i], -1e-3, state.v[i])
+        return loads_now
 
     return {"loads": loads}
 

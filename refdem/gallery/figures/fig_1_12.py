@@ -17,9 +17,11 @@ CORNER = np.array([0.0, 0.0, 0.02])
 METHOD = "verlet"
 """Of the transparent engine: its Runge-Kutta passes over the torques of contacts."""
 STEPS = 8
+"""Steps a sample of the faulty flight: its error is below the width of a line."""
 SLOPE_STEPS = 32
+"""Steps a sample of the faulty fall down the slope, whose contacts are stiff."""
 TUMBLING = {"member": "slope", "duration": "0.6", "samples": 600}
-SHOWN = (0, 120, 215, 330, 455, 600)
+SAMPLES_SHOWN = (0, 120, 215, 330, 455, 600)
 """Samples at which the box on the slope is drawn."""
 SIZE = (380, 320)
 
@@ -106,7 +108,7 @@ def slope(right: Seen, wrong: Seen) -> Panel:
     for run, ink in ((wrong, GREY), (right, 1)):
         place = centre(run)
         drawn.append(Series(x=place[:, 0], y=place[:, 2], ink=ink, dashed=True))
-        edges = np.concatenate([outlines(run, sample) for sample in SHOWN])
+        edges = np.concatenate([outlines(run, sample) for sample in SAMPLES_SHOWN])
         drawn.append(Series(x=edges[:, 0], y=edges[:, 2], ink=ink))
     far = max(float(series.x[np.isfinite(series.x)].max()) for series in drawn)
     ground = np.array([-0.05, far])

@@ -11,6 +11,7 @@ from refdem.gallery.runs import seen
 
 ENDS = (-1.45, 1.45)
 FRICTION = 0.15
+"""The coefficient of friction of the figure: the block sticks where |x| is below it."""
 
 
 def figure() -> Figure:

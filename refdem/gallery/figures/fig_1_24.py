@@ -9,6 +9,7 @@ from refdem.gallery.sweep import ALPHA, BETA, FORCE, amplitudes, shown
 from refdem.mechanics.response import balanced_drives, hysteresis
 
 DELTA = 0.1
+"""The damping of the figure [1/s]."""
 DRIVES = np.round(np.arange(0.8, 2.6, 0.03), 3)
 
 
@@ -18,9 +19,9 @@ def figure() -> Figure:
     """
     up = amplitudes(DELTA, tuple(DRIVES.tolist()))
     down = amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1]
-    found = hysteresis(DRIVES, up, down)
-    assert found is not None
-    lowest, highest = found
+    jumps = hysteresis(DRIVES, up, down)
+    assert jumps is not None
+    lowest, highest = jumps
     # The middle branch of (1.121): where the frequency rises with the amplitude again.
     grid = np.linspace(0.3, 4.2, 4000)
     _, higher = balanced_drives(grid, ALPHA, BETA, DELTA, FORCE)

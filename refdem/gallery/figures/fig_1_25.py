@@ -10,9 +10,13 @@ from refdem.mechanics.spectrum import spectrum
 
 FORCES = ("0", "1/25", "2/5")
 DURATION = 1050
+"""Duration [s] of the motions: spectra resolve 1/1005 Hz."""
 SAMPLES = 10500
+"""Sample intervals: 10 a second."""
 SETTLED = 450
-SHOWN = 1500
+"""Number of the sample, at 45 s, from which on the motion has settled."""
+END_OF_CURVE = 1500
+"""Number of the sample, at 150 s, at which the drawn curve ends."""
 
 
 def figure() -> Figure:
@@ -47,13 +51,13 @@ def figure() -> Figure:
 def motion(run: Seen, force: str, ink: int) -> Panel:
     """The place over the time, its beginning in grey."""
     begin = slice(0, SETTLED + 1)
-    rest = slice(SETTLED, SHOWN)
+    rest = slice(SETTLED, END_OF_CURVE)
     x = run["x"]
     settling = Series(x=run.t[begin], y=x[begin], ink=-1)
     settled = Series(x=run.t[rest], y=x[rest], ink=ink)
     return Panel(
         series=(settling, settled),
-        x=Axis(title="t [s]", ends=(0, SHOWN / 10)),
+        x=Axis(title="t [s]", ends=(0, END_OF_CURVE / 10)),
         y=Axis(title="x [m]", ends=(-2.6, 2.6)),
         title=f"p = {force}",
         size=(270, 170),

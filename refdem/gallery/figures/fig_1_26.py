@@ -8,7 +8,9 @@ from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import doubling, late, shown
 
 LOW = 2.8
+"""Least eta of the diagram: below, all motions have settled to one period."""
 HIGH = 3.68
+"""Largest eta of the diagram: well beyond the end of the doublings at 3.57."""
 BETWEEN = {1: (2.9, 3.1), 2: (3.4, 3.5), 4: (3.53, 3.55)}
 
 
@@ -16,7 +18,7 @@ def figure() -> Figure:
     """Settled iterates of the logistic map up to where chaos begins, with the doublings that were
     found.
     """
-    found = {periods: doubling(periods, *ends) for periods, ends in BETWEEN.items()}
+    doublings = {periods: doubling(periods, *ends) for periods, ends in BETWEEN.items()}
     etas = np.linspace(LOW, HIGH, 440)
     values = [late(float(eta)) for eta in etas]
     cloud = Series(
@@ -26,13 +28,15 @@ def figure() -> Figure:
         width=1.5,
     )
     lines = []
-    for eta in found.values():
+    for eta in doublings.values():
         x = np.array([eta, eta])
         y = np.array([0.27, 0.97])
         lines.append(Series(x=x, y=y, ink=GREY, dashed=True, width=1))
-    words = tuple(f"{n} to {2 * n}" for n in found)
+    words = tuple(f"{n} to {2 * n}" for n in doublings)
     height = np.array([0.985, 0.985, 1.02])
-    names = Series(x=np.array(list(found.values())), y=height, ink=GREY, mark="text", words=words)
+    names = Series(
+        x=np.array(list(doublings.values())), y=height, ink=GREY, mark="text", words=words
+    )
     shown("3.5")
     panel = Panel(
         series=(cloud, *lines, names),
@@ -40,8 +44,8 @@ def figure() -> Figure:
         y=Axis(title="x", ends=(0.25, 1.05)),
         size=(640, 340),
     )
-    numbers = {f"{n} values become {2 * n} at": eta for n, eta in found.items()}
-    one, two, four = found.values()
+    numbers = {f"{n} values become {2 * n} at": eta for n, eta in doublings.items()}
+    one, two, four = doublings.values()
     numbers["length of a window over that of the next"] = (two - one) / (four - two)
     caption = (
         "The values between which a variable settles, over the strength of the nonlinearity: here"

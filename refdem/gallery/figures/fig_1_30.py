@@ -11,8 +11,11 @@ from refdem.gallery.space import axis, seen_from_above
 
 ETAS = ("0.95", "1.05", "1.15", "1.25", "1.35")
 LOW = 0.95
+"""Least frequency ratio eta of the surface, the first of ETAS."""
 HIGH = 1.35
+"""Largest frequency ratio eta of the surface, the last of ETAS."""
 STRETCH = 22.0
+"""Factor on eta in the picture: 0.4 of eta becomes as long as the other axes."""
 MANY = np.linspace(LOW, HIGH, 121)
 
 
@@ -20,9 +23,9 @@ def figure() -> Figure:
     """Orbits side by side, their crossings of v = 0 where x > 0, and the crossings of many more
     frequencies in between.
     """
-    found = section(MANY, skip=60, keep=40)
-    etas = np.repeat(MANY, [len(x) for x in found.places])
-    places = np.column_stack((np.concatenate(found.places), etas, np.zeros(len(etas))))
+    crossings = section(MANY, skip=60, keep=40)
+    etas = np.repeat(MANY, [len(x) for x in crossings.places])
+    places = np.column_stack((np.concatenate(crossings.places), etas, np.zeros(len(etas))))
     series = [drawn(places, mark="cloud", ink=GREY, width=2)]
     for n, eta in enumerate(ETAS):
         run = orbit(eta, periods=6)
@@ -55,13 +58,13 @@ def figure() -> Figure:
         title="Poincare section of the stick-slip oscillator",
         caption=caption,
         panels=(panel,),
-        numbers=counted(found),
+        numbers=counted(crossings),
     )
 
 
-def counted(found: object) -> dict[str, float]:
+def counted(crossings: object) -> dict[str, float]:
     """How many passages were drawn, and the largest place."""
-    places = np.concatenate(found.places)  # type: ignore[attr-defined]
+    places = np.concatenate(crossings.places)  # type: ignore[attr-defined]
     return {"passages": float(len(places)), "farthest passage [m]": float(places.max())}
 
 

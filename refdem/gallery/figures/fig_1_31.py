@@ -11,7 +11,9 @@ from refdem.gallery.belt import section
 
 WINDOWS = ((0.9, 2.5, 320), (1.1, 1.35, 120), (1.2, 1.24, 100))
 SKIP = 80
+"""Periods of the drive before the section is drawn: the start is forgotten by then."""
 KEEP = 120
+"""Periods of the drive whose points are drawn."""
 
 
 def figure() -> Figure:
@@ -22,9 +24,9 @@ def figure() -> Figure:
     numbers = {}
     for n, (low, high, count) in enumerate(WINDOWS):
         eta = np.linspace(low, high, count)
-        found = section(eta, skip=SKIP, keep=KEEP)
-        x = np.repeat(eta, [len(places) for places in found.places])
-        y = np.concatenate(found.places)
+        passages = section(eta, skip=SKIP, keep=KEEP)
+        x = np.repeat(eta, [len(places) for places in passages.places])
+        y = np.concatenate(passages.places)
         if n == 0:
             height = 300
         else:
@@ -36,7 +38,7 @@ def figure() -> Figure:
         cloud = Series(x=x, y=y, mark="cloud", ink=n)
         title = f"eta from {low:g} to {high:g}"
         panels.append(Panel(series=(cloud,), size=(780, height), title=title, **axes))
-        is_periodic = found.exponent.regimes() == "periodic"
+        is_periodic = passages.exponent.regimes() == "periodic"
         numbers[f"periodic from {low:g} to {high:g} [parts of 1]"] = float(np.mean(is_periodic))
     caption = (
         "After 80 periods of the drive, the places at which the velocity passes zero with x > 0"

@@ -12,6 +12,7 @@ WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.587
 branch of that.
 """
 COLUMNS = 380
+"""Values of eta across the picture: one for each of its pixels, about."""
 
 
 def figure() -> Figure:

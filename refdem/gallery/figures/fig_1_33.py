@@ -12,6 +12,7 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 
 DIRECTION = (4, 3)
 BOUNCES = 16
+"""Bounces of each point that are drawn."""
 MOMENTS = (0.0, 4.0, 8.0, 14.0)
 PICKED = (0, 130, 300)
 

@@ -6,18 +6,16 @@ from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.runs import seen
 from refdem.mechanics.stability import Growth, growth
 
-APART = 1e-6
 
-
-def measured(name: str, found: Growth) -> dict[str, float]:
+def measured(name: str, divergence: Growth) -> dict[str, float]:
     """How two neighbours part: an exponent where the growth is exponential, else the power of the
     time that it is.
     """
-    if not found.is_exponential():
-        return {f"{name}: power of the time": found.power}
+    if not divergence.is_exponential():
+        return {f"{name}: power of the time": divergence.power}
     return {
-        f"{name}: exponent [1/s]": found.exponent,
-        f"{name}: its standard error [1/s]": found.error,
+        f"{name}: exponent [1/s]": divergence.exponent,
+        f"{name}: its standard error [1/s]": divergence.error,
     }
 
 

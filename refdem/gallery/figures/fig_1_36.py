@@ -12,7 +12,9 @@ from refdem.gallery.space import axis, seen_from_above
 
 INERTIA = np.array([1.0, 2.0, 3.0])
 ENERGY = 1.0
-REACH = 3.4
+"""Kinetic energy [J]. Another one scales the picture alone."""
+VIEW_HALF_WIDTH = 3.4
+"""Half of the width of the picture in units of the ellipsoid, whose longest half axis is 2.45."""
 BEYOND = (2.2, 1.5, 0.7)
 """What the picture shows, and how far the axes stick out of the ellipsoid."""
 HALF_AXES = np.sqrt(2 * ENERGY * INERTIA)
@@ -50,8 +52,8 @@ def figure() -> Figure:
         end = (HALF_AXES[n] + BEYOND[n]) * unit
         series += axis(begin, end, name)
     axes: dict[str, Any] = {
-        "x": Axis(ends=(-REACH, REACH), is_hidden=True),
-        "y": Axis(ends=(-REACH, REACH), is_hidden=True),
+        "x": Axis(ends=(-VIEW_HALF_WIDTH, VIEW_HALF_WIDTH), is_hidden=True),
+        "y": Axis(ends=(-VIEW_HALF_WIDTH, VIEW_HALF_WIDTH), is_hidden=True),
     }
     panel = Panel(series=tuple(series), size=(540, 540), **axes)
     caption = (

@@ -68,11 +68,11 @@ def felt(run: Seen) -> Array:
     v = run["v"]
     gained = v[2:] - v[:-2]
     time = run.t[2:] - run.t[:-2]
-    found: Array = run.instance.p.mass * gained / time
-    return found
+    force: Array = run.instance.p.mass * gained / time
+    return force
 
 
 def energy(run: Seen) -> Array:
     """The kinetic energy m v^2/2 (T,) [J] of a run."""
-    found: Array = run.instance.p.mass * run["v"] ** 2 / 2
-    return found
+    kinetic: Array = run.instance.p.mass * run["v"] ** 2 / 2
+    return kinetic

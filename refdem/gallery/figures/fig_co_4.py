@@ -13,6 +13,7 @@ from refdem.gallery.runs import Array, answer, command, instance, remember
 
 CASE = "impact-benchmarks"
 RADIUS = 0.0025
+"""Radius of the spheres of impact benchmark 4 [m]."""
 ANGLES = np.arange(1.0, 89.0, 2.0)
 CERTIFIED = (5.0, 15.0, 25.0, 45.0, 85.0)
 """Degrees at which the curve is held against truth."""
@@ -112,7 +113,7 @@ def seen_in(normal: Array, across: Array, spin: Array, before: Array) -> dict[st
 
 def farthest(law: dict[str, Array]) -> float:
     """Largest distance of the linear law's spin and restitution from certified ones, relative."""
-    found = []
+    deviations = []
     for angle in CERTIFIED:
         asked = instance(CASE, member="co-4", angle=float(np.radians(angle)))
         last = Fraction(float(asked.times[-1]))
@@ -122,5 +123,5 @@ def farthest(law: dict[str, Array]) -> float:
         proved = seen_in(-end["v.x"], end["v.y"], -end["omega.z"], before)
         for name in ("spin", "tangential restitution"):
             there = law[name][angle == ANGLES]
-            found.append(abs(there / proved[name] - 1))
-    return float(np.max(found))
+            deviations.append(abs(there / proved[name] - 1))
+    return float(np.max(deviations))

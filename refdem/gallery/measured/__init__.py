@@ -40,12 +40,12 @@ def readings(name: str, folder: Path = FOLDER) -> list[Reading]:
     """
     path = folder / f"{name}.toml"
     try:
-        found = msgspec.toml.decode(path.read_bytes(), type=_File).reading
+        reading = msgspec.toml.decode(path.read_bytes(), type=_File).reading
     except (OSError, *UNREADABLE) as error:
         raise UsageError(f"{path}: {error}") from None
-    for one in found:
+    for one in reading:
         if len(one.angle) != len(one.value) or not np.isfinite([*one.angle, *one.value]).all():
             raise UsageError(
                 f"{path}: {one.quantity}, {one.of}: expected as many finite values as angles"
             )
-    return found
+    return reading

@@ -20,6 +20,7 @@ from refdem.core.variant import Variant
 from refdem.stress.measures.measure import Measure
 
 SAMPLES = 256
+"""Sample intervals of a rung; rungs are multiples of it, so that a sample falls on a step."""
 PER_TAU = 10
 """Steps per tau (63 a period). Not a power of two: sums of such steps would be exact and hide an
 inaccurate clock.

@@ -17,10 +17,9 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 LEVELS = 3
+"""Levels of refinement, of which the last is run: its bound is tighter than the first level's."""
 MOST_STEPS = 1e5
-"""The third level of refinement is run, or the last one with at most so many steps: its bound is
-tighter than the first level's, at little cost.
-"""
+"""Steps of a run at most: where the last level has more, the last one that has not is run."""
 
 
 class Measure(ABC):

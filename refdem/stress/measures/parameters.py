@@ -11,6 +11,7 @@ from refdem.core.check import Check, Subject
 from refdem.stress.measures.measure import Measure, plain_checks, with_samples
 
 SAMPLES = 16
+"""Sample intervals of a rung: enough to see a drift, few to store."""
 
 
 @dataclass(frozen=True)

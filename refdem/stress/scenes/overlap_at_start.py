@@ -13,8 +13,11 @@ from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
 RADIUS = 0.5
+"""Radius of both spheres [m]: one diameter is the unit of the overlap."""
 MASS = 1.0
+"""Mass of both spheres [kg]."""
 STIFFNESS = 128.0
+"""Stiffness of the contact [N/m], a power of two: tau = 1/16 s exactly."""
 
 
 class OverlapAtStart(Case):

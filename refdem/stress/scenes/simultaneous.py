@@ -15,11 +15,17 @@ from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
 RADIUS = 0.5
+"""Radius of the large sphere [m]."""
 SMALL = 0.0625
+"""Radius of the small spheres [m], a power of two."""
 MASS = 1.0
+"""Mass of the large sphere [kg]."""
 LIGHT = 0.125
+"""Mass of a small sphere [kg]: the large one hardly moves, and every impact is alike."""
 STIFFNESS = 128.0
+"""Stiffness of the contacts [N/m]: sqrt(LIGHT/STIFFNESS) = 1/32 s exactly."""
 SPEED = 1.0
+"""Speed of the small spheres towards the centre [m/s]."""
 
 
 class Simultaneous(Case):

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 FORMAT = 2
+"""Version of the format of files of certified values."""
 COLUMNS = ("t", "quantity", "mid", "radius", "binary64")
 LARGEST_RADIUS = Fraction(1, 10**30)
 LIST = "sha256sums.txt"
@@ -171,24 +172,24 @@ def problems_of_list(
 
     `inside` says what is wrong with a file in itself, or nothing.
     """
-    told = inside or inner_problem
+    problem = inside or inner_problem
     listed: dict[str, str] = {}
     path = home / LIST
     if not path.is_file():
         yield f"{LIST}: missing in {home}"
         return
     for number, line in enumerate(text_of(path).split("\n")[:-1], 1):
-        found = LISTED.fullmatch(line)
-        if found is None or found[2] in listed:
+        entry = LISTED.fullmatch(line)
+        if entry is None or entry[2] in listed:
             yield (
                 f"{LIST}, line {number}: not a digest and the name of a file, or one that was there"
                 " before"
             )
             return
-        listed[found[2]] = found[1]
+        listed[entry[2]] = entry[1]
     there = {
-        found.name: hashlib.sha256(found.read_bytes()).hexdigest()
-        for found in home.glob(only or "*.jsonl")
+        entry.name: hashlib.sha256(entry.read_bytes()).hexdigest()
+        for entry in home.glob(only or "*.jsonl")
     }
     for name in sorted({only} if only else {*listed, *there}):
         if name not in there:
@@ -197,7 +198,7 @@ def problems_of_list(
             yield f"{name}: there, though {LIST} does not have it"
         elif listed[name] != there[name]:
             # What is wrong inside the file is told in its own words where there are any.
-            yield told(home / name) or f"{name}: not as {LIST} has it"
+            yield problem(home / name) or f"{name}: not as {LIST} has it"
 
 
 def inner_problem(path: Path) -> str:
@@ -217,7 +218,7 @@ def sets_of(text: str, name: str) -> Iterator[CertifiedSet]:
     if head["format"] != FORMAT or tuple(head["columns"]) != COLUMNS:
         raise ValueError(f"{name}, line 1: not a file of certified values of format {FORMAT}")
     at = 1
-    found = []
+    sets = []
     while at < len(lines):
         where = f"{name}, line {at + 1}"
         about = member_of(lines[at], MEMBERS, where)
@@ -233,17 +234,17 @@ def sets_of(text: str, name: str) -> Iterator[CertifiedSet]:
                 f"{where}: the sha256 of {about['set']} is not that of its lines; take the file"
                 " anew"
             )
-        found.append(_certified_set(head["case"], about, rows, where))
+        sets.append(_certified_set(head["case"], about, rows, where))
         at += len(block)
-    if len(found) != head["sets"]:
-        raise ValueError(f"{name}, line 1: {len(found)} sets; its first line says {head['sets']}")
+    if len(sets) != head["sets"]:
+        raise ValueError(f"{name}, line 1: {len(sets)} sets; its first line says {head['sets']}")
     if sha256_of(lines) != head["sha256"]:
         raise ValueError(
             f"{name}, line 1: the sha256 of the file is not that of its lines; take the file anew"
         )
     if head["case"] != name.removesuffix(".jsonl"):
         raise ValueError(f"{name}, line 1: it has the values of {head['case']}")
-    yield from found
+    yield from sets
 
 
 def lines_of(text: str, name: str) -> list[str]:
@@ -268,17 +269,17 @@ def member_of(line: str, members: dict[str, Any], where: str) -> dict[str, Any]:
     """The object of a line with exactly these members, sha256 the last; raises ValueError that says
     where.
     """
-    found = json_of(line, where)
-    if not isinstance(found, dict) or SEALED.fullmatch(line) is None:
+    member = json_of(line, where)
+    if not isinstance(member, dict) or SEALED.fullmatch(line) is None:
         raise ValueError(f"{where}: expected an object that ends with its sha256")
-    if lacking := [name for name in members if name not in found]:
+    if lacking := [name for name in members if name not in member]:
         raise ValueError(f"{where}: says nothing of {', '.join(lacking)}")
-    if more := [name for name in found if name not in members]:
+    if more := [name for name in member if name not in members]:
         raise ValueError(f"{where}: {', '.join(more)} is not known")
     for name, kind in members.items():
-        if not isinstance(found[name], kind) or isinstance(found[name], bool):
-            raise ValueError(f"{where}: {name} is {found[name]!r}")
-    return found
+        if not isinstance(member[name], kind) or isinstance(member[name], bool):
+            raise ValueError(f"{where}: {name} is {member[name]!r}")
+    return member
 
 
 def row_of(line: str, where: str) -> Value:
@@ -342,13 +343,13 @@ def _certified_set(
 def main(arguments: list[str]) -> int:
     """Checks every file of a folder and says how much it holds; 1 if something is wrong."""
     try:
-        found = load(folder=arguments[0] if arguments else None)
+        loaded = load(folder=arguments[0] if arguments else None)
     except (ValueError, OSError) as error:
         print(f"PROBLEM: {error}")
         return 1
     print(
-        f"{len(found)} sets of {len({s.case for s in found})} cases,"
-        f" {sum(len(s.values) for s in found)} values: all hold"
+        f"{len(loaded)} sets of {len({s.case for s in loaded})} cases,"
+        f" {sum(len(s.values) for s in loaded)} values: all hold"
     )
     return 0
 

@@ -50,14 +50,14 @@ def closure(start: tuple[Path, ...]) -> set[Path]:
     """The files given and all that they import, directly or through others, of the packages
     followed.
     """
-    found: set[Path] = set()
+    closed: set[Path] = set()
     waiting = list(start)
     while waiting:
         path = waiting.pop()
-        if path not in found:
-            found.add(path)
+        if path not in closed:
+            closed.add(path)
             waiting += imports(path)
-    return found
+    return closed
 
 
 @cache
@@ -72,9 +72,9 @@ def imports(path: Path) -> tuple[Path, ...]:
     return tuple(
         sorted(
             {
-                found
+                imported
                 for name in names
-                if name.startswith(FOLLOWED) and (found := _file(name)) is not None
+                if name.startswith(FOLLOWED) and (imported := _file(name)) is not None
             }
         )
     )

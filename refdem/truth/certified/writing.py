@@ -14,10 +14,9 @@ from refdem.truth.certified.reader import COLUMNS, FORMAT, LARGEST_RADIUS, sha25
 from refdem.truth.sampled import certified_scalars
 
 DIGITS = 36
+"""Digits to which the balls are asked for, two beyond PLACES: rounding then costs no place."""
 PLACES = 34
-"""Radii of the balls, and decimal places that are kept: the radius of the decimals is half a unit
-of the last place.
-"""
+"""Decimal places that are kept: the radius of the decimals is half a unit of the last place."""
 
 Rows = list[tuple[str | None, str, str, str, str | None]]
 
@@ -26,17 +25,17 @@ def rows(truth: Truth, times: Sequence[Fraction]) -> tuple[Rows, dict[str, str]]
     """Every value, scalars first, then the quantities at each time; and the times that cannot be
     certified, with reasons.
     """
-    found = [row(None, name, ball) for name, ball in certified_scalars(truth).items()]
+    lines = [row(None, name, ball) for name, ball in certified_scalars(truth).items()]
     missing: dict[str, str] = {}
     for t in times:
         try:
             balls = truth.at(t)
             wide = [name for name, ball in balls.items() if ball.radius > LARGEST_RADIUS]
             missing |= {str(t): f"radius of {', '.join(wide)} above 1e-30"} if wide else {}
-            found += [row(t, name, ball) for name, ball in balls.items() if not wide]
+            lines += [row(t, name, ball) for name, ball in balls.items() if not wide]
         except NotCertifiedError as error:
             missing[str(t)] = str(error)
-    return found, missing
+    return lines, missing
 
 
 def row(
@@ -56,7 +55,7 @@ def versions() -> dict[str, str]:
 
 
 def block(
-    label: str, parameters: Mapping[str, str], truth: Truth, found: Rows, **more: Any
+    label: str, parameters: Mapping[str, str], truth: Truth, values: Rows, **more: Any
 ) -> list[str]:
     """The lines of one set; `more` has source and job (digests), witnessed and not_certified."""
     proved = {
@@ -70,10 +69,10 @@ def block(
         "parameters": dict(parameters),
         **proved,
         **more,
-        "values": len(found),
+        "values": len(values),
         "sha256": "",
     }
-    lines = [compact(about), *(compact(list(item)) for item in found)]
+    lines = [compact(about), *(compact(list(item)) for item in values)]
     return sealed(lines)
 
 
@@ -95,12 +94,12 @@ def blocks_in(text: str) -> list[list[str]]:
     """The lines of each set of a file that holds, as they stand."""
     lines = text.splitlines(keepends=True)
     at = 1
-    found = []
+    blocks = []
     while at < len(lines):
         count = json.loads(lines[at])["values"]
-        found.append(lines[at : at + 1 + count])
+        blocks.append(lines[at : at + 1 + count])
         at += 1 + count
-    return found
+    return blocks
 
 
 def sums(files: Mapping[str, str]) -> str:

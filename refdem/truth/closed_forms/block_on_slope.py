@@ -20,6 +20,9 @@ from refdem.truth.line_growth import linear
 from refdem.truth.refiner import Refiner
 
 MOST_BITS = 16384
+"""Bits at which the comparison of friction and tangent gives up: thousands of equal digits are not
+met but by intent.
+"""
 
 
 class Slide(ClosedForm):

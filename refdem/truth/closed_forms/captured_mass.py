@@ -135,7 +135,7 @@ class CapturedMass(ClosedForm):
             ]
         )
         yield smooth(arb(0), arb_of(self.caught), straight, jump=held)
-        yield smooth(arb_of(self.caught), None, circle, felt=held)
+        yield smooth(arb_of(self.caught), None, circle, instant_map=held)
 
     def readings(self, t: arb) -> arb_mat:
         """The matrix from errors outward and along the motion to those along the axes of space."""

@@ -235,8 +235,8 @@ class Duffing(FromRest, ClosedForm):
             return None
 
         def state(t: arb) -> tuple[arb, arb]:
-            found = self.evaluate(t)
-            return found["x"], found["v"]
+            solution = self.evaluate(t)
+            return solution["x"], solution["v"]
 
         return Line(
             state,

@@ -15,6 +15,7 @@ from refdem.truth.exact import numbers
 
 MASS = Fraction(1)
 DIMENSIONS = 3
+"""Dimensions of space, d in Haff's law."""
 
 
 class HaffTime(Guarded, Truth):

@@ -211,7 +211,7 @@ def by_angles(
         moved=range(6),
         witness=WITNESS,
         constants=nutation.ends,
-        told=SEEN,
+        reported=SEEN,
         door=nutation.refuse_touching,
     )
 
@@ -239,7 +239,7 @@ def by_axis(p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> 
         moved=range(7),
         witness=WITNESS,
         constants=nutation.ends,
-        told=SEEN,
+        reported=SEEN,
         door=nutation.refuse_touching,
     )
 

@@ -33,6 +33,7 @@ from refdem.truth.tumbling_contact import BodyState, Modes, Slope, dot, lean_rat
 
 PLACE = ("x", "y", "z")
 DIGITS = 32
+"""Digits to which the values are asked for, twice those of binary64."""
 
 
 class Flight(Guarded, Truth):

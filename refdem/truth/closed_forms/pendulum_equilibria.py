@@ -34,7 +34,7 @@ class PendulumEquilibria(ClosedForm, SmoothFlow):
         f"{WITNESS}; Cartesian equations with the rod's force (refdem/truth/witnesses/linked.py)"
     )
     state = Pendulum.state
-    told = SEEN
+    reported = SEEN
     proof_of_s = Pendulum.proof_of_s
 
     def __init__(self, pendulum: Pendulum) -> None:

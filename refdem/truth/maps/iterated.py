@@ -31,9 +31,9 @@ far as doubles can be judged; the cost grows as the square.
 """
 MOST_STEPS = 2**14
 """The most steps of an orbit that does not lose bits: the same limit, in time."""
-SHARP = -200
-"""A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no
-lack of precision.
+BOUNDARY_RADIUS_LOG2 = -200
+"""A branch that is undecided for a ball of a radius below 2^BOUNDARY_RADIUS_LOG2 is a boundary that
+is hit, and no lack of precision.
 """
 
 
@@ -49,7 +49,7 @@ class BoundaryError(UndecidedError):
     """
 
     def __init__(self, code: str, gap: arb) -> None:
-        is_hit = gap.is_finite() and gap.rad() < arb(2) ** SHARP
+        is_hit = gap.is_finite() and gap.rad() < arb(2) ** BOUNDARY_RADIUS_LOG2
         super().__init__(f"{code}: {gap} has no sign", code=code if is_hit else "precision")
 
 

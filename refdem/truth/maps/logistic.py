@@ -112,8 +112,8 @@ class LogisticFlow(Iterated):
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """Map or equation, as `form` says."""
-    own = numbers(p, "eta", "x0")
+    parameters = numbers(p, "eta", "x0")
     kind: type[LogisticFlow | LogisticMap] = LogisticMap
     if p["form"] == "ode":
         kind = LogisticFlow
-    return kind(own["eta"], own["x0"], scale)
+    return kind(parameters["eta"], parameters["x0"], scale)

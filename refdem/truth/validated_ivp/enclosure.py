@@ -15,7 +15,7 @@ from flint import acb, arb, arb_poly
 
 from refdem.truth.balls import arb_of, largest, outward, precision
 from refdem.truth.traced_field import Program
-from refdem.truth.weights import REACH, quickest, typical, weighted
+from refdem.truth.weights import MAX_DISC_EXPONENT, quickest, typical, weighted
 
 BITS = 64
 """The working precision of boxes, which bound and need not be sharp."""
@@ -27,7 +27,7 @@ RINGS = 8
 """The number of rings between the step and nearly the outer radius, on each of which |J| is
 bounded.
 """
-ROOM = arb(2) ** -20
+MIN_RELATIVE_MARGIN = arb(2) ** -20
 """The least margin about the polynomial, as a part of its motion: more than thin sets need."""
 
 
@@ -185,7 +185,7 @@ def disc(
             the speed at 0 in place of M; 0 where no disc can be proved.
             """
             speed_there = speed(radius)
-            is_usable = speed_there.is_finite() and stiff * radius < REACH
+            is_usable = speed_there.is_finite() and stiff * radius < MAX_DISC_EXPONENT
             if not is_usable:
                 return 0.0
             speed_ratio = float((speed_here + least_speed) / (speed_there + least_speed))
@@ -215,7 +215,7 @@ def chosen_weights(
     |J| may vanish there by chance: it is taken on a disc on which the motion is typical, if there
     is one. Other arguments are those of `disc`.
     """
-    radius = min(first, REACH / quickest(start)) / 3
+    radius = min(first, MAX_DISC_EXPONENT / quickest(start)) / 3
     nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), radius)
     return weighted(rates, nearby or start, 1 / first, least)
 
@@ -258,7 +258,7 @@ def grown(candidate: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb
         # The margin is guessed with the |J| of the ring before, and tried: 4 times what it says.
         guess = replace(candidate, rings=[*candidate.rings, (radius, stiff)])
         motion = norm([size(radius) for size in tube.sizes], candidate.weights)
-        margin = 4 * guess.apart(radius, start) + ROOM * motion
+        margin = 4 * guess.apart(radius, start) + MIN_RELATIVE_MARGIN * motion
         stiff = matrix_norm(
             jacobian.run(tube.box(radius, candidate.sides(margin))), candidate.weights
         )

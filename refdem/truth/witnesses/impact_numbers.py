@@ -64,14 +64,14 @@ def effective_mass(p: Mapping[str, Any]) -> arb:
     # The large spheres that close on a small one: their dashpot is made for a large one alone.
     if "large" in p:
         return arb_of(p["large"])
-    own = arb_of(p["mass"])
+    mass = arb_of(p["mass"])
     # Two spheres, one upon the other or side by side: m1 m2/(m1 + m2).
     if "upper" in p:
-        return 1 / (1 / own + 1 / arb_of(p["upper"]))
+        return 1 / (1 / mass + 1 / arb_of(p["upper"]))
     if "masses" in p:
-        return 1 / (1 / own + 1 / arb_of(p["masses"][1]))
+        return 1 / (1 / mass + 1 / arb_of(p["masses"][1]))
     # A sphere and a wall.
-    return own
+    return mass
 
 
 def damping(p: Mapping[str, Any], mass: arb) -> arb:

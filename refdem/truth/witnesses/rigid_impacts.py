@@ -28,6 +28,7 @@ METHOD = (
     " bisection, unproven (refdem/truth/witnesses/rigid_impacts.py)"
 )
 HALVINGS = 300
+"""Bisections of the time of impact: 2^-300 of the interval is beyond the bits of a testimony."""
 LAW = ("restitution", "tangential_restitution", "friction")
 Triple = list[Any]
 

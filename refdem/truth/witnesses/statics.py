@@ -20,6 +20,8 @@ from refdem.truth.exact import number, numbers, vector
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 PRIME = 2**61 - 1
+"""Modulus of the elimination, a Mersenne prime: a rank is too low by chance in 1 of 10^18 matrices.
+"""
 PLACE = "(refdem/truth/witnesses/statics.py)"
 BOOLE = [(Fraction(weight, 90), Fraction(k, 4)) for k, weight in enumerate((7, 32, 12, 32, 7))]
 """Boole's rule: weights and points of a rule on [0, 1] that is exact to the fifth degree."""

@@ -20,6 +20,7 @@ from refdem.truth.balls import arb_of, precision, series_length, terms_of
 Field = Callable[[Any, Sequence[Any]], list[Any]]
 """The rates at (t, y), by + - * / and the methods of arb_series."""
 BITS = 192
+"""Bits of the coefficients, three times those of binary64."""
 LAST = 6
 """Number of last coefficients from which the step is estimated: of a motion with symmetries only
 every fourth may differ from 0.

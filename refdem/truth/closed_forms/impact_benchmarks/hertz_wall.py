@@ -200,7 +200,7 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
                 yield smooth(begin, stop_time - begin, sliding, jump=held, quickness=self.quick)
                 begin = stop_time
             rolling = partial(self.later, self.errors(0), begin)
-            yield smooth(begin, parted - begin, rolling, felt=held, quickness=self.quick)
+            yield smooth(begin, parted - begin, rolling, instant_map=held, quickness=self.quick)
         free = partial(self.later, self.errors(0), parted)
         yield smooth(parted, None, free, quickness=self.quick)
 

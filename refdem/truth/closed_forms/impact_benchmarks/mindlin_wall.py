@@ -393,7 +393,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             self.stretches(),
             rows,
             lambda t: readings,
-            made=range(read),
+            error_coordinates=range(read),
             step=narrow(1 / self.contact()[0].half),
         )
 

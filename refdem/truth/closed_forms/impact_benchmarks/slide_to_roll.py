@@ -89,7 +89,7 @@ class SlideToRoll(ClosedForm):
         held[4][4] = arb_of(Fraction(2, 7))
         jump = self.scaled(held)
         yield smooth(arb(0), roll_time, partial(self.errors, arb_of(self.friction)), jump=jump)
-        yield smooth(roll_time, None, partial(self.errors, arb(0)), felt=jump)
+        yield smooth(roll_time, None, partial(self.errors, arb(0)), instant_map=jump)
 
     def scaled(self, rows: list[list[arb]]) -> arb_mat:
         """The matrix between errors of STATE, given as rows, between errors in scales."""

@@ -147,11 +147,11 @@ class WallImpact(Collision):
         """The scalars of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and
         rebound_spin [rad/s].
         """
-        found = self.contact_extremes(motion)
+        scalars = self.contact_extremes(motion)
         begin = motion.phases[0].entered
         end = motion.phases[-2].crossing()[3]
         speed = arb_of(self.phases.speed)
-        return found | {
+        return scalars | {
             "impulse_ratio": (begin[3] - end[3]) / (begin[1] - end[1]),
             "rebound_across": -end[3] * speed,
             "rebound_spin": end[4] * arb_of(self.phases.speed / self.wall.radius),
