@@ -12,7 +12,7 @@ from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, certified, left_at_finest, no_truth, undecided, worst
-from refdem.core.refinement import COUNTING_FLOOR, sweeping, turning
+from refdem.core.refinement import COUNTING_FLOOR, flight, sweeping, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -79,9 +79,11 @@ class AngularMomentum(Check):
             sweep_rounding = subject.round_off(variant.level) * (
                 sweeping(subject.instance, subject.method) - 1.0
             )
-            allowed = (
-                allowed + sweep_rounding + turning(subject.instance, subject.method, variant.level)
+            # Places that free flight adds up round alike at every step, and r x m v with them.
+            summation = flight(subject.instance, subject.method, variant.level) + turning(
+                subject.instance, subject.method, variant.level
             )
+            allowed = allowed + sweep_rounding + summation
         if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
             coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
             rounding = subject.round_off(variant.level) + turning(
