@@ -230,8 +230,7 @@ def _judged_level(subject: Subject) -> Variant:
     """The coarsest level if the method claims conservation to round-off (a small step hides nothing
     there), else the finest.
     """
-    keeps = subject.method.keeps("angular-momentum", subject.instance.problem.features)
-    if keeps:
+    if subject.keeps("angular-momentum"):
         return Variant(subject.levels[0])
     return subject.finest
 

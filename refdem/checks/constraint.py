@@ -81,7 +81,7 @@ def _judged_level(subject: Subject) -> Variant:
     """The coarsest level if the method claims rod lengths to round-off (a small step hides nothing
     there), else the finest.
     """
-    keeps = subject.method.keeps("constraint", subject.instance.problem.features)
+    keeps = subject.keeps("constraint")
     if keeps:
         return Variant(subject.levels[0])
     return subject.finest

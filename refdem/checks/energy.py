@@ -85,7 +85,7 @@ class Energy(Check):
         """The coarsest and the finest level; all levels where the bound at the coarsest may be too
         wide to decide anything.
         """
-        if subject.method.keeps("energy", subject.instance.problem.features):
+        if subject.keeps("energy"):
             return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
         return subject.plain
 

@@ -27,9 +27,11 @@ from refdem.core.judgement import (
 )
 from refdem.core.problem import Problem
 from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
+from refdem.core.smoothness import KINK, singularities
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.scene.elements.contact import Contact
 
 COURSE = 10.0
 """Bound, in scales, beyond which the motion may have changed its course; runs with different steps
@@ -194,7 +196,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, and what a
-    step that straddles a kink is off by is added.
+    step that straddles a kink is off by is added. A method that claims a higher order than fixed
+    steps can have across these kinks cuts its steps there. The part that is cut off has an error of
+    h^(p+1), however long it is, so that C h^p does not scatter: the division stays.
 
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
@@ -223,7 +227,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         ratio = subject.levels[-2] / subject.levels[-1]
         if not np.any(earlier_change > rounding):
             return None
-    elif not kinked(instance):
+    elif not kinked(instance) or _cuts_steps(subject):
         safety /= ratio - 1.0
     # The larger of the last change and of what the one before implies for it, so far.
     change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
@@ -237,6 +241,25 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
             _kink_rate(instance, fine, count) * subject.levels[-1]
         )
     return allowed
+
+
+def _cuts_steps(subject: Subject) -> bool:
+    """True if the order claimed can be had across the kinks of the scene only by steps that end at
+    each of them.
+
+    A method that locates events may do so by interpolation and not cut its steps; across a kink
+    that allows the claimed order anyway, such a method scatters the error. The smoothest kink of a
+    contact is that of its normal force, or one of the first kind: a spring that starts to slip, a
+    damped force that ends.
+    """
+    if not subject.method.locates_events:
+        return False
+    scene = subject.instance.scene
+    exponents = [KINK]
+    exponents += [law.exponent for law in scene.all(Contact)]
+    exponents += [limit.exponent for _, limit in singularities(scene)]
+    # A force that goes as |s|^n allows fixed steps the order n + 1.
+    return subject.order > max(exponents) + 1.0
 
 
 def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:

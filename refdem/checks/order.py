@@ -253,6 +253,9 @@ class Order(Check):
             deficit <= expected or (misfits is not None and misfits.is_lower)
         ):
             tolerance = expected
+            # `expected` bounds the deficit of the finest pair, not its limit for small steps. Both
+            # exceed it together: the limit is smaller only below the deficit of the pair before.
+            deficit = max(0.0, claimed - orders[-1])
             basis = (
                 f"order {claimed} is claimed, and the deficit of pairs of levels must fall with the"
                 " step"

@@ -77,7 +77,7 @@ class Top(Check):
         also bounded by that at the coarsest, fallen with the claimed order.
         """
         law = LAWS[name]
-        if subject.method.keeps(law, subject.instance.problem.features):
+        if subject.keeps(law):
             level = subject.levels[0]
             values = coarse
             allowed, basis = subject.kept(law, level)

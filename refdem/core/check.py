@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from refdem.core import refinement
 from refdem.core.case import Instance
-from refdem.core.engine import Method
+from refdem.core.engine import UNEQUAL_MOMENTS, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import Motion, Problem
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -72,6 +73,13 @@ class Subject:
             raise ValueError("a bound on the state needs truth")
         return refinement.bound(self.instance, self.method, level, self.truth)
 
+    def keeps(self, law: str) -> bool:
+        """True if the method claims that a law holds to round-off in this scene."""
+        features = self.instance.problem.features
+        if isinstance(self.instance.problem, Motion) and _may_tumble(self.instance.scene):
+            features |= {UNEQUAL_MOMENTS}
+        return self.method.keeps(law, features)
+
     def kept(self, claim: str, level: float) -> tuple[Array, str]:
         """Bound (T,) on the relative change of a conserved quantity, and the basis of that bound.
 
@@ -79,7 +87,7 @@ class Subject:
         conserved in this scene, else round-off plus the truncation error of the claimed order.
         """
         rounding = np.full(len(self.instance.times), self.round_off(level))
-        if self.method.keeps(claim, self.instance.problem.features):
+        if self.keeps(claim):
             return rounding, "the method claims to conserve it to round-off, c u sqrt(n)"
         return rounding + self.truncation(level), "truncation error of the claimed order"
 
@@ -87,6 +95,14 @@ class Subject:
     def plain(self) -> tuple[Variant, ...]:
         """The plain run of every level."""
         return tuple(Variant(level) for level in self.levels)
+
+
+def _may_tumble(scene: Scene) -> bool:
+    """True if a free body with unequal moments of inertia spins, or an element may turn it."""
+    if "rotation" not in scene.features:
+        return False
+    moments = scene.bodies.inertia[~scene.bodies.fixed]
+    return bool(np.any(moments != moments[:, :1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,12 @@ from refdem.core.trajectory import Cost, Trajectory
 Result = TypeVar("Result")
 
 
+UNEQUAL_MOMENTS = "unequal-moments"
+"""What `broken_with` may name beside the features of a scene: a body with unequal moments of
+inertia that may turn. Such a body's angular momentum depends on its attitude.
+"""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Method:
     """One way to run an engine, with its claims; the checks hold it to them.
@@ -22,7 +28,7 @@ class Method:
     there for smooth motions.
     conserves: energy, momentum, angular-momentum, each to round-off.
     broken_with: for a law of `conserves`, the features of a scene with which it holds only to the
-    order.
+    order, and UNEQUAL_MOMENTS.
     symplectic: no secular drift of energy.
     complete_state: a run can be continued from its end state.
     velocity_time: velocities and omegas hold at their sample, or half a step before it.

@@ -7,8 +7,11 @@ from dataclasses import replace
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.checks.error import _cuts_steps
 from refdem.core import discovery
+from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
+from refdem.scene.elements.contact import Contact
 
 
 def off_by(part):
@@ -39,3 +42,38 @@ def test_what_no_tolerance_removes_is_seen_below_a_thousand_times_the_tolerance(
     failed = [f for f in wrong.findings if f.check == "error" and f.outcome == "fail"]
     assert failed
     assert "implied by the last change of tolerance" in failed[0].sentence
+
+
+@pytest.mark.parametrize(("part", "outcomes"), [(0.0, {"pass"}), (2e-8, {"pass", "fail"})])
+def test_a_stiffness_that_is_wrong_by_a_hair_is_seen_where_steps_are_cut_at_contacts(
+    part, outcomes
+):
+    """Cut steps leave the error C h^4 of a smooth motion, a fifteenth of its change at a halving.
+
+    Sixteen times the whole change would allow five parts in 1e8.
+    """
+    hair = Fault(
+        name="hair",
+        kind="units",
+        sentence="",
+        on=(),
+        sees=("error", "v1"),
+        before=of_elements(Contact, stiffness=scaled(1 + part)),
+    )
+    instance = discovery.case("two-spheres").at()
+    carrier = hair.carrier(discovery.engine("reference"))
+    record = record_of(task_of(carrier, "rk4", instance, truth_of(instance), 4, ("error",)))
+    assert {finding.outcome for finding in record.findings} == outcomes
+
+
+def test_a_method_that_may_straddle_a_kink_keeps_the_room_of_scattered_errors():
+    instance = discovery.case("two-spheres").at()
+    reference = discovery.engine("reference")
+    truth = truth_of(instance)
+
+    def cuts(method):
+        return _cuts_steps(task_of(reference, method, instance, truth, 4, ("error",)).subject)
+
+    # Order 4 cannot be had across the kinks of a contact by steps that straddle them, order 2 can.
+    assert cuts("rk4")
+    assert not cuts("velocity-verlet")

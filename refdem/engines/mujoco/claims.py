@@ -4,7 +4,7 @@ integration".
 
 from dataclasses import replace
 
-from refdem.core.engine import Method
+from refdem.core.engine import UNEQUAL_MOMENTS, Method
 
 FIRST_ORDER = {"contact": 1, "friction": 1}
 """Contact and dry friction switch inside a step, and no integrator of MuJoCo looks for the moment.
@@ -29,6 +29,15 @@ ALGEBRA = frozenset(
 )
 """Operations for which MuJoCo has a function."""
 
+KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
+"""Velocities change by h F/m at the old places r, and r by h v: r x m v changes by h r x F alone.
+The torques of forces that act on two bodies at one point, or along one line, add up to 0.
+"""
+BROKEN = {
+    "angular-momentum": frozenset({UNEQUAL_MOMENTS, "rod", "ball_joint", "contact:rigid"}),
+}
+"""Where attitude or joints enter the angular momentum, it holds to first order."""
+
 COORDINATES = {
     "rod": (
         "the coordinate is the hinge angle, and the adapter computes the point at"
@@ -44,7 +53,8 @@ EULER = Method(
     summary="semi-implicit Euler, MuJoCo's default",
     control="step",
     order=1,
-    conserves=frozenset({"momentum", "constraint"}),
+    conserves=KEPT,
+    broken_with=BROKEN,
     derived=COORDINATES,
     summed_clock=True,
     cost_rank=1,
@@ -85,7 +95,8 @@ METHODS = (
         ),
         control="step",
         order=1,
-        conserves=frozenset({"momentum", "constraint"}),
+        conserves=KEPT,
+        broken_with=BROKEN,
         derived=COORDINATES,
         summed_clock=True,
         cost_rank=1,
