@@ -153,7 +153,8 @@ def measure(copy: TreeCopy, file: str) -> None:
         kept_tests = out / "tests.json"
         if not kept_tests.exists():
             print(
-                f"  {file}: no answer, status {ended.status} {' '.join(ended.failed)}", flush=True
+                f"  {file}: no answer, status {ended.status} {' '.join(ended.failed)}\n{ended.said}",
+                flush=True,
             )
             return
         tests = json.loads(kept_tests.read_text())

@@ -48,8 +48,13 @@ def default_path() -> Path:
     """$REFDEM_STORE, or store.sqlite in the user's cache folder."""
     if "REFDEM_STORE" in os.environ:
         return Path(os.environ["REFDEM_STORE"])
-    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    return Path(cache) / "refdem" / "store.sqlite"
+    return cache_folder() / "store.sqlite"
+
+
+def cache_folder() -> Path:
+    """The user's cache folder of refdem; it need not exist."""
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    return Path(home) / "refdem"
 
 
 def digest_of(kind: str, key: str, data: bytes) -> bytes:

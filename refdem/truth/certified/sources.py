@@ -8,9 +8,12 @@ and layout, so that a sentence or a formatter makes nothing stale.
 
 import ast
 import hashlib
+import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
+
+from refdem.truth.certified.parsed import Parsed, parsed
 
 ROOT = Path(__file__).parents[2]
 FOLLOWED = ("refdem.truth", "refdem.cases")
@@ -63,12 +66,7 @@ def closure(start: tuple[Path, ...]) -> set[Path]:
 @cache
 def imports(path: Path) -> tuple[Path, ...]:
     """The files of the followed packages that a file imports."""
-    names: set[str] = set()
-    for node in statements(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    _, names = _read(path)
     return tuple(
         sorted(
             {
@@ -78,6 +76,19 @@ def imports(path: Path) -> tuple[Path, ...]:
             }
         )
     )
+
+
+def imported_names(tree: ast.Module) -> set[str]:
+    """The modules that a file imports, and the names that it imports from them: those may be
+    modules too.
+    """
+    names: set[str] = set()
+    for node in statements(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return names
 
 
 def statements(node: ast.AST) -> Iterator[ast.AST]:
@@ -102,9 +113,29 @@ def _file(module: str) -> Path | None:
     return None
 
 
-@cache
 def _content(path: Path) -> str:
-    return hashlib.sha256(code_of(path.read_bytes()).encode()).hexdigest()
+    code, _ = _read(path)
+    return code
+
+
+@cache
+def _read(path: Path) -> Parsed:
+    """What is read from a file, or was before from the same content."""
+    return parsed(path.read_bytes(), _reader(), digest_and_imports)
+
+
+@cache
+def _reader() -> str:
+    """All but the content that decides what is read from a file: this code and Python's parser."""
+    code = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+    return f"{code} {sys.implementation.name} {sys.version}"
+
+
+def digest_and_imports(source: bytes) -> Parsed:
+    """The digest of a file's code, and the names that it imports."""
+    tree = ast.parse(source)
+    code = hashlib.sha256(_tree(tree).encode()).hexdigest()
+    return code, tuple(sorted(imported_names(tree)))
 
 
 def code_of(source: bytes) -> str:
