@@ -47,6 +47,9 @@ def default_path() -> Path:
     if "REFDEM_STORE" in os.environ:
         return Path(os.environ["REFDEM_STORE"])
     cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if cache.startswith("~"):
+        # A user whom the system does not know has no home: not a folder named "~" in this one.
+        cache = "/.cache"
     return Path(cache) / "refdem" / "store.sqlite"
 
 
@@ -231,6 +234,9 @@ def _connected(path: Path) -> sqlite3.Connection:
 
     SQLite does not wait for a process that is just making the same file, so this does.
     """
+    if path.exists() and not path.is_file():
+        # SQLite would make files beside a device, and such a file would be moved aside as damaged.
+        raise _UnfitError("it is no plain file")
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + PATIENCE
     while True:
