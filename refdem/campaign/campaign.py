@@ -17,6 +17,7 @@ from refdem.campaign.truths import is_lasting, sampled_truths
 from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, CaseSheet, Sheet
 from refdem.core.store import Store
+from refdem.engines.external import folders
 from refdem.errors import UsageError
 
 
@@ -40,6 +41,8 @@ class Campaign:
         there unless a run or a proof ended in a way in which it may not end next time.
         """
         start = time.perf_counter()
+        # Also where nothing is run now: one may have been killed when all its runs were done.
+        folders.sweep()
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
         key = None

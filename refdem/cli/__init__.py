@@ -49,6 +49,7 @@ def main() -> None:
     Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself
     broke, 130 interrupted (143 and 129 by SIGTERM and SIGHUP), 141 unread.
     """
+    _open_streams()
     # Whoever closed them does not want to read them.
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
@@ -75,17 +76,46 @@ def main() -> None:
         _tell(str(error))
         sys.exit(error.exit_status)
     except OSError as error:
-        if error.errno not in OF_THE_SYSTEM:
-            _broken(error)
-        if error.filename:
-            place = f"{error.filename}: "
-        else:
-            place = "standard output or a file: "
-        _tell(f"{place}{error.strerror}; nothing can be written or read there")
-        _silence()
-        sys.exit(BAD_INPUT)
+        _refused_by_the_system(error)
     except Exception as error:
         _broken(error)
+
+
+def _open_streams() -> None:
+    """Leads standard input, output and error into nothing where they are closed: else the next file
+    that is opened would be one of them, here and in the processes that are started.
+    """
+    for stream in (0, 1, 2):
+        try:
+            os.fstat(stream)
+        except OSError:
+            # The system gives the lowest number that is free, which is this one.
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+
+
+def _refused_by_the_system(error: OSError) -> None:
+    """Ends with one sentence where a file cannot be written or read and refdem is not to blame."""
+    if _is_nowhere():
+        _tell("the current folder is not there any more; go to one that is")
+        sys.exit(BAD_INPUT)
+    if error.errno not in OF_THE_SYSTEM:
+        _broken(error)
+    if error.filename:
+        place = f"{error.filename}: "
+    else:
+        place = "standard output or a file: "
+    _tell(f"{place}{error.strerror}; nothing can be written or read there")
+    _silence()
+    sys.exit(BAD_INPUT)
+
+
+def _is_nowhere() -> bool:
+    """Whether the current folder has been taken away, so that no relative path leads anywhere."""
+    try:
+        os.getcwd()
+    except OSError:
+        return True
+    return False
 
 
 def _run() -> None:
@@ -126,7 +156,7 @@ def _broken(error: Exception) -> None:
     from refdem.core.store import default_path
 
     text = "".join(traceback.format_exception(error))
-    place = default_path().with_name("refdem-broke.txt")
+    place = default_path().parent / "refdem-broke.txt"
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text, encoding="utf-8", errors="replace")

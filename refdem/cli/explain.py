@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.core.outside import one_line
+
 if TYPE_CHECKING:
     from refdem.campaign.plan import Task
     from refdem.core.case import Instance
@@ -103,7 +105,7 @@ def show(tasks: "Iterable[Task]") -> None:
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
-            print(f"{title}: not supported: {task.unsupported}")
+            print(f"{title}: not supported: {one_line(task.unsupported)}")
             continue
         levels = (
             ", ".join(f"{level:.3g}" for level in task.subject.levels if level) or "one run, exact"
@@ -115,4 +117,4 @@ def show(tasks: "Iterable[Task]") -> None:
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():
-        print(f"      without {reason} ({', '.join(methods)})")
+        print(f"      without {one_line(reason)} ({', '.join(methods)})")

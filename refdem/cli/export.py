@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from refdem.core.outside import one_line
 from refdem.errors import UsageError
 
 
@@ -64,4 +65,4 @@ def command(
         " them:"
     )
     for program in programs:
-        print(f"    {program.name}: {shlex.join(program.description.engine.command)}")
+        print(f"    {program.name}: {one_line(shlex.join(program.description.engine.command))}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.core.outside import one_line
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def command(
     from refdem.gate.gate import of_program
     from refdem.gate.markdown import annotations
     from refdem.gate.markdown import markdown as told
+    from refdem.report.files import written_to
 
     if bless and not why.strip():
         raise UsageError(
@@ -68,7 +70,7 @@ def command(
     print("\n".join(lines(sheets)))
     _write(sheets, gate, junit, out)
     if markdown is not None:
-        markdown.write_text(told(gate.engine.name, sheets))
+        written_to(markdown, told(gate.engine.name, sheets), "--markdown")
     if os.environ.get("GITHUB_ACTIONS") == "true":
         print("\n".join(annotations(sheets)))
     raise typer.Exit(_verdict(gate, exit_status(sheets)))
@@ -77,10 +79,11 @@ def command(
 def _verdict(gate: "Gate", status: int) -> int:
     """Says whether the gate is open; the exit status, 1 where nothing was accepted yet."""
     if not gate.baseline.is_file():
-        print(
+        told = (
             f"no baseline {gate.baseline}: the gate stays closed; accept these findings with:"
             ' refdem gate --bless --why "first baseline"'
         )
+        print(one_line(told))
         return 1
     if status:
         state = "closed"
@@ -101,9 +104,9 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     else:
         before = {}
     for line in baseline.differences(before, records):
-        print(line)
+        print(one_line(line))
     count = baseline.write(gate.baseline, records, why)
-    print(f"baseline {gate.baseline}: {count} findings accepted")
+    print(one_line(f"baseline {gate.baseline}: {count} findings accepted"))
 
 
 def _write(sheets: "list[Sheet]", gate: "Gate", junit: Path | None, out: Path | None) -> None:

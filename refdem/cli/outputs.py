@@ -5,6 +5,7 @@ a place.
 import tempfile
 from pathlib import Path
 
+from refdem.core.named_file import refuse_full
 from refdem.errors import StoreError
 
 
@@ -30,8 +31,7 @@ def refuse_unwritable_file(path: Path | None, option: str) -> None:
         return
     try:
         if path.exists():
-            with path.open("ab"):
-                pass
+            refuse_full(path)
         else:
             with tempfile.TemporaryFile(dir=path.parent):
                 pass

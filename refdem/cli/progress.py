@@ -44,11 +44,17 @@ class Progress:
                 end = ""
             else:
                 end = "\n"
-            print(f"{ERASE}{stage}: {done}/{total}", end=end, file=sys.stderr, flush=True)
+            _show(f"{ERASE}{stage}: {done}/{total}{end}")
         elif not self._tty and done == 0:
-            print(f"{stage}: {total} to do", file=sys.stderr, flush=True)
+            _show(f"{stage}: {total} to do\n")
         elif not self._tty and done == total:
-            print(f"{stage}: {total} done, {now - self._start:.1f} s", file=sys.stderr, flush=True)
+            _show(f"{stage}: {total} done, {now - self._start:.1f} s\n")
+
+
+def _show(text: str) -> None:
+    """Writes to standard error, if it can be written: nothing else depends on it."""
+    with suppress(OSError, ValueError):
+        print(text, end="", file=sys.stderr, flush=True)
 
 
 class Watch:
@@ -81,7 +87,7 @@ class Watch:
         self._ended.set()
         self._thread.join()
         if self._tty:
-            print(ERASE, end="", file=sys.stderr, flush=True)
+            _show(ERASE)
 
     def expect(self, seconds: float) -> None:
         """Notes how many CPU seconds are left."""
@@ -92,7 +98,7 @@ class Watch:
         start = ""
         if self._tty:
             start = ERASE
-        print(f"{start}{text}", file=sys.stderr, flush=True)
+        _show(f"{start}{text}\n")
 
     def _spent(self) -> float:
         """CPU seconds since the begin."""
@@ -112,6 +118,4 @@ class Watch:
             else:
                 told += "\n"
                 self._next = 2 * spent
-            # Nobody reads any more: the work goes on and says so itself.
-            with suppress(OSError, ValueError):
-                print(told, end="", file=sys.stderr, flush=True)
+            _show(told)

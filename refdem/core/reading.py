@@ -17,16 +17,24 @@ from refdem.core.parameters import nearest
 from refdem.errors import UNREADABLE, UsageError
 
 T = TypeVar("T")
+MOST_BYTES = 2**26
+"""Of a file; a baseline of 100,000 findings has a fifth of that, and /dev/zero has no end."""
 UNKNOWN = re.compile(r"unknown field `([^`]*)`")
 
 
 def content(path: Path, expected: str) -> bytes:
     """The bytes of a file; raises UsageError that ends with `expected`, what the file should be."""
     try:
-        return path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise UsageError(f"{one_line(str(path))}: {why}; expected {expected}") from None
+    if len(data) > MOST_BYTES:
+        raise UsageError(
+            f"{one_line(str(path))}: more than {MOST_BYTES} bytes; expected {expected}"
+        )
+    return data
 
 
 def is_file(path: Path) -> bool:

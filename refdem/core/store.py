@@ -53,8 +53,11 @@ def default_path() -> Path:
 
 def cache_folder() -> Path:
     """The user's cache folder of refdem; it need not exist."""
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    return Path(home) / "refdem"
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if cache.startswith("~"):
+        # A user whom the system does not know has no home: not a folder named "~" in this one.
+        cache = "/.cache"
+    return Path(cache) / "refdem"
 
 
 def digest_of(kind: str, key: str, data: bytes) -> bytes:
@@ -238,6 +241,9 @@ def _connected(path: Path) -> sqlite3.Connection:
 
     SQLite does not wait for a process that is just making the same file, so this does.
     """
+    if path.exists() and not path.is_file():
+        # SQLite would make files beside a device, and such a file would be moved aside as damaged.
+        raise _UnfitError("it is no plain file")
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + PATIENCE
     while True:

@@ -4,10 +4,11 @@ import csv
 import io
 import os
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,10 @@ MOST_EVENTS = 1_000_000
 """Rows of an events file that are read: a program that writes more has a defect, and would fill the
 memory.
 """
+LONGEST_ROW = 2**17
+"""Characters; a row with all channels has 500."""
+MOST_EMPTY = 4
+"""Empty lines a row that is expected: blocks of rows are parted by two."""
 
 
 def read_trajectory(
@@ -88,10 +93,50 @@ def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple
         )
     try:
         with io.TextIOWrapper(binary, newline="", encoding="utf-8", errors="replace") as file:
-            reader = csv.reader(file)
-            yield from islice(((reader.line_num, line) for line in reader if line), most)
+            yield from islice(_rows(file, MOST_EMPTY * most), most)
     except (OSError, csv.Error) as error:
         raise EngineError(f"{path.name} cannot be read as CSV: {error}") from None
+
+
+def _rows(file: TextIO, most_empty: int) -> Iterator[tuple[int, list[str]]]:
+    """The rows of a CSV file that are not empty, each with the number of its last line.
+
+    Raises csv.Error for a row, or for so many empty ones, as no program writes that answers: they
+    cost time, and a row of many cells takes thirty times the memory of its text.
+    """
+    lines = _BoundedLines(file)
+    reader = csv.reader(lines)
+    empty = 0
+    for row in reader:
+        lines.taken = 0
+        if row:
+            yield reader.line_num, row
+            continue
+        empty += 1
+        if empty > most_empty:
+            raise csv.Error(f"more than {most_empty} empty lines")
+
+
+@dataclass
+class _BoundedLines:
+    """The lines of a file; csv.Error where those of one row have more than LONGEST_ROW characters
+    together. Whoever has read a row sets `taken` to 0.
+    """
+
+    file: TextIO
+    taken: int = 0
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        line = self.file.readline(LONGEST_ROW + 1 - self.taken)
+        self.taken += len(line)
+        if self.taken > LONGEST_ROW:
+            raise csv.Error(f"a row of more than {LONGEST_ROW} characters")
+        if not line:
+            raise StopIteration
+        return line
 
 
 def _channels(header: list[str], name: str) -> list[str]:
@@ -193,18 +238,16 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     # A link that leads nowhere is no file that is not there: it is refused as every link is.
     if path is None or not os.path.lexists(path):
         return ()
-    lines = list(csv_lines(path, MOST_EVENTS + 2, EVENT_COLUMNS))
-    if lines:
-        header = tuple(cell.strip() for cell in lines[0][1])
-    else:
-        header = ()
-    if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
+    lines = csv_lines(path, MOST_EVENTS + 2, EVENT_COLUMNS)
+    _, first = next(lines, (1, []))
+    header = tuple(cell.strip() for cell in first)
+    if header != EVENT_COLUMNS:
         first_line = one_line(",".join(header), 200)
-        raise EngineError(
-            f"{path.name} line 1 is {first_line!r}; expected time,kind,body and at most"
-            f" {MOST_EVENTS} events"
-        )
-    return tuple(_event(line, number, path.name, bodies) for number, line in lines[1:])
+        raise EngineError(f"{path.name} line 1 is {first_line!r}; expected time,kind,body")
+    events = tuple(_event(line, number, path.name, bodies) for number, line in lines)
+    if len(events) > MOST_EVENTS:
+        raise EngineError(f"{path.name} has more than {MOST_EVENTS} events; expected fewer")
+    return events
 
 
 def _event(line: list[str], number: int, name: str, bodies: int) -> Event:

@@ -5,6 +5,7 @@ from pathlib import Path
 import msgspec
 
 from refdem.core.finding import DECIDED, Finding, Outcome, Record, findings_of
+from refdem.core.named_file import put
 from refdem.core.outside import one_line
 from refdem.core.reading import content, json_as
 from refdem.errors import StoreError, UsageError
@@ -75,6 +76,11 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
                 f"{where}: id is {one_line(entry.id, 80)!r}; expected"
                 " case/engine/method/check/quantity"
             )
+        if not entry.id.isprintable():
+            raise UsageError(
+                f"{where}: id {one_line(entry.id, 80)!r} has characters that do not print; expected"
+                " one that `refdem gate --bless` wrote"
+            )
         if entry.id in accepted_so_far:
             raise UsageError(
                 f"{where}: {one_line(entry.id, 80)!r} is there twice; take one away, or bless anew"
@@ -110,10 +116,8 @@ def write(path: Path, records: list[Record], why: str) -> int:
     header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
     entries.sort(key=lambda entry: entry.id)
     lines = [msgspec.json.encode(header), *map(msgspec.json.encode, entries)]
-    beside = path.with_name(path.name + ".new")
     try:
-        beside.write_bytes(b"\n".join(lines) + b"\n")
-        beside.replace(path)
+        put(path, b"\n".join(lines) + b"\n")
     except OSError as error:
         raise StoreError(f"baseline {path} cannot be written: {error.strerror}") from None
     return len(entries)

@@ -79,10 +79,10 @@ def write_gallery(
 def write_junit(path: Path, sheets: "Iterable[Sheet]") -> None:
     """Writes the findings as JUnit XML; raises StoreError if the file cannot be written."""
     from refdem.report.contents import contents_of
-    from refdem.report.files import written
+    from refdem.report.files import written_to
     from refdem.report.junit import junit
 
-    written(Path(path), junit(contents_of(sheets)))
+    written_to(Path(path), junit(contents_of(sheets)), "--junit")
 
 
 def records(folder: Path | str) -> "Tables":

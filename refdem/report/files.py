@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from refdem.core.named_file import put
 from refdem.errors import StoreError
 
 
@@ -10,10 +11,7 @@ def written(path: Path, content: str | bytes) -> None:
     """Puts `content` at `path`, through a file beside it; raises StoreError that says what to
     do.
     """
-    if isinstance(content, str):
-        data = content.encode("utf-8", "replace")
-    else:
-        data = content
+    data = encoded(content)
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -24,6 +22,23 @@ def written(path: Path, content: str | bytes) -> None:
             beside.unlink(missing_ok=True)
         raise StoreError(
             f"cannot write {path}: {error.strerror or error}. Choose another folder with --out."
+        ) from None
+
+
+def encoded(content: str | bytes) -> bytes:
+    """The bytes of a file with this content."""
+    if isinstance(content, str):
+        return content.encode("utf-8", "replace")
+    return content
+
+
+def written_to(path: Path, content: str | bytes, option: str) -> None:
+    """Puts `content` at the place that an option names, whatever is there; raises StoreError."""
+    try:
+        put(path, encoded(content))
+    except OSError as error:
+        raise StoreError(
+            f"cannot write {path}: {error.strerror or error}. Choose another place with {option}."
         ) from None
 
 

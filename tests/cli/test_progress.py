@@ -33,6 +33,23 @@ class Heard:
         pass
 
 
+class Full(Heard):
+    """Standard error on a disk that is full."""
+
+    def write(self, text: str) -> int:
+        raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("tty", [True, False])
+def test_a_standard_error_that_cannot_be_written_ends_no_work(tty, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Full(tty))
+    progress = Progress()
+    progress("runs", 0, 1)
+    progress("runs", 1, 1)
+    with Watch("proving", quiet=0.0) as watch:
+        watch.say("it goes on")
+
+
 @pytest.mark.parametrize("tty", [True, False])
 def test_work_that_forecasts_nothing_still_says_that_it_goes_on(tty, monkeypatch):
     heard = Heard(tty)

@@ -2,6 +2,7 @@
 campaign.
 """
 
+import os
 import random
 import sqlite3
 import subprocess
@@ -11,7 +12,7 @@ from contextlib import closing
 import msgspec
 import pytest
 
-from refdem.core.store import FORMAT, Store, _prepare, digest_of
+from refdem.core.store import FORMAT, Store, _prepare, default_path, digest_of
 
 
 def test_what_is_put_is_read_by_another_connection(tmp_path):
@@ -55,6 +56,24 @@ def test_entries_of_an_older_format_are_dropped(tmp_path):
     assert store.get("run", "k") is None
     store.put("run", "k", b"data")
     assert store.get("run", "k") == b"data"
+
+
+def test_what_is_no_plain_file_is_left_alone_and_costs_the_store(tmp_path, capfd):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link", "."):
+        store = Store(tmp_path / name)
+        store.put("run", "k", b"data")
+        assert not store.is_usable
+        assert "it is no plain file" in capfd.readouterr().err
+    assert sorted(os.listdir(tmp_path)) == ["link", "pipe"]
+
+
+def test_who_has_no_home_gets_no_folder_named_after_one(monkeypatch):
+    for name in ("REFDEM_STORE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    assert default_path().is_absolute()
 
 
 def test_a_folder_that_cannot_be_made_costs_the_store_and_nothing_else(tmp_path, capfd):

@@ -2,6 +2,7 @@
 than one clear error.
 """
 
+import tracemalloc
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdem.core.trajectory import Trajectory
-from refdem.core.trajectory_csv import COLUMNS, read_trajectory
+from refdem.core.trajectory_csv import COLUMNS, LONGEST_ROW, read_trajectory
 from refdem.errors import EngineError, RefdemError
 
 HEADER = ",".join(COLUMNS)
@@ -131,11 +132,49 @@ def test_a_channel_that_comes_and_goes_is_refused(tmp_path: Path) -> None:
         "time,kind,body\nnan,stop,0\n",
         "time,kind,body\n1,stop,2\n",
         "time,kind,body\n1,stop\n",
+        "\n",
     ],
 )
 def test_wrong_events_are_refused(tmp_path: Path, events: str) -> None:
     with pytest.raises(EngineError, match=r"events\.csv line"):
         read(tmp_path, table(*PLAIN), events=events)
+
+
+@pytest.mark.parametrize(
+    ("begin", "repeated"),
+    [
+        (HEADER, ",x"),
+        (HEADER + "\n", "0,"),
+        (HEADER + "\n", '"\n1",'),
+        (HEADER + "\n", "\n"),
+        ("", "\r"),
+    ],
+)
+def test_a_file_of_cells_or_lines_without_end_takes_little_memory_and_is_refused(
+    tmp_path: Path, begin: str, repeated: str
+) -> None:
+    text = begin + repeated * (40 * LONGEST_ROW // len(repeated))
+    (tmp_path / "trajectory.csv").write_text(text, newline="")
+    tracemalloc.start()
+    with pytest.raises(EngineError, match=r"cannot be read as CSV: (a row of )?more than"):
+        read_trajectory(tmp_path / "trajectory.csv", 2, 2)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # The cells of a row take 15 times its text; those of the whole file took 600 times this.
+    assert peak < 20 * LONGEST_ROW
+
+
+def test_a_trajectory_is_read_in_little_more_memory_than_its_numbers(tmp_path: Path) -> None:
+    number = "0.12345678901234567"
+    samples = 5000
+    rows = [row(n, 0, *[number] * 6, 1, 0, 0, 0, *[number] * 3) for n in range(samples)]
+    text = table(*rows)
+    (tmp_path / "trajectory.csv").write_text(text)
+    tracemalloc.start()
+    read_trajectory(tmp_path / "trajectory.csv", samples, 1)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 5 * len(text)
 
 
 def test_a_folder_in_place_of_the_file_is_no_trajectory(tmp_path: Path) -> None:

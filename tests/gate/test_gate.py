@@ -3,6 +3,8 @@
 import json
 import xml.etree.ElementTree as ElementTree
 
+import pytest
+
 
 def test_without_a_baseline_the_gate_is_closed_and_says_how_to_bless(program):
     done = program.gate()
@@ -78,6 +80,29 @@ def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
     assert "~ harmonic-oscillator/spring/leapfrog/error/x: pass" in done.stdout
     header = json.loads((program.folder / "refdem-baseline.jsonl").read_text().splitlines()[0])
     assert header["why"] == "the scheme was changed"
+
+
+@pytest.mark.parametrize("character", ["\n", "\r", "\x1b", "\u2028", "\x85", "\u202e"])
+def test_an_id_that_does_not_print_is_no_id_of_a_baseline(program, character):
+    program.bless()
+    path = program.folder / "refdem-baseline.jsonl"
+    name = f"harmonic-oscillator/spring/leapfrog/order/x{character}::error::y"
+    with path.open("a") as file:
+        file.write(json.dumps({"id": name, "outcome": "pass"}) + "\n")
+    for words in ([], ["--bless", "--why", "because"]):
+        done = program.gate(*words)
+        assert done.returncode == 2
+        assert "characters that do not print" in done.stderr
+        assert character not in (done.stdout + done.stderr).removesuffix("\n")
+
+
+def test_what_a_blessing_shows_is_no_command_of_a_workflow(program):
+    program.bless()
+    path = program.folder / "refdem-baseline.jsonl"
+    with path.open("a") as file:
+        file.write(json.dumps({"id": "##[error]/a/b/c/d", "outcome": "pass"}) + "\n")
+    done = program.gate("--bless", "--why", "because")
+    assert "- # #[error]/a/b/c/d: pass" in done.stdout
 
 
 def test_a_crash_is_an_error_and_exit_3_while_nothing_failed(program):

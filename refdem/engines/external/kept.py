@@ -13,6 +13,8 @@ MOST_BYTES = 2**20
 """Of each file its beginning is kept; request and trajectory of an ordinary run are shorter."""
 MOST_FILES = 32
 """Files of a failed run that are kept, in order of their names."""
+MOST_DIGITS = 30
+"""Of the number in a folder's name; a time [ns] has 19."""
 
 
 def kept(folder: Path, name: str) -> Path | None:
@@ -21,9 +23,12 @@ def kept(folder: Path, name: str) -> Path | None:
     None if nothing can be written there.
     """
     home = default_path().parent / "failed-runs"
-    place = home / f"{name}-{time.time_ns()}"
+    place = home / f"{name}-{_next_stamp(home)}"
     try:
         place.mkdir(parents=True)
+    except OSError:
+        return None
+    try:
         for path in sorted(
             path for path in folder.iterdir() if path.is_file() and not path.is_symlink()
         )[:MOST_FILES]:
@@ -36,10 +41,26 @@ def kept(folder: Path, name: str) -> Path | None:
     return place
 
 
+def _next_stamp(home: Path) -> int:
+    """A number larger than that of every folder there: the time [ns], or where the clock stands or
+    has been put back, the one after the newest.
+    """
+    newest = 0
+    with contextlib.suppress(OSError):
+        newest = max(map(_stamp, home.iterdir()), default=0)
+    return max(time.time_ns(), newest + 1)
+
+
+def _stamp(place: Path) -> int:
+    """The number at the end of a folder's name; 0 if there is none."""
+    number = place.name.rpartition("-")[2]
+    if number.isascii() and number.isdigit():
+        return int(number[:MOST_DIGITS])
+    return 0
+
+
 def _drop_older(home: Path) -> None:
     """Removes all but the newest folders; another process may be doing the same."""
     with contextlib.suppress(OSError):
-        for path in sorted(home.iterdir(), key=lambda path: path.name.rpartition("-")[2])[
-            :-MOST_FOLDERS
-        ]:
+        for path in sorted(home.iterdir(), key=_stamp)[:-MOST_FOLDERS]:
             shutil.rmtree(path, ignore_errors=True)

@@ -114,7 +114,9 @@ def _of_limits(engine: EngineTable) -> Iterator[Fault]:
 
 
 def _of_gate(gate: GateTable) -> Iterator[Fault]:
-    """Faults in the levels and cases of the gate."""
+    """Faults in the levels, cases and baseline of the gate."""
+    if not gate.baseline.strip() or not gate.baseline.isprintable():
+        yield "gate.baseline", gate.baseline, "the path of a file"
     if not 1 <= gate.levels <= MOST_LEVELS:
         expected = f"a number of refinement levels, 1 to {MOST_LEVELS}"
         yield "gate.levels", gate.levels, expected

@@ -10,6 +10,7 @@ is that of all runs of the process, which it takes away if that process was kill
 
 import contextlib
 import ctypes
+import fcntl
 import json
 import os
 import resource
@@ -41,6 +42,8 @@ GOODBYE = b"end"
 """What comes over the socket where refdem goes on without this process; nothing comes where refdem
 itself was killed.
 """
+STREAMS = 3
+"""Standard input, output and error."""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
 
@@ -292,14 +295,26 @@ def control(option: int, value: int) -> None:
         ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
 
 
+def is_open(descriptor: int) -> bool:
+    """Whether a descriptor leads to anything."""
+    try:
+        os.fstat(descriptor)
+    except OSError:
+        return False
+    return True
+
+
 def main() -> None:
     """Answers over standard input."""
     # A program must not be able to answer for itself: it gets neither this descriptor nor this
-    # standard input.
-    asked = socket.socket(fileno=os.dup(0))
+    # standard input. Where refdem has no standard output or no standard error, 1 or 2 are free, and
+    # the copy must not lie there.
+    asked = socket.socket(fileno=fcntl.fcntl(0, fcntl.F_DUPFD_CLOEXEC, STREAMS))
     nothing = os.open(os.devnull, os.O_RDWR)
     for target in (0, 1):
         os.dup2(nothing, target)
+    if not is_open(2):
+        os.dup2(nothing, 2)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         # What ends refdem closes the socket.
         signal.signal(number, signal.SIG_IGN)

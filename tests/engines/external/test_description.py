@@ -100,6 +100,8 @@ def test_a_method_for_mass_properties_has_no_step_and_knows_what_supports_names(
         (("order = 2", 'answers = "solid"'), "solid:polyhedron"),
         (("order = 2", 'answers = "map"'), "map"),
         (("command", 'supports = ["solid:torus"]\ncommand'), "solid:torus"),
+        (("order = 2", 'order = 2\n[gate]\nbaseline = "a\\n::error::b"'), "gate.baseline"),
+        (("order = 2", 'order = 2\n[gate]\nbaseline = " "'), "gate.baseline"),
         (("[engine]", "[engin]"), "engin"),
         (("[engine]", "[engine"), "line"),
     ],

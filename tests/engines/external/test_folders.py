@@ -3,10 +3,17 @@
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 
+from refdem.campaign import unchanged
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.specification import Entry, Specification
+from refdem.core import discovery
+from refdem.core.finding import CampaignSheet
+from refdem.core.store import Store
 from refdem.engines.external import supervisor
 from refdem.engines.external.folders import home
 from refdem.engines.external.process import Supervised
@@ -43,6 +50,23 @@ def test_what_a_killed_process_left_is_taken_away_at_the_next_start(tmp_path: Pa
     with begun(tmp_path, "pass") as other:
         other.communicate()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_campaign_in_which_nothing_is_run_takes_it_away_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    (tmp_path / "refdem-runs-stale").mkdir()
+    (tmp_path / "refdem-runs-stale" / "trajectory.csv").touch()
+    specification = Specification(name="t", case=[Entry("newtons-first-law")], engines=["mujoco"])
+    kept = unchanged.key_of(specification, [discovery.engine("mujoco")])
+    assert kept is not None
+    sheet = CampaignSheet(name="t", refdem="", runs_made=1, runs_read=0, seconds=0.0)
+    store = Store(tmp_path / "store.sqlite")
+    unchanged.keep(store, kept, [sheet])
+    assert Campaign(specification, store).sheets()
+    store.close()
+    assert list(tmp_path.glob("refdem-*")) == []
 
 
 def test_what_a_process_was_just_making_when_it_was_killed_is_taken_away(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ ERRORS = {
     "digits-of-another-script": "y is '.'; expected a finite number",
     "underscores": "y is '1_0'; expected a finite number",
     "gigantic-line": "cannot be read as CSV|columns; expected 15",
-    "many-columns": "columns; expected 15",
+    "many-columns": "cannot be read as CSV: a row of more than",
     "with-nul": r"y is '\?'; expected a finite number|cannot be read as CSV",
     "binary": "trajectory.csv",
     "in-utf16": "line 1 is ",
