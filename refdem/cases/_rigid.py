@@ -67,3 +67,30 @@ def clear_of(impact_time: float, samples: int) -> float:
     """
     before = samples // 2 + 1 / 3
     return impact_time * samples / before
+
+
+TRIED = 2000
+"""Durations among which `clear_of_all` looks for the best one."""
+FINEST = 6
+"""Halvings of the interval of which `clear_of_all` looks at the step grids."""
+
+
+def clear_of_all(impact_times: Array, samples: int, *, least: float, most: float) -> float:
+    """The duration [s] between `least` and `most` at which samples are clearest of the impacts, at
+    times (n,) [s].
+
+    A method that looks for contacts at the ends of its steps is late by up to a step, so that
+    samples shortly after an impact show the velocities of before: those shall come late in the
+    interval. No impact shall be at a sample, where velocities have no value, nor at the end of a
+    step, where such a method would be exact by chance.
+    """
+    durations = np.linspace(least, most, TRIED)
+    # The part of an interval by which each impact comes after a sample, (durations, n).
+    past = np.modf(impact_times * samples / durations[:, None])[0]
+    clearance = np.minimum(1.0 - past, 4.0 * past)
+    for halvings in range(1, FINEST + 1):
+        of_step = np.modf(past * 2.0**halvings)[0]
+        off_grid = np.minimum(of_step, 1.0 - of_step)
+        clearance = np.minimum(clearance, 4.0 * off_grid)
+    best = int(clearance.min(axis=1).argmax())
+    return float(durations[best])
