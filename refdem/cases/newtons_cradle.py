@@ -127,18 +127,25 @@ class NewtonsCradle(Case):
         return Scene.of(bodies, [Contact(law="rigid", restitution=p.restitution)])
 
     def scales(self, p: Parameters) -> Scales:
-        """L is the largest diameter, tau = L/v with the largest speed that any ball has; the run
-        ends after the last impact.
+        """tau is the shortest time between two impacts of one ball, at most that of a flight over
+        one diameter; L = v tau with the largest speed that any ball has. The run ends after the
+        last impact.
         """
         count = int(p.balls)
+        samples = int(p.samples)
         course = _course(p)
-        length = 2.0 * float(p.radii[:count].max())
         times = np.array([float(time) for time in course.times])
         least, most = (float(times[-1]) * part for part in AFTER_LAST)
+        duration = _rigid.clear_of_all(times, samples, least=least, most=most)
+        fastest = float(course.fastest)
+        longest = 2.0 * float(p.radii[:count].max()) / fastest
+        if course.shortest_wait is not None:
+            longest = min(longest, float(course.shortest_wait))
+        tau = _rigid.shortest_time(times, p.duration or duration, samples, longest)
         return Scales(
-            length=length,
-            tau=length / float(course.fastest),
-            duration=_rigid.clear_of_all(times, int(p.samples), least=least, most=most),
+            length=fastest * tau,
+            tau=tau,
+            duration=duration,
             mass=float(p.masses[:count].max()),
         )
 

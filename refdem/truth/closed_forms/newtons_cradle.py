@@ -131,12 +131,14 @@ SHAPING = ("balls", "masses", "radii", "gaps", "velocities", "restitution")
 
 @dataclass(frozen=True)
 class Course:
-    """What a case must know of the impacts before it is run: their times [s], in order, and the
-    largest speed of a ball [m/s].
+    """What a case must know of the impacts before it is run: their times [s], in order, the largest
+    speed of a ball [m/s], and the shortest time [s] between two impacts of one ball (None: no ball
+    has two).
     """
 
     times: tuple[Fraction, ...]
     fastest: Fraction
+    shortest_wait: Fraction | None
 
 
 def course_of(p: Mapping[str, Any]) -> Course:
@@ -154,12 +156,18 @@ def _course(values: tuple[Any, ...]) -> Course:
     if len(moments) == MOST_IMPACTS:
         raise endless()
     times = []
+    waits = []
     speeds = [abs(state.v[0]) for state in motions(impacts.start)]
+    last_impact: dict[int, Fraction] = {}
     for moment in moments:
         assert isinstance(moment.time, Fraction)
         times.append(moment.time)
         speeds += [abs(state.v[0]) for state in moment.after()]
-    return Course(tuple(times), max(speeds))
+        for body in [body for encounter in moment.encounters for body in encounter.bodies]:
+            if body in last_impact:
+                waits.append(moment.time - last_impact[body])
+            last_impact[body] = moment.time
+    return Course(tuple(times), max(speeds), min(waits, default=None))
 
 
 def endless() -> UndecidedError:
