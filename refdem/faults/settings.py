@@ -370,6 +370,15 @@ REBOUND: Rows = (
     ("samples", "16"),
 )
 """A rigid sphere that slides along a wall while it meets it."""
+CRADLE: Rows = (
+    ("balls", "3"),
+    ("masses", listed(between(2, 3), between(0.5, 0.75), between(2, 3), *4 * [between(1, 1)])),
+    ("gaps", listed(*6 * [between(0.25, 0.375)])),
+    ("velocities", listed(between(1, 1.25), *6 * [between(0, 0)])),
+    ("restitution", between(0.75, 0.875)),
+    *lasting("5/4", "16"),
+)
+"""A light ball that goes back and forth between two heavy ones."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -469,6 +478,7 @@ SETTINGS: Mapping[str, Setting] = {
     "rub": Setting("hard-spheres", RUB, TOUCHING),
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
+    "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

@@ -9,6 +9,7 @@ from refdem.faults import impacts
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
+    forgetting,
     of_arguments,
     of_bodies,
     of_elements,
@@ -69,6 +70,39 @@ def _second_does_not_turn(p: Parts) -> dict[str, Any]:
         return vec.ZERO
 
     return {"torque_on": torque_on}
+
+
+def _elastic_after_the_first(p: Parts) -> dict[str, Any]:
+    """The restitution counts in the first impact of a run; all later ones lose nothing."""
+    calls = [0]
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        calls[0] += 1
+        if calls[0] == 1:
+            return impacts.normal_impulse(law, ease, closing)
+        return 2.0 * closing / ease
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return forgetting(p, lambda: calls.__setitem__(0, 0), **faulty)
+
+
+def _pairs_met_once(p: Parts) -> dict[str, Any]:
+    """A pair that has met is not looked at again; masses that differ tell pairs apart."""
+    met: set[float] = set()
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        if ease in met:
+            return 0.0
+        met.add(ease)
+        return impacts.normal_impulse(law, ease, closing)
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return forgetting(p, met.clear, **faulty)
+
+
+def _at_the_end_of_the_step(p: Parts) -> dict[str, Any]:
+    """Pairs that meet within a step are struck at its end, in the order of their numbers."""
+    return {"located": lambda margin, first, last, resolution: 1.0}
 
 
 FAULTS = (
@@ -228,5 +262,27 @@ FAULTS = (
         on=("grip", "rub"),
         sees=("error", "omega1.x"),
         before=of_bodies(inertia=scaled(1.01)),
+    ),
+    impact(
+        name="impacts-elastic-after-the-first",
+        sentence="The restitution counts in the first impact alone.",
+        on=("cradle",),
+        sees=("error", "v3.x"),
+        inside=_elastic_after_the_first,
+    ),
+    impact(
+        name="impacts-of-a-pair-once",
+        sentence="A pair that has met is never looked at again.",
+        on=("cradle",),
+        sees=("error", "v1.x"),
+        inside=_pairs_met_once,
+    ),
+    impact(
+        name="impacts-at-the-ends-of-steps",
+        sentence="Pairs that meet within a step are struck at its end, in the order of their numbers.",
+        on=("cradle",),
+        sees=("order", "state"),
+        levels=6,
+        inside=_at_the_end_of_the_step,
     ),
 )
