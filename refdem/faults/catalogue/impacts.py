@@ -281,8 +281,8 @@ FAULTS = (
         name="impacts-at-the-ends-of-steps",
         sentence="Pairs that meet within a step are struck at its end, in the order of their numbers.",
         on=("cradle",),
-        sees=("order", "state"),
-        levels=6,
+        sees=("error", "r2.x"),
+        levels=8,
         inside=_at_the_end_of_the_step,
     ),
 )
