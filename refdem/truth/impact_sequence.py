@@ -413,9 +413,7 @@ class ImpactSequence(ClosedForm):
             k += 1
         yield smooth(arb_of(begin), None, flight, affine=True)
 
-    def saltation(
-        self, encounter: Encounter, states: Sequence[Motion], *, is_cut: bool
-    ) -> arb_mat:
+    def saltation(self, encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -> arb_mat:
         """The derivative across one impact, in scales: Xi = DP (1 + f- tau) - f+ tau, with tau = d
         t/d x.
         """
