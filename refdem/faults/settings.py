@@ -379,6 +379,17 @@ CRADLE: Rows = (
     *lasting("5/4", "16"),
 )
 """A light ball that goes back and forth between two heavy ones."""
+DROP: Rows = (
+    ("mass", between(0.75, 1.5)),
+    ("height", between(1, 2)),
+    ("velocity", listed(signed(2, 3), between(-1, 1))),
+    ("gravity", between(4, 8)),
+    ("restitution", between(0.625, 0.75)),
+    ("friction", between(4 / 64, 8 / 64, 64)),
+    ("bounces", "3"),
+    ("samples", "16"),
+)
+"""A ball that is thrown sideways and slides in its first bounces."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -479,6 +490,7 @@ SETTINGS: Mapping[str, Setting] = {
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
+    "drop": Setting("bouncing-ball", DROP, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

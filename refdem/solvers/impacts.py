@@ -25,7 +25,9 @@ ROUNDED = 8 * 2.0**-53
 
 
 class Impacts(KernelSolver):
-    """Straight lines, or parabolas, and impulses; nothing is approximated, whatever the number of spheres."""
+    """Straight lines, or parabolas, and impulses; nothing is approximated, whatever the number of
+    spheres.
+    """
 
     claims = Method(
         name="impacts",

@@ -4,10 +4,10 @@ uniform gravity, and between them the impulses of rigid_impact.py.
 Notation: r, v, omega of each body, in this order, are the state; n is the unit normal from the
 first body to what it meets, and c > 0 the closing speed there.
 
-The list of impacts is made in exact arithmetic, of rationals or of one square root (surds.py): which
-pair is the next to meet, whether two meetings come at one time, and whether friction is cut are
-decided, not estimated. Impacts of different bodies at one time commute; those that share a body are
-refused, because what comes out depends on their order. The states are then carried in balls.
+The list of impacts is made in exact arithmetic, of rationals or of one square root (surds.py):
+which pair is the next to meet, whether two meetings come at one time, and whether friction is cut
+are decided, not estimated. Impacts of different bodies at one time commute; those that share a body
+are refused, because what comes out depends on their order. The states are then carried in balls.
 
 S: an error dx right before an impact moves its time by dt = n.(dr2 - dr1)/c. So the derivative
 across the impact is
@@ -15,9 +15,9 @@ across the impact is
     Xi = DP (1 + f- (d t/d x)) - f+ (d t/d x),
 
 P being the map of the impulses and f = (v, g, 0) the rates before and after (the saltation matrix;
-Aizerman and Gantmacher 1958). DP comes from the formulas of the impulses by the chain rule. An error
-in a flight obeys dr' = dv, with uniform gravity or without it. Exactly where friction is just enough
-P has a kink, and S is the largest one of all choices of sides.
+Aizerman and Gantmacher 1958). DP comes from the formulas of the impulses by the chain rule. An
+error in a flight obeys dr' = dv, with uniform gravity or without it. Exactly where friction is just
+enough P has a kink, and S is the largest one of all choices of sides.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -474,7 +474,7 @@ def work_lost(encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -
     left = 1 - k / tangential_mass
     lost_along = normal_mass * closing * closing * (1 - e * e) / 2
     lost_across = tangential_mass * slip_squared * (1 - left * left) / 2
-    return lost_along + lost_across
+    return arb(lost_along + lost_across)
 
 
 def time_slopes_of(encounter: Encounter, meeting: Sequence[Motion]) -> list[arb]:

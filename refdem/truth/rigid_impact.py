@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from refdem.truth.surds import Number, Surd, sign
+from refdem.truth.surds import Number, sign
 
 Vector = Sequence[Any]
 
@@ -72,9 +72,9 @@ class Motion:
 class Impact:
     """What the impulses depend on, in numbers of one kind.
 
-    The two restitutions of the law stay exact. `normal_factor` is (1 + e) m_n, `stopping` is (1 + b) m_t [kg]. `is_smooth`:
-    there is no friction at all. Of each body: `inverse_masses` [1/kg], `radii` [m], and
-    `spin_factors` R/J [1/(kg m)].
+    The two restitutions of the law stay exact. `normal_factor` is (1 + e) m_n, `stopping` is (1 +
+    b) m_t [kg]. `is_smooth`: there is no friction at all. Of each body: `inverse_masses` [1/kg],
+    `radii` [m], and `spin_factors` R/J [1/(kg m)].
     """
 
     restitution: Fraction

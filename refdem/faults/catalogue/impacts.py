@@ -100,8 +100,38 @@ def _pairs_met_once(p: Parts) -> dict[str, Any]:
     return forgetting(p, met.clear, **faulty)
 
 
+def _velocity_before_the_kick(p: Parts) -> dict[str, Any]:
+    """The closing speed of a fall lacks what gravity gave in the last kick of the step."""
+    gained = [0.0]
+
+    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+        # An impulse is a kick of unit length.
+        if h != 1.0:
+            gained[0] = vec.size(force) * abs(h) / mass
+        return p.kicked(v, force, mass, h)
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        return impacts.normal_impulse(law, ease, closing - gained[0])
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return {**faulty, "kicked": kicked}
+
+
+def _friction_from_weight(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+    """Friction is cut at a thousandth of what the impulse allows, as if the weight pressed."""
+    return impacts.tangential_impulse(law, ease, slip, pressing / 1000)
+
+
+def _resting_below(law: Any, ease: Any, closing: Any) -> Any:
+    """A ball that comes with less than 2.5 m/s stays."""
+    e = law.restitution
+    if closing < 2.5:
+        e = 0.0
+    return (1 + e) * closing / ease
+
+
 def _at_the_end_of_the_step(p: Parts) -> dict[str, Any]:
-    """Pairs that meet within a step are struck at its end, in the order of their numbers."""
+    """Pairs that meet within a step are struck at its end, in the order of their list."""
     return {"located": lambda margin, first, last, resolution: 1.0}
 
 
@@ -279,10 +309,32 @@ FAULTS = (
     ),
     impact(
         name="impacts-at-the-ends-of-steps",
-        sentence="Pairs that meet within a step are struck at its end, in the order of their numbers.",
+        sentence="Pairs that meet within a step are struck at its end, in the order of their list.",
         on=("cradle",),
         sees=("error", "r2.x"),
         levels=8,
         inside=_at_the_end_of_the_step,
+    ),
+    impact(
+        name="bounce-before-the-kick",
+        sentence="The closing speed lacks what gravity gave in the last kick of the step.",
+        on=("drop",),
+        sees=("error", "vy"),
+        levels=6,
+        inside=_velocity_before_the_kick,
+    ),
+    impact(
+        name="bounce-friction-from-weight",
+        sentence="Friction in a bounce is cut by the weight, not by the impulse.",
+        on=("drop",),
+        sees=("error", "vx"),
+        inside=_of_impact(tangential_impulse=_friction_from_weight),
+    ),
+    impact(
+        name="bounce-below-a-threshold",
+        sentence="A ball that comes with less than 2.5 m/s stays, and creeps.",
+        on=("drop",),
+        sees=("error", "vy"),
+        inside=_of_impact(normal_impulse=_resting_below),
     ),
 )

@@ -53,10 +53,10 @@ class MeetsFloor:
     radius: Fraction
     gravity: Fraction
 
-    def time(self, states: Sequence[Motion]) -> Number | None:
+    def time(self, states: Sequence[Motion]) -> Number:
         """When it touches the plane next [s]."""
         (sphere,) = states
-        upwards = sphere.v[1]
+        upwards: Number = sphere.v[1]
         height = sphere.r[1] - self.radius
         if sign(height) == 0:
             # It has just left the plane, and comes back with the speed that it left with.

@@ -43,7 +43,7 @@ class Flight:
         upwards = self.sphere.v[1]
 
         def above(t: arb) -> arb:
-            return self.height + t * (upwards - self.gravity * t / 2)
+            return arb(self.height + t * (upwards - self.gravity * t / 2))
 
         low = arb.max(arb(0), (upwards / self.gravity).mid())
         high = low + 1

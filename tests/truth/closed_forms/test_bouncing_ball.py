@@ -4,6 +4,7 @@ what has long been known, and how errors grow.
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 
@@ -103,7 +104,7 @@ def test_held_out_throws_agree_with_rational_arithmetic(seed):
     e = Fraction(given["restitution"])
     if e < 1:
         # The flights that are still to come, each e times as long as the one before.
-        longer = [now - before for before, now in zip(times, times[1:], strict=False)]
+        longer = [now - before for before, now in pairwise(times)]
         if longer:
             assert (
                 abs(scalars["accumulation_time"].mid - times[-1] - longer[-1] * e / (1 - e)) <= TINY

@@ -4,6 +4,7 @@ truth, what has long been known of them, and how errors grow.
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 
@@ -92,7 +93,7 @@ def test_held_out_lines_agree_with_rational_arithmetic(seed):
     assert abs(scalars["last_impact_time"].mid - impacts[-1][0]) <= tiny
     # Between all impacts, and after the last one.
     times = [Fraction(0), *(when for when, _ in impacts), impacts[-1][0] + 1]
-    for early, late in zip(times, times[1:], strict=False):
+    for early, late in pairwise(times):
         t = early + (late - early) * Fraction(2, 5)
         if late == early:
             continue
