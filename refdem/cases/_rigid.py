@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.parameters import Parameter, Parameters
+from refdem.core.refinement import HORIZON
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 
@@ -67,3 +68,57 @@ def clear_of(impact_time: float, samples: int) -> float:
     """
     before = samples // 2 + 1 / 3
     return impact_time * samples / before
+
+
+TRIED = 2000
+"""Durations among which `clear_of_all` looks for the best one."""
+FINEST = 6
+"""Halvings of the interval of which `clear_of_all` looks at the step grids."""
+
+
+def clear_of_all(impact_times: Array, samples: int, *, least: float, most: float) -> float:
+    """The duration [s] between `least` and `most` at which samples are clearest of the impacts, at
+    times (n,) [s].
+
+    A method that looks for contacts at the ends of its steps is late by up to a step, so that
+    samples shortly after an impact show the velocities of before: those shall come late in the
+    interval. No impact shall be at a sample, where velocities have no value, nor at the end of a
+    step, where such a method would be exact by chance.
+    """
+    durations = np.linspace(least, most, TRIED)
+    # The part of an interval by which each impact comes after a sample, (durations, n).
+    past = np.modf(impact_times * samples / durations[:, None])[0]
+    clearance = np.minimum(1.0 - past, 4.0 * past)
+    for halvings in range(1, FINEST + 1):
+        of_step = np.modf(past * 2.0**halvings)[0]
+        off_grid = np.minimum(of_step, 1.0 - of_step)
+        clearance = np.minimum(clearance, 4.0 * off_grid)
+    best = int(clearance.min(axis=1).argmax())
+    return float(durations[best])
+
+
+SHORTER = 0.875
+"""The factor by which `shortest_time` makes tau shorter until it is short enough."""
+
+
+def shortest_time(impact_times: Array, duration: float, samples: int, longest: float) -> float:
+    """The time tau [s], at most `longest`, with which no sample is scored that a late impact may
+    have spoiled; of impacts at times (n,) [s] before the end.
+
+    A method that looks for contacts at the ends of its steps h is late by up to h in each impact,
+    and by k h in the k-th of a chain: until then velocities are still those of before. A sample at
+    t is scored where (1 + t/tau) (h/tau) S <= 0.1, and S >= 1 + t/tau of free flight, so that
+
+        k h <= 0.1 k tau/(1 + t/tau)^2,
+
+    which is to be less than the time from every impact to the sample after it.
+    """
+    within = impact_times[impact_times < duration]
+    interval = duration / samples
+    past = np.modf(within / interval)[0]
+    until_sample = (1.0 - past) * interval
+    numbers = np.arange(1, len(within) + 1)
+    tau = longest
+    while np.any(HORIZON * numbers * tau > until_sample * (1.0 + within / tau) ** 2):
+        tau *= SHORTER
+    return tau

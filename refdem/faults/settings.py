@@ -370,6 +370,26 @@ REBOUND: Rows = (
     ("samples", "16"),
 )
 """A rigid sphere that slides along a wall while it meets it."""
+CRADLE: Rows = (
+    ("balls", "3"),
+    ("masses", listed(between(2, 3), between(0.5, 0.75), between(2, 3), *4 * [between(1, 1)])),
+    ("gaps", listed(*6 * [between(0.25, 0.375)])),
+    ("velocities", listed(between(1, 1.25), *6 * [between(0, 0)])),
+    ("restitution", between(0.75, 0.875)),
+    *lasting("5/4", "16"),
+)
+"""A light ball that goes back and forth between two heavy ones."""
+DROP: Rows = (
+    ("mass", between(0.75, 1.5)),
+    ("height", between(1, 2)),
+    ("velocity", listed(signed(2, 3), between(-1, 1))),
+    ("gravity", between(4, 8)),
+    ("restitution", between(0.625, 0.75)),
+    ("friction", between(4 / 64, 8 / 64, 64)),
+    ("bounces", "3"),
+    ("samples", "16"),
+)
+"""A ball that is thrown sideways and slides in its first bounces."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -469,6 +489,8 @@ SETTINGS: Mapping[str, Setting] = {
     "rub": Setting("hard-spheres", RUB, TOUCHING),
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
+    "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
+    "drop": Setting("bouncing-ball", DROP, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

@@ -34,6 +34,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
+from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.shapes import Polyhedron
 
 KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
@@ -214,21 +215,39 @@ def _refused(element: Element) -> str | None:
     return None
 
 
+NEAR = 2.0**-20
+"""Part of its radius by which a sphere must be above a plane to count as apart from it, in any
+precision.
+"""
+
+
 def _rigid_refused(scene: Scene) -> str | None:
     """None without a rigid law, or for impacts of spheres that turn alike about all axes, on which
-    nothing else acts.
+    nothing but gravity acts.
     """
     if "contact:rigid" not in scene.features:
         return None
-    if not all(isinstance(element, Contact | Plane) for element in scene.elements):
-        return "no rigid contact under forces"
+    if not all(isinstance(element, Contact | Plane | UniformGravity) for element in scene.elements):
+        return "no rigid contact under forces but gravity"
     moments = scene.bodies.inertia
     is_round = scene.bodies.radius > 0
     if not is_round.all() or np.any(moments != moments[:, :1]) or not moments.all():
         return "rigid contacts of spheres alone"
     if scene.bodies.fixed.any():
         return "no rigid contact with a fixed body"
+    if scene.all(UniformGravity) and _is_on_plane(scene):
+        return "no rigid contact under forces"
     return None
+
+
+def _is_on_plane(scene: Scene) -> bool:
+    """A sphere touches a plane at the start, or nearly so."""
+    bodies = scene.bodies
+    for plane in scene.all(Plane):
+        height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
+        if np.any(height <= bodies.radius * (1 + NEAR)):
+            return True
+    return False
 
 
 def _corners_refused(scene: Scene) -> str | None:

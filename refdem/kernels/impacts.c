@@ -19,6 +19,7 @@
 #include "impacts_kernel.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "quaternion.h"
@@ -34,6 +35,7 @@ static const double ROUNDINGS = 16.0 * 0x1p-53;
 typedef struct {
     int64_t bodies;
     double *position, *velocity, *omega, *attitude, *since, *next, *partner;
+    const double *gravity;
     double work;
 } motion;
 
@@ -63,6 +65,14 @@ static void place(const motion *m, int64_t i, double now, double *restrict out)
     const double elapsed = now - m->since[i];
     for (int c = 0; c < 3; c++)
         out[c] = fma(m->velocity[3 * i + c], elapsed, m->position[3 * i + c]);
+    add_scaled(out, 0.5 * elapsed * elapsed, m->gravity);
+}
+
+/* Velocity of a body at the time now. */
+static void pace(const motion *m, int64_t i, double now, double *restrict out)
+{
+    memcpy(out, m->velocity + 3 * i, 3 * sizeof *out);
+    add_scaled(out, now - m->since[i], m->gravity);
 }
 
 /* Attitude of a body at the time now: it has turned by omega times the time about a fixed axis. */
@@ -82,12 +92,13 @@ static void faced(const motion *m, int64_t i, double now, double *restrict out)
     quaternion_normalised(out);
 }
 
-/* Time from now until two spheres meet, or infinity. */
+/* Time from now until two spheres meet, or infinity; gravity moves both alike. */
 static double until_spheres(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                             double now)
 {
-    const double *vi = m->velocity + 3 * i;
-    const double *vj = m->velocity + 3 * j;
+    double vi[3], vj[3];
+    pace(m, i, now, vi);
+    pace(m, j, now, vj);
     const double reach = p->radius[i] + p->radius[j];
     double ri[3], rj[3], apart[3], relative[3], swept[3];
     place(m, i, now, ri);
@@ -113,21 +124,32 @@ static double until_spheres(const refdem_impacts *p, const motion *m, int64_t i,
     return fmax(0.0, gap / (sqrt(q) - b)) * (reach / speed);
 }
 
-/* Time from now until a sphere meets a plane, or infinity. */
+/* Time from now until a sphere meets a plane, or infinity: h - c t - a t^2/2 = 0 with the height h,
+ * the closing speed c and the pull a towards the plane. The first root is 2 h/(c + sqrt(q)) with
+ * q = c^2 + 2 a h, and (sqrt(q) - c)/a if the sphere moves away and is pulled back. */
 static double until_plane(const refdem_impacts *p, const motion *m, int64_t i, int64_t k,
                           double now)
 {
     const double *point = p->plane + 6 * k;
     const double *normal = point + 3;
-    const double *v = m->velocity + 3 * i;
-    double r[3], from[3];
+    double v[3], r[3], from[3];
     place(m, i, now, r);
+    pace(m, i, now, v);
     for (int c = 0; c < 3; c++)
         from[c] = r[c] - point[c];
     const double closing = -dot(v, normal);
-    if (!(closing > ROUNDINGS * size(v)))
-        return INFINITY;
-    return fmax(0.0, (dot(from, normal) - p->radius[i]) / closing);
+    const double height = dot(from, normal) - p->radius[i];
+    const double pull = -dot(m->gravity, normal);
+    const bool comes_near = closing > ROUNDINGS * size(v);
+    if (pull == 0.0)
+        return comes_near ? fmax(0.0, height / closing) : INFINITY;
+    const double above = fmax(0.0, height);
+    const double q = closing * closing + 2.0 * pull * above;
+    if (comes_near && q >= 0.0)
+        return 2.0 * above / (closing + sqrt(q));
+    if (!comes_near && pull > 0.0)
+        return (sqrt(q) - closing) / pull;
+    return INFINITY;
 }
 
 /* Takes an event of body i if it is its earliest. */
@@ -160,10 +182,12 @@ static void looked(const refdem_impacts *p, motion *m, int64_t i, double now)
 /* Brings a body to the time now. */
 static void advanced(motion *m, int64_t i, double now)
 {
-    double r[3], q[4];
+    double r[3], v[3], q[4];
     place(m, i, now, r);
+    pace(m, i, now, v);
     faced(m, i, now, q);
     memcpy(m->position + 3 * i, r, sizeof r);
+    memcpy(m->velocity + 3 * i, v, sizeof v);
     memcpy(m->attitude + 4 * i, q, sizeof q);
     m->since[i] = now;
 }
@@ -287,6 +311,7 @@ int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const doubl
 {
     assert(samples >= 1 && p->bodies >= 1 && room && work);
     motion m = laid_out(room, p->bodies);
+    m.gravity = p->gravity;
     const int64_t n = p->bodies;
     int64_t events = 0;
     begun(p, &m, t[0], position, velocity, omega, attitude);
@@ -305,9 +330,9 @@ int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const doubl
         }
         for (int64_t i = 0; i < n; i++) {
             place(&m, i, t[row], position + 3 * (n * row + i));
+            pace(&m, i, t[row], velocity + 3 * (n * row + i));
             faced(&m, i, t[row], attitude + 4 * (n * row + i));
         }
-        memcpy(velocity + 3 * n * row, m.velocity, 3 * (size_t)n * sizeof *velocity);
         memcpy(omega + 3 * n * row, m.omega, 3 * (size_t)n * sizeof *omega);
         work[row] = m.work;
     }

@@ -8,11 +8,13 @@
 
 /* Rigid spheres and planes: of each body mass [kg] (infinite: it is fixed), moment of inertia [kg
  * m^2] about every axis (infinite: it cannot be spun up) and radius [m], each (bodies); plane
- * (planes, 6): point [m] and unit normal; the law's coefficients. */
+ * (planes, 6): point [m] and unit normal; the law's coefficients; uniform gravity [m/s^2], with
+ * which no body is fixed. */
 typedef struct {
     int64_t bodies, planes;
     const double *mass, *inertia, *radius, *plane;
     double restitution, tangential_restitution, friction;
+    double gravity[3];
 } refdem_impacts;
 
 /* Doubles of room that a run needs. */

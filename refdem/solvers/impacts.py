@@ -10,6 +10,7 @@ from refdem.errors import EngineError
 from refdem.scene import Bodies, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples
 from refdem.solvers._scene_pattern import ANY, ONE, SOME, ScenePattern
 
@@ -24,7 +25,9 @@ ROUNDED = 8 * 2.0**-53
 
 
 class Impacts(KernelSolver):
-    """Straight lines and impulses; nothing is approximated, whatever the number of spheres."""
+    """Straight lines, or parabolas, and impulses; nothing is approximated, whatever the number of
+    spheres.
+    """
 
     claims = Method(
         name="impacts",
@@ -37,7 +40,7 @@ class Impacts(KernelSolver):
     kernels = (FAMILY,)
 
     pattern = ScenePattern(
-        elements={Contact: ONE, Plane: ANY},
+        elements={Contact: ONE, Plane: ANY, UniformGravity: ANY},
         bodies=SOME,
         shape=Sphere,
         law="rigid",
@@ -55,6 +58,8 @@ class Impacts(KernelSolver):
         if still.any():
             return f"body {int(np.flatnonzero(still)[0])} is fixed, and moves or turns"
         law = scene.all(Contact)[0]
+        if bodies.fixed.any() and scene.all(UniformGravity):
+            return "a fixed body, which others fall towards: no quadratic has the times"
         points = (bodies.inertia[:, 0] == 0) & ~bodies.fixed
         if law.friction > 0 and points.any():
             return "friction on a body without moments of inertia"
@@ -67,6 +72,7 @@ class Impacts(KernelSolver):
         bodies = scene.bodies
         law = scene.all(Contact)[0]
         planes = [[*plane.point, *plane.normal] for plane in scene.all(Plane)]
+        gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
         held = bodies.fixed | (bodies.inertia[:, 0] == 0)
         struct = Struct(
             FAMILY,
@@ -81,6 +87,7 @@ class Impacts(KernelSolver):
                 "restitution": law.restitution,
                 "tangential_restitution": law.slip_restitution,
                 "friction": law.friction,
+                "gravity": gravity.tolist(),
             },
         )
         count = len(problem.times)

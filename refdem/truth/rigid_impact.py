@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from refdem.truth.surds import Surd
+from refdem.truth.surds import Number, sign
 
 Vector = Sequence[Any]
 
@@ -55,21 +55,30 @@ class Motion:
         """All nine numbers in their order."""
         return [*self.r, *self.v, *self.omega]
 
-    def after(self, t: Any) -> "Motion":
-        """The motion after a free flight of t [s]."""
+    def after(self, t: Any, gravity: Vector | None = None) -> "Motion":
+        """The motion after a flight of t [s]: free, or under uniform gravity (3,) [m/s^2]."""
         place = [r + v * t for r, v in zip(self.r, self.v, strict=True)]
-        return Motion(place, self.v, self.omega)
+        if gravity is None:
+            return Motion(place, self.v, self.omega)
+        # r + v t + g t^2/2, and v + g t.
+        gained = [t * g for g in gravity]
+        fallen = [t * speed / 2 for speed in gained]
+        place = [r + depth for r, depth in zip(place, fallen, strict=True)]
+        velocity = [v + speed for v, speed in zip(self.v, gained, strict=True)]
+        return Motion(place, velocity, self.omega)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Impact:
     """What the impulses depend on, in numbers of one kind.
 
-    `normal_factor` is (1 + e) m_n, `stopping` is (1 + b) m_t [kg]. `is_smooth`:
-    there is no friction at all. Of each body: `inverse_masses` [1/kg], `radii` [m], and
-    `spin_factors` R/J [1/(kg m)].
+    The two restitutions of the law stay exact. `normal_factor` is (1 + e) m_n, `stopping` is (1 +
+    b) m_t [kg]. `is_smooth`: there is no friction at all. Of each body: `inverse_masses` [1/kg],
+    `radii` [m], and `spin_factors` R/J [1/(kg m)].
     """
 
+    restitution: Fraction
+    tangential_restitution: Fraction
     normal_factor: Any
     stopping: Any
     friction: Any
@@ -81,6 +90,8 @@ class Impact:
     def in_numbers(self, kind: Callable[[Any], Any]) -> "Impact":
         """The same in numbers of another kind, each made by `kind`."""
         return Impact(
+            restitution=self.restitution,
+            tangential_restitution=self.tangential_restitution,
             normal_factor=kind(self.normal_factor),
             stopping=kind(self.stopping),
             friction=kind(self.friction),
@@ -106,7 +117,7 @@ class Impact:
         slip = [g - closing * n for g, n in zip(contact, normal, strict=True)]
         return closing, slip
 
-    def excess(self, closing: Surd, slip: Sequence[Surd]) -> int:
+    def excess(self, closing: Number, slip: Sequence[Number]) -> int:
         """The sign of k |s| - mu p, exactly: 1 where friction is cut, 0 where it is just enough, -1
         below that, and where there is no friction to cut.
 
@@ -116,8 +127,7 @@ class Impact:
             return -1
         needed = dot(slip, slip) * self.stopping**2
         limit = closing * (self.friction * self.normal_factor)
-        difference: Surd = needed - limit * limit
-        return difference.sign()
+        return sign(needed - limit * limit)
 
     def normal_impulse(self, closing: Any) -> Any:
         """p = (1 + e) m_n g.n [N s]."""
@@ -131,7 +141,7 @@ class Impact:
             return self.stopping * 0
         if not is_cut:
             return self.stopping
-        return self.normal_impulse(closing) * self.friction / dot(slip, slip).sqrt()
+        return self.normal_impulse(closing) * self.friction / length(slip)
 
     def parted(self, normal: Vector, states: Sequence[Motion], *, is_cut: bool) -> list[Motion]:
         """The states right after the impulse P = -p n - k s.
@@ -163,6 +173,8 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
     normal_mass = 1 / sum(inverse_masses, Fraction(0))
     tangential_mass = 1 / sum([*inverse_masses, *turning], Fraction(0))
     return Impact(
+        restitution=law.restitution,
+        tangential_restitution=law.tangential_restitution,
         normal_factor=(1 + law.restitution) * normal_mass,
         stopping=(1 + law.tangential_restitution) * tangential_mass,
         friction=law.friction,
@@ -171,6 +183,16 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
         spin_factors=[1 / (body.inertia_factor * body.mass * body.radius) for body in bodies],
         is_smooth=law.friction == 0,
     )
+
+
+def length(a: Vector) -> Any:
+    """The length of a vector (3,) in balls; an exact vector must lie along one of the axes."""
+    if not isinstance(a[0], Number):
+        return dot(a, a).sqrt()
+    parts = [x * sign(x) for x in a if sign(x) != 0]
+    if len(parts) != 1:
+        raise TypeError("an exact length asks for a vector along one of the axes")
+    return parts[0]
 
 
 def dot(a: Vector, b: Vector) -> Any:

@@ -18,7 +18,7 @@ Rational = Fraction | int
 
 @dataclass(frozen=True)
 class Surd(Enclosed):
-    """rational + factor sqrt(square), square >= 0; + - * with rationals and surds of one square.
+    """rational + factor sqrt(square), square >= 0; + - * / with rationals and surds of one square.
 
     Comparison with 0 (`sign`) is exact: no precision is involved.
     """
@@ -66,8 +66,27 @@ class Surd(Enclosed):
     def __rsub__(self, other: Rational) -> "Surd":
         return -self + other
 
+    def __truediv__(self, other: Union["Surd", Rational]) -> "Surd":
+        if not isinstance(other, Surd):
+            return self * (1 / Fraction(other))
+        # 1/(c + d s) = (c - d s)/(c^2 - d^2 q).
+        conjugate = Surd(other.rational, -other.factor, other.square)
+        norm = other.rational**2 - other.factor**2 * other.square
+        return self * conjugate * (1 / norm)
+
     __radd__ = __add__
     __rmul__ = __mul__
+
+
+Number = Fraction | Surd
+"""An exact number: a rational, or one of a field with one square root."""
+
+
+def sign(value: Number) -> int:
+    """The sign -1, 0 or 1 of an exact number."""
+    if isinstance(value, Surd):
+        return value.sign()
+    return _sign(value)
 
 
 def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:

@@ -9,6 +9,7 @@ from refdem.faults import impacts
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
+    forgetting,
     of_arguments,
     of_bodies,
     of_elements,
@@ -69,6 +70,71 @@ def _second_does_not_turn(p: Parts) -> dict[str, Any]:
         return vec.ZERO
 
     return {"torque_on": torque_on}
+
+
+def _elastic_after_the_first(p: Parts) -> dict[str, Any]:
+    """The restitution counts in the first impact of a run; all later ones lose nothing."""
+    calls = [0]
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        calls[0] += 1
+        if calls[0] == 1:
+            return impacts.normal_impulse(law, ease, closing)
+        return 2.0 * closing / ease
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return forgetting(p, lambda: calls.__setitem__(0, 0), **faulty)
+
+
+def _pairs_met_once(p: Parts) -> dict[str, Any]:
+    """A pair that has met is not looked at again; masses that differ tell pairs apart."""
+    met: set[float] = set()
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        if ease in met:
+            return 0.0
+        met.add(ease)
+        return impacts.normal_impulse(law, ease, closing)
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return forgetting(p, met.clear, **faulty)
+
+
+def _velocity_before_the_kick(p: Parts) -> dict[str, Any]:
+    """The closing speed of a fall lacks what gravity gave in the last kick of the step."""
+    gained = [0.0]
+
+    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+        # An impulse is a kick of unit length.
+        if h != 1.0:
+            gained[0] = vec.size(force) * abs(h) / mass
+        return p.kicked(v, force, mass, h)
+
+    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
+        # Not less than half: a step as long as the flight would pull it back.
+        seen = max(closing - gained[0], closing / 2)
+        return impacts.normal_impulse(law, ease, seen)
+
+    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
+    return {**faulty, "kicked": kicked}
+
+
+def _friction_from_weight(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+    """Friction is cut at a thousandth of what the impulse allows, as if the weight pressed."""
+    return impacts.tangential_impulse(law, ease, slip, pressing / 1000)
+
+
+def _resting_below(law: Any, ease: Any, closing: Any) -> Any:
+    """A ball that comes with less than 4 m/s stays."""
+    e = law.restitution
+    if closing < 4:
+        e = 0.0
+    return (1 + e) * closing / ease
+
+
+def _at_the_end_of_the_step(p: Parts) -> dict[str, Any]:
+    """Pairs that meet within a step are struck at its end, in the order of their list."""
+    return {"located": lambda margin, first, last, resolution: 1.0}
 
 
 FAULTS = (
@@ -228,5 +294,49 @@ FAULTS = (
         on=("grip", "rub"),
         sees=("error", "omega1.x"),
         before=of_bodies(inertia=scaled(1.01)),
+    ),
+    impact(
+        name="impacts-elastic-after-the-first",
+        sentence="The restitution counts in the first impact alone.",
+        on=("cradle",),
+        sees=("error", "v3.x"),
+        inside=_elastic_after_the_first,
+    ),
+    impact(
+        name="impacts-of-a-pair-once",
+        sentence="A pair that has met is never looked at again.",
+        on=("cradle",),
+        sees=("error", "v1.x"),
+        inside=_pairs_met_once,
+    ),
+    impact(
+        name="impacts-at-the-ends-of-steps",
+        sentence="Pairs that meet within a step are struck at its end, in the order of their list.",
+        on=("cradle",),
+        sees=("error", "r2.x"),
+        levels=8,
+        inside=_at_the_end_of_the_step,
+    ),
+    impact(
+        name="bounce-before-the-kick",
+        sentence="The closing speed lacks what gravity gave in the last kick of the step.",
+        on=("drop",),
+        sees=("error", "y"),
+        levels=6,
+        inside=_velocity_before_the_kick,
+    ),
+    impact(
+        name="bounce-friction-from-weight",
+        sentence="Friction in a bounce is cut by the weight, not by the impulse.",
+        on=("drop",),
+        sees=("error", "vx"),
+        inside=_of_impact(tangential_impulse=_friction_from_weight),
+    ),
+    impact(
+        name="bounce-below-a-threshold",
+        sentence="A ball that comes with less than 4 m/s stays, and creeps.",
+        on=("drop",),
+        sees=("error", "vy"),
+        inside=_of_impact(normal_impulse=_resting_below),
     ),
 )

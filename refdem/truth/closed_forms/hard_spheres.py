@@ -25,7 +25,7 @@ class SpheresMeet:
 
     reach: Fraction
 
-    def time(self, states: Sequence[Motion]) -> Surd:
+    def time(self, states: Sequence[Motion]) -> Surd | None:
         """When they meet [s]; UndecidedError if they pass each other, graze, or start in touch."""
         first, second = states
         apart = difference(second.r, first.r)

@@ -28,7 +28,7 @@ class MeetsWall:
     normal_vector: Sequence[Fraction]
     radius: Fraction
 
-    def time(self, states: Sequence[Motion]) -> Surd:
+    def time(self, states: Sequence[Motion]) -> Surd | None:
         """When it touches the wall [s]; UndecidedError if it does not come nearer."""
         (sphere,) = states
         approach = dot(sphere.v, self.normal_vector)

@@ -1,0 +1,187 @@
+"""Certified motion of a rigid sphere that falls and bounces on a plane: impact_sequence.py under
+uniform gravity.
+
+With the height h of the lowest point over the plane, the velocity u upwards and gravity g, the
+first impact comes at t_1 = (u + v_1)/g with v_1 = sqrt(u^2 + 2 g h). Every flight after it lasts 2
+v/g with the speed v that the impact before it left:
+
+    v_n = e^(n-1) v_1 before impact n,   t_n = t_1 + (2 v_1/g) (e + e^2 + ... + e^(n-1)).
+
+All lie in the field of v_1, so that all decisions are exact. With e < 1 the impacts accumulate at
+
+    T = t_1 + (2 v_1/g) e/(1 - e).
+
+The sphere moves in the plane x-y and turns about z, so that the slip lies along x, and friction is
+exact too. S grows without bound towards T: 1/v_n enters the derivative of the time of impact n.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_forms.hard_spheres import law_of
+from refdem.truth.exact import number, vector
+from refdem.truth.impact_sequence import Encounter, ImpactList, ImpactSequence
+from refdem.truth.refiner import Size
+from refdem.truth.rigid_impact import Motion, RoundBody, impact_of
+from refdem.truth.surds import Number, sign, surd
+
+METHOD = (
+    "times of all bounces in exact arithmetic of one square root, impulses in closed form, friction"
+    " decided there"
+)
+WITNESS = (
+    "each flight to the next zero of the height by bisection, impulses from the balance equations"
+    " by elimination (refdem/truth/witnesses/bounces.py)"
+)
+MOST_BOUNCES = 300
+"""Bounces that are followed."""
+PLANE_MOTION = (0, 1, 3, 4, 8)
+"""Of r, v and omega: the numbers that a motion in the plane x-y changes."""
+
+
+@dataclass(frozen=True)
+class MeetsFloor:
+    """A sphere of `radius` [m] falls under `gravity` [m/s^2] along -y on the plane y = 0."""
+
+    radius: Fraction
+    gravity: Fraction
+
+    def time(self, states: Sequence[Motion]) -> Number:
+        """When it touches the plane next [s]."""
+        (sphere,) = states
+        upwards: Number = sphere.v[1]
+        height = sphere.r[1] - self.radius
+        if sign(height) == 0:
+            # It has just left the plane, and comes back with the speed that it left with.
+            return upwards * (2 / self.gravity)
+        assert isinstance(upwards, Fraction)
+        assert isinstance(height, Fraction)
+        # h + u t - g t^2/2 = 0.
+        squared_speed = upwards**2 + 2 * self.gravity * height
+        return surd(upwards / self.gravity, 1 / self.gravity, squared_speed)
+
+    def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
+        """The unit vector (3,) into the plane, in numbers of the kind of the places."""
+        zero = places[0][1] * 0
+        return [zero, zero - 1, zero]
+
+
+class Bounces(ImpactSequence):
+    """A sphere that bounces; the state and the quantities are x, y, their rates, and omega_z.
+
+    `last` [s] is the end of the run, up to which bounces are counted.
+    """
+
+    method = METHOD
+    witness = WITNESS
+
+    def __init__(
+        self,
+        scale: Mapping[str, Size],
+        impacts: ImpactList,
+        floor: MeetsFloor,
+        restitution: Fraction,
+        last: Fraction,
+    ) -> None:
+        super().__init__(scale, impacts, PLANE_MOTION)
+        self.floor = floor
+        self.restitution = restitution
+        self.last = last
+
+    def constants(self) -> dict[str, arb]:
+        """The number of bounces up to the end of the run, the time of the first one and, with e <
+        1, the time at which they accumulate [s], and the energy lost up to the end of the run [J].
+        """
+        count = 0
+        lost = arb(0)
+        while (moment := self.impacts.number(count)) is not None:
+            if sign(moment.time - self.last) > 0:
+                break
+            lost += self.energy_lost(count)
+            count += 1
+        found = {"bounces": arb(count), "energy_lost": lost}
+        found["first_bounce"] = arb_of(self.moment_number(0).time)
+        if self.restitution < 1:
+            found["accumulation_time"] = arb_of(
+                accumulation_time(self.impacts, self.floor, self.restitution)
+            )
+        return found
+
+    def refuse_unlisted(self, t: arb) -> None:
+        """Raises UndecidedError where the bounce after the last one of the list is not after t."""
+        moment = self.impacts.moments[-1]
+        following = moment.time + self.floor.time(moment.after())
+        if not t < arb_of(following):
+            raise UndecidedError(
+                f"only the first {self.impacts.most} bounces are followed, which end at"
+                f" {arb_of(following).str(12)} s",
+                code="time",
+                final=True,
+            )
+
+
+def accumulation_time(impacts: ImpactList, floor: MeetsFloor, restitution: Fraction) -> Number:
+    """T = t_1 + 2 e v_1/((1 - e) g) [s], exactly, for e < 1."""
+    first = impacts.number(0)
+    assert first is not None
+    falling: Number = -first.states[0].v[1]
+    return first.time + falling * (2 * restitution / ((1 - restitution) * floor.gravity))
+
+
+def floor_of(p: Mapping[str, Any]) -> MeetsFloor:
+    """The plane and the gravity of the parameters."""
+    return MeetsFloor(number(p, "radius"), number(p, "gravity"))
+
+
+def impact_list(p: Mapping[str, Any], most: int) -> ImpactList:
+    """The bounces of the parameters, up to `most`."""
+    body = RoundBody(
+        mass=number(p, "mass"),
+        inertia_factor=number(p, "inertia_factor"),
+        radius=number(p, "radius"),
+    )
+    encounter = Encounter((0,), impact_of([body], law_of(p)), floor_of(p))
+    nothing = Fraction(0)
+    start = [
+        *(nothing, number(p, "height") + body.radius, nothing),
+        *(*vector(p, "velocity"), nothing),
+        *(nothing, nothing, number(p, "spin")),
+    ]
+    gravity = [nothing, -number(p, "gravity"), nothing]
+    return ImpactList([encounter], start, gravity, most)
+
+
+def times_of_bounces(p: Mapping[str, Any], most: int) -> list[Number]:
+    """The times [s] of the first bounces, up to `most`, exactly."""
+    return [moment.time for moment in impact_list(p, most).all()]
+
+
+def is_before_accumulation(p: Mapping[str, Any], t: Fraction) -> bool:
+    """True if bounces accumulate after t [s], or never."""
+    restitution = number(p, "restitution")
+    if restitution == 1:
+        return True
+    end = accumulation_time(impact_list(p, 1), floor_of(p), restitution)
+    return sign(end - t) > 0
+
+
+def truth(p: Parameters, scale: Mapping[str, Size], last: Fraction) -> Truth:
+    """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order, `last` the end of
+    the run [s].
+    """
+    impacts = impact_list(p, MOST_BOUNCES)
+    count = 1
+    while (moment := impacts.number(count - 1)) is not None:
+        if sign(moment.time - last) > 0:
+            break
+        count += 1
+    # One bounce after the end of the run is the last one that S and samples may ask for.
+    impacts = impact_list(p, min(count, MOST_BOUNCES))
+    return Bounces(scale, impacts, floor_of(p), number(p, "restitution"), last)

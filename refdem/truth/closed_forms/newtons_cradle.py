@@ -1,0 +1,190 @@
+"""Certified motion of balls in a line that meet two at a time: impact_sequence.py on one line.
+
+Between impacts every ball moves uniformly, so that two neighbours with the gap d and the closing
+speed c = v1 - v2 > 0 meet after d/c. From rational numbers all times and velocities stay rational:
+the list of impacts is exact.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.exact import number, vector
+from refdem.truth.impact_sequence import (
+    OF_BODY,
+    Encounter,
+    ImpactList,
+    ImpactSequence,
+    motions,
+)
+from refdem.truth.refiner import Size
+from refdem.truth.rigid_impact import ImpactLaw, Motion, RoundBody, impact_of
+
+METHOD = "times and velocities of all impacts in rational arithmetic, in their order"
+WITNESS = (
+    "speeds from the balance equations of each pair by elimination, the next impact of all pairs"
+    " found anew in balls (refdem/truth/witnesses/lines_of_impacts.py)"
+)
+MOST_IMPACTS = 400
+"""Moments of impact that are followed: balls that lose much meet without end in finite time
+(McNamara and Young 1992).
+"""
+SOLID = Fraction(2, 5)
+"""J/(m R^2) of the balls, which never turn."""
+
+
+@dataclass(frozen=True)
+class MeetInLine:
+    """Two neighbours on the x axis meet where their centres are `reach` = R1 + R2 [m] apart."""
+
+    reach: Fraction
+
+    def time(self, states: Sequence[Motion]) -> Fraction | None:
+        """When they meet [s]; None if they do not come nearer."""
+        first, second = states
+        closing: Fraction = first.v[0] - second.v[0]
+        if closing <= 0:
+            return None
+        gap: Fraction = second.r[0] - first.r[0] - self.reach
+        return gap / closing
+
+    def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
+        """The unit vector (3,) from centre to centre, which errors along the line do not turn."""
+        zero = places[0][0] * 0
+        return [zero + 1, zero, zero]
+
+
+class Cradle(ImpactSequence):
+    """Balls in a line; the state and the quantities are the place and the velocity of each."""
+
+    method = METHOD
+    witness = WITNESS
+
+    def constants(self) -> dict[str, arb]:
+        """The number of impacts, the time of the last one [s], and the energy lost in all [J]."""
+        moments = self.impacts.all()
+        if len(moments) == self.impacts.most:
+            raise endless()
+        lost = arb(0)
+        for k in range(len(moments)):
+            lost += self.energy_lost(k)
+        return {
+            "impacts": arb(sum(len(moment.encounters) for moment in moments)),
+            "last_impact_time": arb_of(moments[-1].time),
+            "energy_lost": lost,
+        }
+
+    def refuse_unlisted(self, t: arb) -> None:
+        """Raises UndecidedError: the list was cut off."""
+        raise endless()
+
+
+def start_of(p: Mapping[str, Any]) -> list[Fraction]:
+    """r, v, omega of all balls at the start, exactly.
+
+    They lie on the x axis in order, gap g_k between the surfaces of balls k and k + 1; the first
+    centre is at the origin.
+    """
+    count = int(number(p, "balls"))
+    radii = vector(p, "radii")
+    gaps = vector(p, "gaps")
+    velocities = vector(p, "velocities")
+    nothing = [Fraction(0)] * 2
+    spin = [Fraction(0)] * 3
+    place = Fraction(0)
+    start: list[Fraction] = []
+    for k in range(count):
+        if k > 0:
+            place += radii[k - 1] + gaps[k - 1] + radii[k]
+        start += [place, *nothing, velocities[k], *nothing, *spin]
+    return start
+
+
+def impact_list(p: Mapping[str, Any]) -> ImpactList:
+    """The impacts of neighbours, in their order."""
+    count = int(number(p, "balls"))
+    columns = zip(vector(p, "masses"), vector(p, "radii"), strict=True)
+    bodies = [RoundBody(mass=m, inertia_factor=SOLID, radius=r) for m, r in columns]
+    law = ImpactLaw(
+        restitution=number(p, "restitution"),
+        tangential_restitution=Fraction(0),
+        friction=Fraction(0),
+    )
+    encounters = []
+    for k in range(count - 1):
+        pair = bodies[k : k + 2]
+        reach = pair[0].radius + pair[1].radius
+        encounters.append(Encounter((k, k + 1), impact_of(pair, law), MeetInLine(reach)))
+    return ImpactList(encounters, start_of(p), gravity=None, most=MOST_IMPACTS)
+
+
+SHAPING = ("balls", "masses", "radii", "gaps", "velocities", "restitution")
+"""The parameters that the impacts depend on."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a case must know of the impacts before it is run: their times [s], in order, the largest
+    speed of a ball [m/s], and the shortest time [s] between two impacts of one ball (None: no ball
+    has two).
+    """
+
+    times: tuple[Fraction, ...]
+    fastest: Fraction
+    shortest_wait: Fraction | None
+
+
+def course_of(p: Mapping[str, Any]) -> Course:
+    """The course of the impacts; UndecidedError where their order is not decided or they do not
+    end.
+    """
+    return _course(tuple(p[name] for name in SHAPING))
+
+
+@lru_cache(maxsize=64)
+def _course(values: tuple[Any, ...]) -> Course:
+    """The course by the values of the parameters that it depends on."""
+    impacts = impact_list(dict(zip(SHAPING, values, strict=True)))
+    moments = impacts.all()
+    if len(moments) == MOST_IMPACTS:
+        raise endless()
+    times = []
+    waits = []
+    speeds = [abs(state.v[0]) for state in motions(impacts.start)]
+    last_impact: dict[int, Fraction] = {}
+    for moment in moments:
+        assert isinstance(moment.time, Fraction)
+        times.append(moment.time)
+        speeds += [abs(state.v[0]) for state in moment.after()]
+        for body in [body for encounter in moment.encounters for body in encounter.bodies]:
+            if body in last_impact:
+                waits.append(moment.time - last_impact[body])
+            last_impact[body] = moment.time
+    return Course(tuple(times), max(speeds), min(waits, default=None))
+
+
+def endless() -> UndecidedError:
+    """The error of balls that meet too often."""
+    return UndecidedError(
+        f"the balls meet at more than {MOST_IMPACTS} times: they lose so much that they may meet"
+        " without end in finite time",
+        code="time",
+        final=True,
+    )
+
+
+def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
+    """The truth of case newtons-cradle; `scale` of the place and the velocity of each, in order."""
+    impacts = impact_list(p)
+    count = len(impacts.start) // OF_BODY
+    coordinates = []
+    for body in range(count):
+        coordinates += [OF_BODY * body, OF_BODY * body + 3]
+    return Cradle(scale, impacts, coordinates)

@@ -1,0 +1,118 @@
+"""Witness of a sphere that bounces on a plane under gravity: every flight to the next zero of the
+height by bisection, every impact from a linear system (rigid_impacts.py).
+
+Nothing of the truth is used: neither the law of the times nor that of the speeds.
+"""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.rigid_impacts import HALVINGS, LAW, Sphere, struck
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+METHOD = (
+    "each flight to the next zero of the height by bisection, impulses from the balance equations"
+    " by elimination, unproven (refdem/truth/witnesses/bounces.py)"
+)
+
+
+class Flight:
+    """A sphere in flight since `now` [s] under gravity along -y."""
+
+    def __init__(self, p: Mapping[str, Exact]) -> None:
+        mass = arb_of(number(p, "mass"))
+        radius = arb_of(number(p, "radius"))
+        moment = arb_of(number(p, "inertia_factor")) * mass * radius * radius
+        vx, vy = (arb_of(x) for x in vector(p, "velocity"))
+        place = [arb(0), arb_of(number(p, "height")) + radius, arb(0)]
+        spin = [arb(0), arb(0), arb_of(number(p, "spin"))]
+        self.sphere = Sphere(mass, moment, radius, place, [vx, vy, arb(0)], spin)
+        self.law = {name: arb_of(number(p, name)) for name in LAW}
+        self.gravity = arb_of(number(p, "gravity"))
+        self.now = arb(0)
+        self.height = arb_of(number(p, "height"))
+        self.bounces = 0
+
+    def next_bounce(self) -> arb:
+        """The time of the next zero of the height, by bisection after its highest point."""
+        upwards = self.sphere.v[1]
+
+        def above(t: arb) -> arb:
+            return arb(self.height + t * (upwards - self.gravity * t / 2))
+
+        low = arb.max(arb(0), (upwards / self.gravity).mid())
+        high = low + 1
+        while above(high) > 0:
+            high = 2 * high
+        for _ in range(HALVINGS):
+            middle = ((low + high) / 2).mid()
+            if above(middle) > 0:
+                low = middle
+            else:
+                high = middle
+        return self.now + high
+
+    def moved(self, t: arb) -> tuple[list[arb], list[arb]]:
+        """Place and velocity at a time before the next bounce."""
+        since = t - self.now
+        place = [r + v * since for r, v in zip(self.sphere.r, self.sphere.v, strict=True)]
+        place[1] -= self.gravity * since * since / 2
+        velocity = list(self.sphere.v)
+        velocity[1] -= self.gravity * since
+        return place, velocity
+
+    def strike(self, when: arb) -> None:
+        """Moves to the bounce, and solves it."""
+        self.sphere.r, self.sphere.v = self.moved(when)
+        self.now = when
+        # The impact is where the sphere touches.
+        self.height = arb(0)
+        self.sphere.r[1] = self.sphere.radius
+        into = [arb(0), arb(-1), arb(0)]
+        velocities, _ = struck([self.sphere], into, self.law)
+        self.sphere.v = velocities[:3]
+        self.sphere.omega = velocities[3:6]
+        self.bounces += 1
+
+
+def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """The states at the times, and the time of the first bounce."""
+    flight = Flight(p)
+    coming = flight.next_bounce()
+    first = coming
+    e = flight.law["restitution"]
+    for t in times:
+        until = arb_of(t)
+        while coming < until:
+            flight.strike(coming)
+            coming = flight.next_bounce()
+        place, velocity = flight.moved(until)
+        yield (
+            t,
+            {
+                "x": place[0],
+                "y": place[1],
+                "vx": velocity[0],
+                "vy": velocity[1],
+                "omega": flight.sphere.omega[2],
+            },
+        )
+    scalars = {"first_bounce": first}
+    if e < 1:
+        # What is left after this flight is a geometric series of flights, each e times as long.
+        ended = flight.now
+        length = coming - ended
+        if flight.bounces == 0:
+            flight.strike(coming)
+            ended = coming
+            length = flight.next_bounce() - ended
+        scalars["accumulation_time"] = ended + length / (1 - e)
+    yield None, scalars
+
+
+WITNESSES = {"bouncing-ball": Witness(METHOD, bouncing_ball)}

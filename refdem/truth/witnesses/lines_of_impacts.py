@@ -1,0 +1,105 @@
+"""Witness of balls in a line: after each impact all pairs are asked anew, in balls; the speeds come
+from the balances of the pair by elimination.
+
+Nothing of the truth is used: no list is kept, no rational arithmetic is done after the start.
+"""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from flint import arb, arb_mat
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+METHOD = (
+    "the next impact of all pairs in balls, speeds from the balances of the pair by elimination,"
+    " unproven (refdem/truth/witnesses/lines_of_impacts.py)"
+)
+
+
+class Line:
+    """Balls on a line at the time `now` [s]: masses, radii, places and velocities, as balls."""
+
+    def __init__(self, p: Mapping[str, Exact]) -> None:
+        count = int(number(p, "balls"))
+        self.masses = [arb_of(x) for x in vector(p, "masses")[:count]]
+        self.radii = [arb_of(x) for x in vector(p, "radii")[:count]]
+        self.v = [arb_of(x) for x in vector(p, "velocities")[:count]]
+        self.restitution = arb_of(number(p, "restitution"))
+        self.now = arb(0)
+        self.impacts = 0
+        # Each surface begins where the one before it ends, and a gap.
+        self.x = [arb(0)]
+        edge = self.radii[0]
+        for k, gap in enumerate(vector(p, "gaps")[: count - 1], start=1):
+            self.x.append(edge + arb_of(gap) + self.radii[k])
+            edge = self.x[k] + self.radii[k]
+
+    def places(self, t: arb) -> list[arb]:
+        """The centres at a time not before the next impact's."""
+        return [x + v * (t - self.now) for x, v in zip(self.x, self.v, strict=True)]
+
+    def next_impact(self) -> tuple[arb, int] | None:
+        """The time and the left ball of the next impact, by all pairs that come nearer."""
+        first = None
+        for k in range(len(self.x) - 1):
+            closing = self.v[k] - self.v[k + 1]
+            if not closing > 0:
+                continue
+            gap = self.x[k + 1] - self.radii[k + 1] - self.x[k] - self.radii[k]
+            when = self.now + gap / closing
+            if first is None or float(when.mid()) < float(first[0].mid()):
+                first = when, k
+        return first
+
+    def strike(self, when: arb, k: int) -> None:
+        """Moves all to the impact of balls k and k + 1, and solves it: m1 u1 + m2 u2 = m1 v1 + m2
+        v2, u2 - u1 = e (v1 - v2).
+        """
+        self.x = self.places(when)
+        self.now = when
+        self.impacts += 1
+        momentum = self.masses[k] * self.v[k] + self.masses[k + 1] * self.v[k + 1]
+        parting = self.restitution * (self.v[k] - self.v[k + 1])
+        rows = arb_mat([[self.masses[k], self.masses[k + 1]], [arb(-1), arb(1)]])
+        speeds = rows.solve(arb_mat([[momentum], [parting]]))
+        self.v[k] = speeds[0, 0]
+        self.v[k + 1] = speeds[1, 0]
+
+    def energy(self) -> arb:
+        """The kinetic energy [J]."""
+        found = arb(0)
+        for m, v in zip(self.masses, self.v, strict=True):
+            found += m * v * v / 2
+        return found
+
+
+def newtons_cradle(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """The states at the times, then the scalars."""
+    line = Line(p)
+    before = line.energy()
+    for t in times:
+        until = arb_of(t)
+        while (coming := line.next_impact()) is not None and coming[0] < until:
+            line.strike(*coming)
+        values: dict[str, arb] = {}
+        for k, (x, v) in enumerate(zip(line.places(until), line.v, strict=True), start=1):
+            values[f"r{k}.x"] = x
+            values[f"v{k}.x"] = v
+        yield t, values
+    while (coming := line.next_impact()) is not None:
+        line.strike(*coming)
+    yield (
+        None,
+        {
+            "impacts": arb(line.impacts),
+            "last_impact_time": line.now,
+            "energy_lost": before - line.energy(),
+        },
+    )
+
+
+WITNESSES = {"newtons-cradle": Witness(METHOD, newtons_cradle)}
