@@ -7,7 +7,7 @@ import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import ROOM, certified, judged, no_truth, signed, undecided
+from refdem.core.judgement import PREDICTION_FACTOR, certified, judged, no_truth, signed, undecided
 from refdem.core.refinement import kinked, scored
 from refdem.core.variant import Variant
 
@@ -22,8 +22,8 @@ class Limit(Check):
 
     From errors e(h) and e(h/2) of order p, E(h) = (2^p e(h/2) - e(h))/(2^p - 1) removes the term
     h^p. E falls by a factor f = 2^(p+1) or more from one pair of levels to the next, so the
-    remaining E is 1/(f - 1) of its last change. ROOM times that is allowed, because terms of higher
-    order still count, and at most all of it. Measured on a hundred motions of correct methods: 1/3,
+    remaining E is 1/(f - 1) of its last change. PREDICTION_FACTOR times that is allowed, because
+    terms of higher order still count, and at most all of it. Measured on a hundred motions of correct methods: 1/3,
     1/15 and 1/31 of it for orders 1, 2 and 4. An error that does not depend on the step, as of a
     stiffness or a clock wrong by 1e-7, does not fall, and is seen far below the truncation error.
     """
@@ -76,7 +76,7 @@ class Limit(Check):
         )
         last_change = float(np.max(np.abs(coarse_limit - fine_limit), initial=0.0))
         ratio = 2.0 ** (order + 1)
-        share = min(1.0, ROOM / (ratio - 1))
+        share = min(1.0, PREDICTION_FACTOR / (ratio - 1))
         return [
             judged(
                 check=self.name,

@@ -10,7 +10,7 @@ import pytest
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks.limit import signed
 from refdem.core import discovery
-from refdem.core.judgement import ROOM
+from refdem.core.judgement import PREDICTION_FACTOR
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_elements, scaled
@@ -52,8 +52,8 @@ def test_what_is_left_of_a_correct_method_is_the_share_of_its_fall_that_its_next
 ):
     (finding,) = found(Transparent(), method, setting)
     assert finding.outcome == "pass"
-    # The bound is ROOM times what the next order leaves of the last change.
-    allowed = min(1.0, ROOM / (2 ** (order + 1) - 1))
+    # The bound is PREDICTION_FACTOR times what the next order leaves of the last change.
+    allowed = min(1.0, PREDICTION_FACTOR / (2 ** (order + 1) - 1))
     if finding.value > 1e-11:  # above round-off
         left = finding.value / finding.bound * allowed
         assert left == pytest.approx(1 / (2**falls - 1), rel=0.3)
