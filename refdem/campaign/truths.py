@@ -111,8 +111,7 @@ def _job(
     most: int | None = None,
     counter: tuple[str, int] | None = None,
 ) -> Job:
-    """The proof of an instance, or of its first `most` samples; `counter` is where it counts them.
-    """
+    """The proof of an instance, or of its first `most` samples; `counter` says where it counts."""
     arguments = (instance.case.id, instance.p.given, delays, most, counter)
     return Job(key, worker.sampled_truth, arguments, computes=True)
 

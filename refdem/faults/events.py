@@ -263,8 +263,7 @@ def _meet_or_part(m: Moving, state: State, number: int) -> None:
 
 
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
-    """Makes one change of mode in `state`: its kind and the number of pair, hook, field or slider.
-    """
+    """Makes one change of mode in `state`: its kind, and the number of pair, hook or slider."""
     kind, number = change
     if kind == "contact":
         _meet_or_part(m, state, number)

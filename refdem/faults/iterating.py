@@ -115,8 +115,7 @@ def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
 
 
 def _next(state: State, asked: Any, parts: MapParts) -> State:
-    """The next iterate of a map; for a billiard the next bounce, as place and direction after it.
-    """
+    """The next iterate of a map; of a billiard the next bounce: place and direction after it."""
     if isinstance(asked, LogisticFlow):
         return (parts.logistic_flow(state[0], asked.eta),)
     if isinstance(asked, Logistic):
