@@ -28,9 +28,11 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space.damping = exp(-(fading(scene) or 0.0))
     space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
-    space.gravity = tuple(
-        np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist()
-    )
+    # The total of all uniform fields in the plane; zero without one.
+    gravity = np.zeros(2)
+    for field in scene.all(UniformGravity):
+        gravity += field.g[:2]
+    space.gravity = (float(gravity[0]), float(gravity[1]))
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
     space.add(*bodies)
     links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
@@ -40,6 +42,7 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
         if not all(_is_still(scene, end) for end in (link.a, link.b))
     ]
     space.add(*joints)
+    # Springs are forces; all other joints are constraints that the solver iterates over.
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
     add_soft_contacts(space, scene, bodies)
