@@ -25,7 +25,11 @@ round-off.
 def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     """The space and its bodies, in the scene's order."""
     space = pymunk.Space()
-    space.damping = exp(-(fading(scene) or 0.0))
+    # Chipmunk's damping is the factor on all velocities in a second, exp(-rate).
+    rate = fading(scene)
+    if rate is None:
+        rate = 0.0
+    space.damping = exp(-rate)
     space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
     # The total of all uniform fields in the plane; zero without one.
@@ -64,9 +68,11 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     if column.fixed[number]:
         body = pymunk.Body(body_type=pymunk.Body.STATIC)
     else:
-        body = pymunk.Body(
-            float(column.mass[number]), float(column.inertia[number, 2]) or float("inf")
-        )
+        # Chipmunk takes no moment of 0; a point that nothing can turn has an infinite one.
+        moment = float(column.inertia[number, 2])
+        if moment == 0:
+            moment = float("inf")
+        body = pymunk.Body(float(column.mass[number]), moment)
     body.position = tuple(column.position[number, :2].tolist())
     body.angle = float(angle_of(column.attitude[number]))
     if not column.fixed[number]:
