@@ -80,14 +80,18 @@ def _tumbles() -> tuple[Probe, ...]:
     )
     of_order = "which number belongs to which body"
     of_time = "time that runs backwards"
-    return (
+    single = (
         _integrated("flat throw", of_body, [FLAT], [flat]),
         _integrated("tumble", of_body, [TUMBLING], []),
         _integrated("tumbling throw", of_body, [TUMBLING], [down_z]),
+    )
+    # Two bodies in either order: one that is taken for the other shows in at least one.
+    ordered = (
         _integrated("two tumbling", of_order, [TUMBLING, OTHER], [askew]),
         _integrated("two in the other order", of_order, [OTHER, TUMBLING], [askew]),
-        _integrated("tumble backwards", of_time, [TUMBLING], [down_z], backwards=True),
     )
+    backwards = _integrated("tumble backwards", of_time, [TUMBLING], [down_z], backwards=True)
+    return (*single, *ordered, backwards)
 
 
 def _pulled() -> tuple[Probe, ...]:

@@ -131,7 +131,10 @@ def sizes(p: Parameters) -> dict[str, float]:
 
 def _size(value: Any) -> float:
     """The Euclidean norm of a vector, or 1 if it is zero."""
-    return float(np.linalg.norm(value)) or 1.0
+    norm = float(np.linalg.norm(value))
+    if norm == 0:
+        return 1.0
+    return norm
 
 
 def steepness(p: Parameters) -> float:

@@ -79,7 +79,10 @@ class Panel:
         high = float(np.nanmax(values))
         if axis.is_log:
             return low / 1.2, high * 1.2
-        margin = 0.04 * (high - low) or 1.0
+        margin = 0.04 * (high - low)
+        if margin == 0:
+            # All values are alike: the picture shows them in the middle of an axis of length 2.
+            margin = 1.0
         return low - margin, high + margin
 
 

@@ -67,7 +67,9 @@ def turned_at_joints(world: World, state: State, parts: Parts, total: Loads, *_:
 
 
 def follow(m: Moving, state: State) -> State:
-    """Centres of mass go where the bodies turn about their joints."""
+    """The state with the centres of mass where their attitudes about the joints put them: r = joint
+    + arm, v = omega x arm.
+    """
     if m.world.joints:
         state.r = list(state.r)
         state.v = list(state.v)
@@ -89,17 +91,21 @@ def rods_of(world: World, state: State) -> list[Rod]:
 
 
 def _ends(m: Moving, rod: Rod, state: State) -> tuple[Vector, Vector, Number]:
-    """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
+    """The branch vector r_a - r_b [m] of a rod, its rate [m/s], and 1/m_a + 1/m_b [1/kg]: the
+    change of that rate by a unit impulse. The world has an infinite mass.
+    """
     a = rod.a
     b = rod.b
     if b < 0:
         return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]
-    ease = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
-    return vec.minus(state.r[a], state.r[b]), vec.minus(state.v[a], state.v[b]), ease
+    inverse_mass = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
+    branch = vec.minus(state.r[a], state.r[b])
+    relative = vec.minus(state.v[a], state.v[b])
+    return branch, relative, inverse_mass
 
 
 def _pull(m: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> None:
-    """Takes an impulse along a vector from a and gives it to b."""
+    """Takes an impulse, `amount` times the vector `along`, from end a and gives it to end b."""
     a = rod.a
     b = rod.b
     state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
@@ -127,21 +133,29 @@ def _haul(m: Moving, state: State, sides: list[tuple[int, Vector, Number]], amou
 def _hold_string(
     m: Moving, string: StringOverWheel, length: Number, state: State, sides: Any, h: Number
 ) -> Number:
-    """One Newton step for a string's length at the end of a drift of h; how far it was off [m]."""
+    """Makes one Newton step for a string's length at the end of a drift of h; returns by how much
+    it was too long [m].
+
+    With the directions n_i from the wheel to the bodies now and n_i' at the end, an impulse P takes
+    h P sum n_i . n_i'/m_i from the length.
+    """
     drifted = [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)]
     reached = _sides(string, drifted)
-    way = sum(distance for _, _, distance in reached)
-    excess = m.parts.holding.string_excess(string, length, way)
-    gives = 0.0
+    reached_length = sum(distance for _, _, distance in reached)
+    excess = m.parts.holding.string_excess(string, length, reached_length)
+    inverse_mass = 0.0
     for (i, old, _), (_, new, _) in zip(sides, reached, strict=True):
-        gives = gives + vec.dot(old, new) / m.world.mass[i]
-    _haul(m, state, sides, excess / (h * gives))
+        inverse_mass = inverse_mass + vec.dot(old, new) / m.world.mass[i]
+    _haul(m, state, sides, excess / (h * inverse_mass))
     return excess
 
 
 def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
-    """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps
-    along them as they were.
+    """Velocities with which a drift of h ends at the lengths of rods and strings (RATTLE, Andersen
+    1983).
+
+    Newton steps, rod by rod, with impulses along the rods of the begin (`before`): each moves the
+    end of the drift to the rod's length, and sweeps go on until all hold.
     """
     if not m.tied:
         return state
@@ -151,12 +165,14 @@ def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
     for _ in range(SWEEPS):
         largest = 0.0
         for rod in rods:
-            along, _, ease = _ends(m, rod, before)
-            apart, relative, _ = _ends(m, rod, state)
-            reached = vec.moved(apart, h, relative)
-            amount = m.parts.rod_position(rod, reached, along, ease) / h
+            along, _, inverse_mass = _ends(m, rod, before)
+            branch, relative, _ = _ends(m, rod, state)
+            # The branch vector at the end of the drift, with the velocities so far.
+            reached = vec.moved(branch, h, relative)
+            amount = m.parts.rod_position(rod, reached, along, inverse_mass) / h
             _pull(m, rod, state, along, amount)
-            largest = max(largest, abs(amount * h * ease))
+            # How much this rod was off, relative to its length.
+            largest = max(largest, abs(amount * h * inverse_mass))
         for (string, sides), length in zip(strings, m.world.string_lengths, strict=True):
             largest = max(largest, abs(_hold_string(m, string, length, state, sides, h)) / length)
         if largest <= enough:
@@ -176,17 +192,24 @@ def hold_speed(m: Moving, state: State) -> State:
     for _ in range(sweeps):
         largest = 0.0
         for rod in rods:
-            apart, relative, ease = _ends(m, rod, state)
-            amount = m.parts.rod_velocity(rod, apart, relative, ease)
-            _pull(m, rod, state, apart, amount)
-            largest = max(largest, abs(amount) * ease * rod.length / (vec.size(relative) or 1.0))
+            branch, relative, inverse_mass = _ends(m, rod, state)
+            amount = m.parts.rod_velocity(rod, branch, relative, inverse_mass)
+            _pull(m, rod, state, branch, amount)
+            # The velocity along the rod that this sweep took away, relative to the speed; a body at
+            # rest has none to compare with.
+            speed = vec.size(relative)
+            if speed == 0:
+                speed = 1.0
+            largest = max(largest, abs(amount) * inverse_mass * rod.length / speed)
         if largest <= ENOUGH[m.world.number is float]:
             break
     for string in m.world.strings:
         sides = _sides(string, state.r)
         out_a, out_b = (vec.dot(state.v[i], direction) for i, direction, _ in sides)
+        # An impulse P takes P (1/m_a + 1/m_b) from the rate at which the string lengthens.
         speed = m.parts.holding.string_speed(string, out_a, out_b)
-        _haul(m, state, sides, speed / sum(1.0 / m.world.mass[i] for i, _, _ in sides))
+        inverse_mass = sum(1.0 / m.world.mass[i] for i, _, _ in sides)
+        _haul(m, state, sides, speed / inverse_mass)
     return follow(m, state)
 
 
@@ -195,9 +218,9 @@ def rod_forces(m: Moving, state: State) -> list[Number]:
     load = m.parts.loads(m.world, state, m.parts)
     forces = []
     for rod in m.world.rods:
-        apart, relative, ease = _ends(m, rod, state)
-        pull = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
-        forces.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
+        branch, relative, inverse_mass = _ends(m, rod, state)
+        acceleration = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
+        forces.append(m.parts.rod_tension(rod, branch, relative, acceleration, inverse_mass))
     return forces
 
 

@@ -97,6 +97,7 @@ def axis_turn(
     """omega_body and attitude after the exact rotation of the body about one principal axis for h
     [s].
     """
+    # With T = L_axis^2/(2 J_axis) alone, L in space and omega along the axis stay as they are.
     angle = h * omega[axis]
     c = cos(angle)
     s = sin(angle)
@@ -172,7 +173,9 @@ def lever(law: Contact, radius: Number, depth: Number) -> Number:
 
 
 def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
-    """Tangential velocity of surface a against b [m/s]; spin = arm_a omega_a + arm_b omega_b."""
+    """Tangential velocity of surface a against b [m/s], v - (v . n) n + spin x n, with spin = arm_a
+    omega_a + arm_b omega_b.
+    """
     return vec.plus(
         vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal)
     )
@@ -182,17 +185,18 @@ def transported(stretch: Vector, old: Vector, normal: Vector) -> Vector:
     """A vector of one tangent plane turned into another, by the least rotation from normal to
     normal.
     """
+    # x - (n . x)/(1 + n0 . n) (n0 + n) for x in the plane across n0 (Rodrigues).
     both = vec.plus(old, normal)
     return vec.moved(stretch, -vec.dot(normal, stretch) / (1.0 + vec.dot(old, normal)), both)
 
 
 def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number) -> Vector:
-    """The tangential spring after h [s] of slip."""
+    """The tangential spring after h [s] of slip, by the trapezoidal rule for xi' = s."""
     return vec.moved(stretch, h / 2, vec.plus(slip_before, slip_now))
 
 
 def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
-    """The spring as long as Coulomb's limit allows."""
+    """The spring as long as Coulomb's limit allows, |xi| = mu F_n/k_t, along its direction."""
     longest = law.friction * max(normal, 0.0) / law.tangential_stiffness
     length = vec.size(stretch)
     if length > 0:
@@ -250,7 +254,7 @@ def holds(slider: Slider, along: Number) -> bool:
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
     """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton
-    step).
+    step). `ease` is 1/m_a + 1/m_b.
     """
     # |apart|^2 - l^2 = 0, whose slope by the impulse is 2 ease apart . direction.
     excess = vec.dot(apart, apart) - rod.length * rod.length
@@ -259,7 +263,10 @@ def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Nu
 
 
 def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
-    """Impulse over length [kg/s] that takes the relative velocity along the rod away."""
+    """Impulse over length [kg/s] that takes the relative velocity along the rod away.
+
+    r . (v - lambda ease r) = 0; `ease` is 1/m_a + 1/m_b.
+    """
     return vec.dot(apart, relative) / (ease * vec.dot(apart, apart))
 
 

@@ -234,17 +234,23 @@ def _refuted(
     if other is None or not twins:
         return frozenset()
     elsewhere = Beside(instance, *other)
-    ratio = (other[0].step or 1.0) / twins[0].step
+    # A method without steps is compared at any step: 1.0 stands for its own.
+    other_step = other[0].step
+    if other_step is None:
+        other_step = 1.0
+    ratio = other_step / twins[0].step
     explained: dict[str, bool] = {}
     for twin in twins:
         if twin.step == twins[0].step:
             step = twin.step * ratio
         else:
-            step = (other[0].step or 1.0) / FINER
+            step = other_step / FINER
+        # One twin of a name that explains both runs is enough.
         again = elsewhere.twin(twin, step)
-        explained[twin.name] = explained.get(twin.name, False) or (
-            again is not None and again.is_telling
-        )
+        if again is not None and again.is_telling:
+            explained[twin.name] = True
+        else:
+            explained.setdefault(twin.name, False)
     return frozenset(name for name, is_explained in explained.items() if not is_explained)
 
 

@@ -126,7 +126,7 @@ class World:
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision."""
+    """The scene in numbers of one precision; drives keep doubles, their forces are rounded."""
     bodies = scene.bodies
     elements = {name: _all(scene, kind, number) for name, kind in ELEMENTS.items()}
     laws = _all(scene, Contact, number)
@@ -136,18 +136,24 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
     gravity = [_tuple(e.g, number) for e in scene.all(UniformGravity)]
     fields = [number(e.gm) for e in scene.all(CentralField)]
     lengths = [_length(string, bodies, number) for string in elements["strings"]]
+    mass = [number(m) for m in bodies.mass]
+    radius = [number(r) for r in bodies.radius]
+    fixed = [bool(is_fixed) for is_fixed in bodies.fixed]
+    law = next(iter(laws), None)
+    pairs = [pair for pair, _ in touching]
+    corners = [corner for _, corner in touching]
     return World(
         number=number,
-        mass=list(map(number, bodies.mass)),
+        mass=mass,
         inertia=inertia,
-        radius=list(map(number, bodies.radius)),
-        fixed=list(map(bool, bodies.fixed)),
+        radius=radius,
+        fixed=fixed,
         drives=scene.all(Force),
-        law=next(iter(laws), None),
+        law=law,
         gravity=gravity,
         fields=fields,
-        pairs=[pair for pair, _ in touching],
-        corners=[corner for _, corner in touching],
+        pairs=pairs,
+        corners=corners,
         string_lengths=lengths,
         **elements,
     )

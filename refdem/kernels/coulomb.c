@@ -180,7 +180,8 @@ int refdem_coulomb(double mass, double stiffness, double friction, double normal
                    const double *t, double *stop, double *out)
 {
     run r;
+    double *prepared = (double *)&r; /* callers know a prepared run as doubles */
     refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, samples, t,
-                           stop, out, (double *)&r);
-    return refdem_coulomb_run((const double *)&r);
+                           stop, out, prepared);
+    return refdem_coulomb_run(prepared);
 }

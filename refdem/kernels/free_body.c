@@ -201,7 +201,8 @@ int refdem_free_body(const double *inertia, const double *attitude, const double
                      int64_t samples, const double *t, double *out_attitude, double *out_omega)
 {
     free_body b;
+    double *prepared = (double *)&b; /* callers know a prepared run as doubles */
     refdem_free_body_prepare(inertia, attitude, omega, t0, samples, t, out_attitude, out_omega,
-                             (double *)&b);
-    return refdem_free_body_run((const double *)&b);
+                             prepared);
+    return refdem_free_body_run(prepared);
 }

@@ -336,13 +336,13 @@ static void begin(gas *g, double step)
 }
 
 int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
-                       int64_t stride, int64_t most, uint8_t *room, int64_t *events, double *event,
-                       double *channel, double *position, double *velocity, double *omega,
-                       double *attitude)
+                       int64_t stride, int64_t most, uint8_t *memory, int64_t *events,
+                       double *event, double *channel, double *position, double *velocity,
+                       double *omega, double *attitude)
 {
     assert(p && p->bodies >= 1 && (p->planes == 0 || p->plane));
     assert(threads >= 1 && threads <= MOST_THREADS && samples >= 1 && stride >= 1 && most >= 0);
-    assert(room && events && event && channel); /* `room` has refdem_gas_room bytes */
+    assert(memory && events && event && channel); /* `memory` has refdem_gas_room bytes */
     assert(position && velocity);
     assert(!p->turning || (omega && attitude));
     gas g = {.samples = samples, .stride = stride, .most = most, .channel = channel};
@@ -350,7 +350,7 @@ int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_
     g.out_v = velocity;
     g.out_w = omega;
     g.out_q = attitude;
-    lay_out(&g, p, threads, room);
+    lay_out(&g, p, threads, memory);
     begin(&g, step);
     for (int64_t k = 0; k < threads; k++)
         g.share[k].event = event + 2 * most * k;

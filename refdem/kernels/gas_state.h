@@ -136,11 +136,11 @@ static void lay_out_share(const gas *g, share *t, uint8_t **at)
     t->count = take_room(at, 4 * most_cells(p));
 }
 
-/* Takes room for everything from `room` on; returns the bytes it takes. With room NULL it only
- * counts them: nothing is written there. */
-static int64_t lay_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *room)
+/* Takes memory for everything from `memory` on; returns the bytes it takes. With memory NULL it
+ * only counts them: nothing is written there. */
+static int64_t lay_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *memory)
 {
-    uint8_t *at = room;
+    uint8_t *at = memory;
     int64_t n = p->bodies;
     g->p = p;
     g->n = n;
@@ -164,10 +164,10 @@ static int64_t lay_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *ro
         share other = {.from = share_of(g, n, k), .to = share_of(g, n, k + 1)};
         share *t = &other;
         lay_out_share(g, t, &at);
-        if (room)
+        if (memory)
             g->share[k] = other;
     }
-    return at - room;
+    return at - memory;
 }
 
 #endif

@@ -184,8 +184,9 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
                   int64_t samples, const double *t, double *out_position, double *out_velocity)
 {
     orbit o;
+    double *prepared = (double *)&o; /* callers know a prepared run as doubles */
     if (refdem_kepler_prepare(gm, position, velocity, t0, samples, t, out_position, out_velocity,
-                              (double *)&o)) /* not bound, or straight */
+                              prepared)) /* not bound, or straight */
         return 1;
-    return refdem_kepler_run((const double *)&o);
+    return refdem_kepler_run(prepared);
 }

@@ -193,8 +193,8 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
  * are numbers of points, the second -1 for the world, where anchor (.., 3) is the place; spring_law
  * (springs, 3): stiffness, length, exponent. Steps h [s] of either sign, a sample after every
  * `stride`. work: 9 n + 8 rods + rods^2 doubles, unknown: rods integers. position, velocity
- * (samples, n, 3): row 0 is the start; force (samples, rods) [N], tension. Returns 0, or the sample (from 1) before which the
- * rods could not be held. */
+ * (samples, n, 3): row 0 is the start; force (samples, rods) [N], tension. Returns 0, or the sample
+ * (from 1) before which the rods could not be held. */
 int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods,
                   const int64_t *rod_ends, const double *rod_anchor, const double *rod_length,
                   int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
@@ -515,9 +515,9 @@ int64_t refdem_gas_room(const refdem_gas *p, int64_t threads);
  * for the pairs or contacts, 2 if a thread could not be had, 3 if a body flew farther than 2e9
  * boxes, or to where no number is. */
 int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
-                       int64_t stride, int64_t most, uint8_t *room, int64_t *events, double *event,
-                       double *channel, double *position, double *velocity, double *omega,
-                       double *attitude);
+                       int64_t stride, int64_t most, uint8_t *memory, int64_t *events,
+                       double *event, double *channel, double *position, double *velocity,
+                       double *omega, double *attitude);
 
 /* == end == */
 #endif

@@ -105,9 +105,9 @@ static void callback(const void *model, void *data)
         /* Action on a, reaction on b. */
         for (int i = 0; i < 3; i++) {
             if (column[3 + i] >= 0)
-                f->felt[column[3 + i]] += force[i];
+                f->passive_force[column[3 + i]] += force[i];
             if (column[9 + i] >= 0)
-                f->felt[column[9 + i]] -= force[i];
+                f->passive_force[column[9 + i]] -= force[i];
         }
     }
 }

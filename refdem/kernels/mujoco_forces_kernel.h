@@ -6,9 +6,9 @@
 
 /* == mujoco_forces == */
 
-/* Forces that MuJoCo has no element for. q, v, clock [s] and felt [N] are addresses in the running
- * mjData: coordinates, velocities, time, passive forces. kind (pushes): 0 drive, 1 spring, 2
- * dashpot, 3 central field, 4 piecewise field. column (pushes, 12): where the place (3) and the
+/* Forces that MuJoCo has no element for. q, v, clock [s] and passive_force [N] are addresses in the
+ * running mjData: coordinates, velocities, time, passive forces. kind (pushes): 0 drive, 1 spring,
+ * 2 dashpot, 3 central field, 4 piecewise field. column (pushes, 12): where the place (3) and the
  * velocity (3) of body a lie in q and v, then those of body b; -1 where there is none, which counts
  * as 0. number (pushes, 10), by kind: force [N], frequency [rad/s], phase, axis (3); stiffness
  * [N/m^exponent], length [m], exponent, anchor (3) [m], quadratic [N/m^2], cubic [N/m^3]; damping
@@ -16,7 +16,7 @@
  * point (3) [m], axis (3). */
 typedef struct {
     const double *q, *v, *clock;
-    double *felt;
+    double *passive_force;
     int64_t pushes;
     const int64_t *kind, *column;
     const double *number;

@@ -316,7 +316,8 @@ int refdem_pendulum(double mass, double length, const double *gravity, const dou
                     const double *t, double *out_position, double *out_velocity, double *out_force)
 {
     run m;
+    double *prepared = (double *)&m; /* callers know a prepared run as doubles */
     refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, samples, t,
-                            out_position, out_velocity, out_force, (double *)&m);
-    return refdem_pendulum_run((const double *)&m);
+                            out_position, out_velocity, out_force, prepared);
+    return refdem_pendulum_run(prepared);
 }

@@ -25,6 +25,20 @@ SLACK = 8 * 2.0**-52
 """Relative rounding of positions and of sums of forces; a smaller imbalance counts as none."""
 
 
+def _spring_force(scene: Scene, spring: Spring) -> Array | None:
+    """The force (3,) [N] of a spring on its first end; None where it has a length and no
+    direction.
+    """
+    line = _end(scene, spring) - scene.bodies.position[spring.a]
+    distance = float(np.linalg.norm(line))
+    pull = float(spring.pull(np.array(distance - spring.length)))
+    if distance > 0:
+        return np.asarray(pull * line / distance)
+    if spring.length > 0:
+        return None
+    return np.zeros(3)
+
+
 def unbalanced(scene: Scene) -> str | None:
     """None if springs, gravity, central field and contacts add up to zero on every free body, else
     the reason.
@@ -40,14 +54,9 @@ def unbalanced(scene: Scene) -> str | None:
             total_magnitude[body] += np.linalg.norm(force)
 
     for spring in scene.all(Spring):
-        line = _end(scene, spring) - bodies.position[spring.a]
-        distance = float(np.linalg.norm(line))
-        # The force on the first end: pull(stretch) along the spring.
-        stretch = distance - spring.length
-        pull = float(spring.pull(np.array(stretch)))
-        if distance == 0.0 and spring.length > 0:
+        force = _spring_force(scene, spring)
+        if force is None:
             return "a spring without direction"
-        force = pull * line / (distance or 1.0)
         push(spring.a, force)
         push(spring.b, -force)
     for body, mass in enumerate(bodies.mass):

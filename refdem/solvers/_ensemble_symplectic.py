@@ -147,7 +147,11 @@ class _Frame:
             vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
         ]
         longest = max(components, key=lambda vector: float(np.linalg.norm(vector)))
-        self.across = longest / (np.linalg.norm(longest) or 1.0)
+        length = np.linalg.norm(longest)
+        # Zero where the point hangs at rest: it stays, whatever the direction.
+        self.across = longest
+        if length > 0:
+            self.across = longest / length
 
     def angles(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """Angles [rad] and angular velocities [rad/s] (M,) of positions and velocities (M, 3)."""

@@ -203,7 +203,11 @@ def _frame(problem: Ensemble) -> tuple[Array, Array]:
     origin = single.anchor(problem.scene.all(Spring)[0])
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
     farthest = arms[np.argmax(np.linalg.norm(arms, axis=1))]
-    return origin, farthest / (np.linalg.norm(farthest) or 1.0)
+    length = np.linalg.norm(farthest)
+    if length == 0:
+        # All starts rest at the anchor, and stay there.
+        return origin, farthest
+    return origin, farthest / length
 
 
 def _misfit(problem: Ensemble) -> str | None:

@@ -77,7 +77,12 @@ class ExactCapture(SceneSolver):
         on_circle, along_circle = _circle(nearest, v, np.maximum(since, 0.0))
         offset = np.where(after_catch, on_circle, on_line)
         velocity = np.where(after_catch, along_circle, v)
-        force = np.where(since >= 0, scene.bodies.mass[0] * speed2 / (distance or 1.0), 0.0)
+        # m v^2/d on the circle of radius d; what hits the hook (d = 0) is not caught, and any
+        # radius serves there.
+        radius = distance
+        if radius == 0:
+            radius = 1.0
+        force = np.where(since >= 0, scene.bodies.mass[0] * speed2 / radius, 0.0)
         events: tuple[Event, ...] = ()
         if is_caught and t[0] + catch_time <= t[-1]:
             events = (Event(float(t[0] + catch_time), "catch", 0),)
@@ -99,15 +104,17 @@ def _circle(nearest: Array, v: Array, since: Array) -> tuple[Array, Array]:
     speed = np.sqrt(v @ v)
     distance = float(np.linalg.norm(nearest))
     angle = np.zeros((len(since), 1))
-    if distance:
-        angle = (speed / distance * since)[:, None]
+    rate = speed
+    if distance > 0:
+        rate = speed / distance
+        angle = (rate * since)[:, None]
     ahead = v * 0.0
     if speed > 0:
         ahead = v * (distance / speed)
     cosine = np.cos(angle)
     sine = np.sin(angle)
     position = nearest * cosine + ahead * sine
-    velocity = v * cosine - nearest * (speed / (distance or 1.0)) * sine
+    velocity = v * cosine - nearest * rate * sine
     return position, velocity
 
 

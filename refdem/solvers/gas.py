@@ -192,22 +192,26 @@ def _contact_unsupported(scene: Scene) -> str | None:
 
 
 def _fields(scene: Scene) -> dict[str, Any]:
-    """The fields of the kernel's struct `refdem_gas`."""
+    """The fields of the kernel's struct `refdem_gas`: the bodies, which are all alike, the walls,
+    the box and the law.
+    """
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     walls = [(*plane.point, *plane.normal) for plane in scene.all(Plane)]
     box_size = 0.0
     for box in scene.all(PeriodicBox):
         box_size = box.size
-    return _capacities(scene, box_size) | {
+    # Spheres that do not rub keep their spins; without spins there is nothing to keep.
+    turning = law.friction > 0 or bool(bodies.omega.any())
+    of_spheres = {
         "bodies": len(bodies),
-        "planes": len(walls),
-        "plane": np.array(walls, float),
-        "turning": law.friction > 0 or bool(bodies.omega.any()),
-        "size": box_size,
+        "turning": turning,
         "mass": bodies.mass[0],
         "inertia": bodies.inertia[0, 0],
         "diameter": 2 * float(bodies.radius[0]),
+    }
+    of_bounds = {"planes": len(walls), "plane": np.array(walls, float), "size": box_size}
+    of_law = {
         "stiffness": law.stiffness,
         "damping": law.damping,
         "tangential_stiffness": law.tangential_stiffness,
@@ -215,6 +219,7 @@ def _fields(scene: Scene) -> dict[str, Any]:
         "branch": BRANCH[law.branch],
         "no_pull": law.cutoff == "zero_force",
     }
+    return _capacities(scene, box_size) | of_spheres | of_bounds | of_law
 
 
 def _capacities(scene: Scene, box_size: float) -> dict[str, int]:

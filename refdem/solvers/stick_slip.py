@@ -128,19 +128,23 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Struct:
     spring = scene.all(Spring)[0]
     axis = np.array(slider.axis)
     mass = float(scene.bodies.mass[0])
-    force = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
-    numbers = _friction(slider, unit) | {
+    # Weight and drive act by their components along the slider's axis.
+    weight = mass * float(axis @ single.gravity(scene))
+    drive = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
+    of_motion = {
         "mass": mass / unit**2,
         "stiffness": spring.stiffness,
-        "weight": mass * float(axis @ single.gravity(scene)),
+        "weight": weight,
         "normal_force": slider.normal_force,
         "belt": slider.belt_velocity * unit,
-        "amplitude": force.amplitude * float(axis @ np.array(force.axis)),
-        "frequency": force.frequency * unit,
-        "phase": force.phase,
         "linear": slider.law == "stribeck_linear",
     }
-    return Struct(FAMILY, "refdem_belt", numbers)
+    of_drive = {
+        "amplitude": drive.amplitude * float(axis @ np.array(drive.axis)),
+        "frequency": drive.frequency * unit,
+        "phase": drive.phase,
+    }
+    return Struct(FAMILY, "refdem_belt", _friction(slider, unit) | of_motion | of_drive)
 
 
 def _friction(slider: Slider, unit: float) -> dict[str, float]:

@@ -37,6 +37,16 @@ State = Sequence[Any]
 """(a, u, phi, w, o1, o2, s, clock); apart: x - vx clock, y - vy clock, vx, vy in units of X and V
 in the first four places.
 """
+# Places of a state in contact.
+OVERLAP = 0  # a
+CLOSING = 1  # u
+NORMAL_ANGLE = 2  # phi
+ACROSS = 3  # w
+SPIN_1 = 4  # o1
+SPIN_2 = 5  # o2
+SPRING = 6  # s
+CLOCK = 7  # the time in units of T
+
 SLIDES = {1: "slip", -1: "slip back"}
 
 
@@ -305,7 +315,7 @@ class PlanarPhases(LinearContact):
         stretch = self.friction * side / (2 * self.kt)
         return Entry(
             "stick",
-            lambda y: [*y[:6], self.force(y) * stretch, y[7]],
+            lambda y: [*y[:6], self.force(y) * stretch, y[CLOCK]],
             {SLIDES[side]: 2},
         )
 
@@ -396,12 +406,12 @@ class PlanarPhases(LinearContact):
         """The entry into free flight, whose state is the place at clock 0 of the straight line on
         which the spheres fly, and its velocity.
         """
-        return Entry("apart", lambda y: [*line(self.cartesian(y), y[7]), *y[4:]])
+        return Entry("apart", lambda y: [*line(self.cartesian(y), y[CLOCK]), *y[4:]])
 
     def place(self, mode: str, y: State) -> list[Any]:
         """x, y, vx, vy, o1, o2, s, clock of a state in the given mode."""
         if mode == "apart":
-            return [y[0] + y[2] * y[7], y[1] + y[3] * y[7], *y[2:]]
+            return [y[0] + y[2] * y[CLOCK], y[1] + y[3] * y[CLOCK], *y[2:]]
         return [*self.cartesian(y), *y[4:]]
 
 
@@ -433,16 +443,16 @@ class ContactPhases(PlanarPhases):
 
     def turning(self, y: State, r: Any) -> Any:
         """The rate phi' = eps w/r^2 of the normal."""
-        return y[3] / (r * r) * self.eps
+        return y[ACROSS] / (r * r) * self.eps
 
     def cartesian(self, y: State) -> list[Any]:
         """x, y in units of X and vx, vy in units of V, in contact: r = -rho (cos phi, sin phi)."""
-        r = 1 - y[0] * self.eps
-        sine = y[2].sin()
-        cosine = y[2].cos()
+        r = 1 - y[OVERLAP] * self.eps
+        sine = y[NORMAL_ANGLE].sin()
+        cosine = y[NORMAL_ANGLE].cos()
         # rho' = -u along the normal, rho phi' = w/r across it.
-        closing = y[1]
-        across = y[3] / r
+        closing = y[CLOSING]
+        across = y[ACROSS] / r
         distance = r * (1 / self.eps)
         return [
             -distance * cosine,

@@ -621,14 +621,17 @@ class Growth:
         ) * front.largest
         followed_norms = self.norm.read(since_begin @ front.after)
         loss_on_the_way = float((followed_norms * front.weight).sum())
+        # Cell by cell: what was carried to the begin of this element, then what is made in it.
+        carried = np.concatenate([since_begin @ front.carried, fresh])
+        fresh_answers = self.after_instant_map(element, fresh)
+        answers = np.concatenate([since_begin @ front.answers, fresh_answers])
+        slack = np.concatenate([front.slack, self.slack(element, cells)])
         return Effect(
             reading=reading,
             rounding=loss_of_fresh + loss_of_carried + loss_on_the_way,
-            answers=np.concatenate(
-                [since_begin @ front.answers, self.after_instant_map(element, fresh)]
-            ),
-            carried=np.concatenate([since_begin @ front.carried, fresh]),
-            slack=np.concatenate([front.slack, self.slack(element, cells)]),
+            answers=answers,
+            carried=carried,
+            slack=slack,
             whole=since_begin @ front.whole,
         )
 

@@ -22,9 +22,12 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
     radii: dict[str, list[float]] = {}
     certified: list[Fraction] = []
     reason = ""
-    for t in (Fraction(float(t)) for t in times):
+    for sample in times:
+        # The exact number that the double is.
+        t = Fraction(float(sample))
         try:
             balls = truth.at(t)
+            # A time without S is not certified: what it says of errors would be missing.
             _ = truth.sensitivity(t)
         except NotCertifiedError as error:
             reason = str(error)

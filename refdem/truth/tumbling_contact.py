@@ -106,6 +106,7 @@ class BodyState:
         """The rate q' = q omega_body/2 (4) of the attitude."""
         w, x, y, z = self.y[:4]
         a, b, c = self.omega_body
+        # (w, r)(0, o) = (-r . o, w o + r x o) for r = (x, y, z) and o = omega_body = (a, b, c).
         return [
             (-x * a - y * b - z * c) / 2,
             (w * a + y * c - z * b) / 2,

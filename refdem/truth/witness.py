@@ -108,6 +108,7 @@ def body_flow(
     x = 4
     y = 5
     z = 6
+    # q' = q (0, omega)/2: a row an unknown, an entry the coefficient and a product of two unknowns.
     attitude_rate = [
         [(-half, x, 0), (-half, y, 1), (-half, z, 2)],
         [(half, w, 0), (half, y, 2), (-half, z, 1)],

@@ -58,14 +58,14 @@ def contact_law(request):
 
 def product(p, q):
     """The product p q of two quaternions (4)."""
-    a, b, c, d = p
-    e, f, g, h = q
-    return (
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    )
+    pw, px, py, pz = p
+    qw, qx, qy, qz = q
+    # (p, a)(q, b) = (p q - a . b, p b + q a + a x b), Hamilton 1843.
+    w = pw * qw - px * qx - py * qy - pz * qz
+    x = pw * qx + px * qw + py * qz - pz * qy
+    y = pw * qy - px * qz + py * qw + pz * qx
+    z = pw * qz + px * qy - py * qx + pz * qw
+    return w, x, y, z
 
 
 def conjugate(q):

@@ -74,6 +74,7 @@ class Belt:
         end = 2 * math.pi / frequency * periods
         begin = 2 * math.pi / frequency * skip
         places = []
+        # The side to which the mass slips, the sign of u; stick and slip alternate from here on.
         side = math.copysign(1.0, u)
         while True:
             t, x, passed = slip(t, x, u, side, end, frequency)
@@ -89,7 +90,9 @@ class Belt:
 
 
 def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """heyoka's slip and stick: integrators compiled once for all frequencies."""
+    """heyoka's slip and stick, as `Belt.walked` calls them: integrators compiled once for all
+    frequencies, with the frequency and the side of the slip as parameters.
+    """
     import heyoka
 
     x, u = heyoka.make_vars("x", "u")
@@ -113,6 +116,7 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
     slips = heyoka.taylor_adaptive(
         rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance
     )
+    # While it sticks x' = belt: the pull P = F cos(w t) - x has P' = -F w sin(w t) - belt.
     held = [(pulled, -belt.amplitude * w * heyoka.sin(w * heyoka.time) - speed)]
     limits = [
         heyoka.t_event(pulled - belt.limit, direction=up),
@@ -141,7 +145,10 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
 
 
 def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """SciPy's DOP853 with its events; the right-hand side in Python."""
+    """SciPy's DOP853 with its events, as `Belt.walked` calls it; the right-hand side in Python.
+
+    A tolerance below 2.3e-14 is one that DOP853 does not take.
+    """
     from scipy.integrate import solve_ivp
 
     given = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
@@ -151,14 +158,20 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
         t: float, x: float, u: float, side: float, end: float, frequency: float
     ) -> tuple[float, float, list[tuple[float, float]]]:
         def rates(now: float, y: np.ndarray) -> tuple[float, float]:
-            return y[1] + speed, belt.pull(now, frequency, y[0]) - side * belt.friction(side * y[1])
+            x, u = y
+            # x' = u + belt, u' = pull - side N mu(side u), with m = k = 1.
+            friction = side * belt.friction(side * u)
+            return u + speed, belt.pull(now, frequency, x) - friction
 
         def stops(now: float, y: np.ndarray) -> float:
-            return float(side * y[1])
+            _, u = y
+            return float(side * u)
 
         def turns(now: float, y: np.ndarray) -> float:
-            return float(y[1] + speed)
+            _, u = y
+            return float(u + speed)
 
+        # A slip ends where u comes to 0 from its side; turning points, v = u + belt = 0, go on.
         stops.terminal = True  # type: ignore[attr-defined]
         stops.direction = -1  # type: ignore[attr-defined]
         solution = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.errors import UsageError
 
 
-def dashpot_of(v: Any, mass: Any) -> Any:
+def dashpot_of(v: Values, mass: Any) -> Any:
     """The dashpot c [kg/s] that gives `v.restitution` to an effective mass [kg], as a Real.
 
     Raises UsageError where no damping below the critical one gives it.
@@ -30,7 +31,7 @@ def dashpot_of(v: Any, mass: Any) -> Any:
         ) from None
 
 
-def linear_contact_time(v: Any, mass: Any) -> float:
+def linear_contact_time(v: Values, mass: Any) -> float:
     """Duration [s], to rounding, of the contact of an effective mass [kg].
 
     With w0 = sqrt(k/m), cos alpha = c/(2 sqrt(m k)) and w = w0 sin alpha it is pi/w where the

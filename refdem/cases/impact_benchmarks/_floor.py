@@ -11,6 +11,7 @@ import numpy as np
 
 from refdem.cases.impact_benchmarks._dashpot import dashpot_of
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
@@ -24,7 +25,7 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 class OnFloor(Member):
     """A member with spheres on the floor, under one linear law and gravity."""
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the dashpot that gives the restitution of an impact on the floor
         without gravity; friction is 0 and restitution 1 unless the member has them.
         """
@@ -38,13 +39,13 @@ class OnFloor(Member):
         v.damping = dashpot_of(v, v.effective)
         return v
 
-    def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
+    def of(self, v: Values, bodies: list[Body], *planes: Plane) -> Scene:
         """The scene of these bodies on the floor, in gravity."""
         ground = Plane(normal=(0.0, 1.0, 0.0))
         weight = UniformGravity(g=(0.0, -float(v.gravity), 0.0))
         return Scene.of(bodies, [ground, *planes, weight, linear(v)])
 
-    def floor(self, v: Any) -> Any:
+    def floor(self, v: Values) -> Any:
         """The sphere, its contact with the floor and gravity, in exact numbers, for the truth."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
@@ -57,7 +58,7 @@ class OnFloor(Member):
         )
 
 
-def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
+def ball(v: Values, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
     """A solid sphere of `mass` [kg] at y = `height` [m], with `speed` [m/s] along x."""
     m = float(mass)
     r = float(v.radius)
@@ -79,7 +80,7 @@ class Bounce(OnFloor):
 
     bounces: ClassVar[int] = 2
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The values of the member; raises UsageError for a start that touches the floor."""
         v = super().values(p)
         if v.height <= v.radius:
@@ -89,11 +90,11 @@ class Bounce(OnFloor):
             )
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The sphere at rest in the air, at its height above the floor."""
         return self.of(v, [ball(v, v.mass, v.height)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = sqrt(m/k); L the way in tau at the speed of the first impact, at least height/8.
 
         A fall from rest through s = height - radius takes t = sqrt(2 s/g) and ends at sqrt(2 g s).
@@ -113,7 +114,7 @@ class Bounce(OnFloor):
         length = max(impact_speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED)
         return Scales(length=length, tau=tau, duration=float(duration), mass=float(v.mass))
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form, from bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 

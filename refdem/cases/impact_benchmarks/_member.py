@@ -1,20 +1,20 @@
 """A member of the family of impact benchmarks: its numbers, scene, scales, quantities and truth.
 
-`v` is a namespace of values (`Member.values`): the exact numbers of the member by their names, and
-what follows from them.
+`v` are the values of a member (`Member.values`, `_values.py`): the exact numbers of the member by
+their names, and what follows from them.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.cases.impact_benchmarks._parameters import MATERIALS
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -73,7 +73,7 @@ class Member(ABC):
             numbers |= zip(("modulus", "poisson", "density"), properties, strict=True)
         return numbers
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The numbers of `written`, and those that follow from them: the `mass` of the sphere.
 
         A number that follows is not rounded: it is a Real, which truth encloses at its own
@@ -81,24 +81,24 @@ class Member(ABC):
         """
         from refdem.truth.contact_law import sphere_mass
 
-        v = SimpleNamespace(**self.written(p))
+        v = Values(**self.written(p))
         if hasattr(v, "density"):
             v.mass = sphere_mass(v.density, v.radius)
         return v
 
     @abstractmethod
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The scene of these values at its start."""
 
     @abstractmethod
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """Length, shortest time, duration and mass."""
 
     @abstractmethod
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth of these values, on the scales of the quantities."""
 
-    def spin_scale(self, v: Any) -> float:
+    def spin_scale(self, v: Values) -> float:
         """Scale [rad/s] of the angular velocities.
 
         It is the larger of the largest spin at the start and the spin of rolling, largest speed /
@@ -111,7 +111,7 @@ class Member(ABC):
         at_start = float(max(largest_spin, rolling))
         return at_start or self.scales(v).speed / float(v.radius)
 
-    def quantities(self, v: Any) -> tuple[Quantity, ...]:
+    def quantities(self, v: Values) -> tuple[Quantity, ...]:
         """Position r, velocity v and angular velocity omega of every body, by component.
 
         The bodies are numbered from 1; a single one has no number: `r.x`, or `r2.x`.
@@ -132,7 +132,7 @@ class Member(ABC):
                 components += [Quantity(f"{vector}{number}.{axis}", unit, scale) for axis in "xyz"]
         return tuple(components)
 
-    def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
+    def observe(self, v: Values, run: Trajectory) -> dict[str, Array]:
         """The components (T,) of `quantities`, by name and in their order."""
         state = (run.position, run.velocity, run.omega)
         columns = [column[:, body] for body in range(self.bodies) for column in state]

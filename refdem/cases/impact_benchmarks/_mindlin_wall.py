@@ -3,12 +3,13 @@ stiffness, clipped at Coulomb's limit.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._hertz_wall import HertzWall
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.cases.impact_benchmarks._wall import of_impact, struck
+from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
 from refdem.errors import UsageError
@@ -24,7 +25,7 @@ class MindlinWall(HertzWall):
     effective moduli.
     """
 
-    def values(self, p: Any) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the normal and the tangential stiffness of the material."""
         from refdem.truth.contact_law import hertz_modulus, mindlin_modulus, mindlin_wall_stiffness
 
@@ -40,7 +41,7 @@ class MindlinWall(HertzWall):
             )
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The sphere and the wall, which touch without overlap."""
         law = Contact(
             law="hertz",
@@ -51,7 +52,7 @@ class MindlinWall(HertzWall):
         )
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), law])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = contact duration/pi, by the faster of the two springs; two contact durations.
 
         The tangential spring acts on the effective mass 2/7 m of a sphere that also rotates, so
@@ -62,7 +63,7 @@ class MindlinWall(HertzWall):
         tau = contact_time / np.pi / max(1.0, rate_ratio)
         return of_impact(v, tau=tau, contact_time=contact_time)
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The certified motion, in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import MindlinWallImpact
 

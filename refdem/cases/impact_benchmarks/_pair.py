@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._hertz_wall import HERTZ_CONTACT
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Array, Member
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -19,7 +19,7 @@ from refdem.scene.elements.contact import Contact
 class HertzPair(Member):
     """Two equal ones, head-on, centre of mass at rest; overlap and its rate."""
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the effective mass and Hertz's stiffness."""
         from refdem.truth.contact_law import hertz_pair_stiffness
 
@@ -31,11 +31,11 @@ class HertzPair(Member):
         v.spins = (Fraction(0), Fraction(0))
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [Contact(law="hertz", stiffness=float(v.hertz))])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """L is the greatest overlap, at least R/8; tau = contact duration/pi; two contacts.
 
         The greatest overlap is d = (5 m v^2/(4 k))^(2/5), from m v^2/2 = 2/5 k d^(5/2).
@@ -50,26 +50,26 @@ class HertzPair(Member):
             mass=float(v.effective),
         )
 
-    def quantities(self, v: Any) -> tuple[Quantity, ...]:
+    def quantities(self, v: Values) -> tuple[Quantity, ...]:
         """The quantities that are judged: overlap [m] and its rate [m/s]."""
         scales = self.scales(v)
         return (Quantity("overlap", "m", scales.length), Quantity("v", "m/s", scales.speed))
 
-    def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
+    def observe(self, v: Values, run: Trajectory) -> dict[str, Array]:
         """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         x = run.position[:, :, 0]
         u = run.velocity[:, :, 0]
         distance = np.abs(x[:, 1] - x[:, 0])
         return {"overlap": 2 * float(v.radius) - distance, "v": u[:, 0] - u[:, 1]}
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The closed-form truth of the member."""
         from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
 
         return HertzSpheres(scale, v.effective, v.hertz, v.speed)
 
 
-def touching(v: Any) -> list[Body]:
+def touching(v: Values) -> list[Body]:
     """Two spheres that touch: 1 at x < 0, 2 at x > 0, their centre of mass at rest at the origin.
 
     Their `masses`, `radii` and `spins` (about z) are pairs in `v`; they close at `v.speed`.

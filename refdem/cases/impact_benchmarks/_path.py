@@ -13,6 +13,7 @@ import numpy as np
 
 from refdem.cases.impact_benchmarks._member import Array, Member
 from refdem.cases.impact_benchmarks._parameters import LEVERS
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -71,7 +72,7 @@ class Path(Member):
             "begin": short_root(Fraction(25, 16) * half_squared),
         }
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with `half` [m], half of the path's length in contact, rounded for the
         scales.
         """
@@ -81,7 +82,7 @@ class Path(Member):
         v.half = float(np.sqrt(float(v.half_squared)))
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The two spheres, both too heavy for contact to change their motion."""
         mass = float(HEAVY)
         axes = np.array(self.frame, float)
@@ -104,7 +105,7 @@ class Path(Member):
         )
         return Scene.of([first, second], [linear(v)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """L = R1 + R2; tau is a quarter of the time of contact; T takes body 2 from -begin to
         begin.
         """
@@ -117,7 +118,7 @@ class Path(Member):
             mass=float(HEAVY),
         )
 
-    def quantities(self, v: Any) -> tuple[Quantity, ...]:
+    def quantities(self, v: Values) -> tuple[Quantity, ...]:
         """Impulse and angular impulse (`turning`) of body 1; position and velocity of body 2.
 
         The scale of the impulse is the largest normal force k d for the time of contact, 4 tau.
@@ -135,7 +136,7 @@ class Path(Member):
             components += [Quantity(f"{vector}.{axis}", unit, scale) for axis in "xyz"]
         return tuple(components)
 
-    def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
+    def observe(self, v: Values, run: Trajectory) -> dict[str, Array]:
         """The components (T,) of `quantities`: m v and J omega of body 1, r and v of body 2."""
         mass = float(HEAVY)
         # J = 2/5 m R^2.
@@ -149,7 +150,7 @@ class Path(Member):
         names = [quantity.name for quantity in self.quantities(v)]
         return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._floor import OnFloor, ball
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -20,7 +20,7 @@ class Slide(OnFloor):
     long as it slides.
     """
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters; UsageError without friction, where the sphere slides for ever."""
         v = super().values(p)
         if not v.friction:
@@ -29,13 +29,13 @@ class Slide(OnFloor):
             )
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The sphere on the floor, where its weight holds it in equilibrium along y."""
         # k d = m g.
         overlap = v.mass * v.gravity / v.stiffness
         return self.of(v, [ball(v, v.mass, v.radius - overlap, v.speed)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = sqrt(m/k); L the way in tau, at least R/8; it lasts twice the slide.
 
         A solid sphere slides for t = 2 v0/(7 mu g), until friction has spun it up to v = omega R.
@@ -45,7 +45,7 @@ class Slide(OnFloor):
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
         return Scales(length=length, tau=tau, duration=2 * sliding_time, mass=float(v.mass))
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form: sliding, then rolling."""
         from refdem.truth.closed_forms.impact_benchmarks.slide_to_roll import SlideToRoll
 

@@ -4,7 +4,7 @@ law.
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_t
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
 from refdem.cases.impact_benchmarks._pair import touching
 from refdem.cases.impact_benchmarks._parameters import LEVERS
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
@@ -24,7 +25,7 @@ class SpinningPair(Member):
 
     bodies: ClassVar[int] = 2
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with masses, radii and spins of both spheres, the effective mass, and the
         dashpot that makes the restitution.
         """
@@ -38,11 +39,11 @@ class SpinningPair(Member):
         v.damping = dashpot_of(v, v.effective)
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [linear(v)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = 1/omega_max; L the way in tau, at least R/8; two contact durations.
 
         omega_max^2 = max(k_n, 7/2 k_t)/m: of solid spheres that stick and rotate, 2/7 of the
@@ -57,7 +58,7 @@ class SpinningPair(Member):
         length = max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED)
         return Scales(length=length, tau=tau, duration=2 * contact_time, mass=mass)
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth of the collision of two spheres."""
         from refdem.truth.closed_forms.two_spheres import TwoSpheres
         from refdem.truth.sphere_pair import SpherePair

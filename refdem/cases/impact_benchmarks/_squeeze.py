@@ -4,13 +4,14 @@ linear law.
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_time
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
 from refdem.cases.impact_benchmarks._parameters import LEVERS
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
@@ -26,7 +27,7 @@ class Squeeze(Member):
 
     bodies: ClassVar[int] = 3
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the mass of the large spheres, and the dashpot that makes the
         restitution of each against the small one, which stays.
         """
@@ -40,7 +41,7 @@ class Squeeze(Member):
         v.across = v.speed * sine(v.angle)
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The three spheres touch, with centres on x and the small one at the origin.
 
         The scene is symmetric: half a turn about z leaves it as it is.
@@ -73,7 +74,7 @@ class Squeeze(Member):
         )
         return Scene.of([large(1), middle, large(-1)], [linear(v)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = 1/omega_max; L the way in tau, at least R/8; two contact durations.
 
         omega_max^2 = max(k_n, k_t (7/2 + 5 M/m))/M for the masses M of a large and m of the small
@@ -88,7 +89,7 @@ class Squeeze(Member):
         length = max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED)
         return Scales(length=length, tau=tau, duration=2 * contact_time, mass=mass)
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth of a pair, to which symmetry reduces the three spheres."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
 

@@ -1,13 +1,14 @@
 """Two spheres squeezed between the floor and a ceiling at `height`."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._dashpot import dashpot_of
 from refdem.cases.impact_benchmarks._floor import OnFloor, ball
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
+from refdem.cases.impact_benchmarks._values import Values
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -23,7 +24,7 @@ class Stack(OnFloor):
 
     bodies: ClassVar[int] = 2
 
-    def values(self, p: Parameters) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the mass of the upper sphere, and the dashpot that gives the
         restitution of an impact of the two on each other.
         """
@@ -40,12 +41,12 @@ class Stack(OnFloor):
             )
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The spheres one above the other, between two planes."""
         bodies = [ball(v, v.mass, v.height / 4), ball(v, v.upper, v.height * 3 / 4)]
         return self.of(v, bodies, Plane(point=(0.0, float(v.height), 0.0), normal=(0.0, -1.0, 0.0)))
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """L = height/8; tau = sqrt(m/(3 k)) of the lighter sphere, T = 40 tau, some six periods.
 
         The fastest mode of two equal spheres moves them against each other: each is pushed back by
@@ -61,7 +62,7 @@ class Stack(OnFloor):
             mass=float(v.effective),
         )
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth as the solution of a linear system."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 

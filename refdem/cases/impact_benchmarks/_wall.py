@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_time
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
 from refdem.cases.impact_benchmarks._parameters import LEVERS
+from refdem.cases.impact_benchmarks._values import Values
+from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
 from refdem.scene import Body, Scene, Sphere
@@ -21,7 +22,7 @@ class Wall(Member):
     v_n).
     """
 
-    def values(self, p: Any) -> Any:
+    def values(self, p: Parameters) -> Values:
         """The parameters with the `normal` and tangential (`across`) velocity [m/s] and the `spin`
         [rad/s] at touch; with a stiffness, also the dashpot.
 
@@ -44,11 +45,11 @@ class Wall(Member):
             v.damping = dashpot_of(v, v.mass)
         return v
 
-    def scene(self, v: Any) -> Scene:
+    def scene(self, v: Values) -> Scene:
         """The sphere and the wall, which touch without overlap."""
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), linear(v)])
 
-    def scales(self, v: Any) -> Scales:
+    def scales(self, v: Values) -> Scales:
         """tau = 1/omega_max; two contact durations.
 
         omega_max^2 = max(k_n, 7/2 k_t)/m: of a solid sphere that sticks and rotates, 2/7 m resists
@@ -60,7 +61,7 @@ class Wall(Member):
         tau = np.sqrt(float(v.mass) / stiffest)
         return of_impact(v, tau=float(tau), contact_time=contact_time)
 
-    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+    def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth from one switch of the contact to the next."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
@@ -80,7 +81,7 @@ class Wall(Member):
         return WallImpact(scale, pair)
 
 
-def struck(v: Any) -> Body:
+def struck(v: Values) -> Body:
     """The sphere left of the wall, which it touches; `normal` is its velocity towards the wall."""
     m = float(v.mass)
     r = float(v.radius)
@@ -96,7 +97,7 @@ def struck(v: Any) -> Body:
     )
 
 
-def linear(v: Any) -> Contact:
+def linear(v: Values) -> Contact:
     """The linear law of contact with these values."""
     numbers = {
         name: float(getattr(v, name))
@@ -105,7 +106,7 @@ def linear(v: Any) -> Contact:
     return Contact(law="linear", branch=v.branch, cutoff=v.cutoff, **numbers)
 
 
-def of_impact(v: Any, *, tau: float, contact_time: float) -> Scales:
+def of_impact(v: Values, *, tau: float, contact_time: float) -> Scales:
     """Scales of an impact on the wall that lasts two contact durations.
 
     L is the way in tau at the speed of the sphere plus that of its rim, but at least R/8.

@@ -69,13 +69,14 @@ def of_ball_joints(scene: Scene) -> str | None:
         body = scene.bodies.single()[joint.a]
         arm = rotated(np.array(body.attitude), -np.array(joint.anchor_a))
         omega = np.array(body.omega)
-        off = np.subtract(body.position, joint.anchor_b) - arm
-        slip = np.subtract(body.velocity, np.cross(omega, arm))
-        size = float(np.linalg.norm(arm))
         if body.fixed or not any(body.inertia):
             return engine_cannot("a ball joint on a body without rotation")
-        if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(
-            slip
-        ) > FITS * size * np.linalg.norm(omega):
+        # A closed joint: r = anchor + arm and v = omega x arm, to the rounding of each.
+        gap = np.linalg.norm(np.subtract(body.position, joint.anchor_b) - arm)
+        slip = np.linalg.norm(np.subtract(body.velocity, np.cross(omega, arm)))
+        arm_length = float(np.linalg.norm(arm))
+        is_open = gap > FITS * (arm_length + np.linalg.norm(joint.anchor_b))
+        slides = slip > FITS * arm_length * np.linalg.norm(omega)
+        if is_open or slides:
             return engine_cannot("an initially open joint, which a ball joint cannot represent")
     return None

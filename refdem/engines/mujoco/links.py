@@ -11,6 +11,11 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
+START_TOLERANCE = 1e-9
+"""Relative error of a rod's length, and of the speed along it, that rounding of a start may make;
+larger ones a hinge would not keep.
+"""
+
 
 def of_springs(scene: Scene) -> str | None:
     """None if every one of the springs can be said."""
@@ -76,10 +81,12 @@ def of_rods(scene: Scene) -> str | None:
         else:
             arm = place[rod.a] - np.array(rod.anchor_b)
             relative = velocity[rod.a]
+        # A hinge holds |arm| = length and arm . v = 0 exactly; a start may miss both by rounding.
         slip = abs(arm @ relative)
-        if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (
-            1 + slip
-        ):
+        stretch = abs(np.linalg.norm(arm) - rod.length)
+        is_long = stretch > START_TOLERANCE * rod.length
+        slides = slip > START_TOLERANCE * rod.length * (1 + slip)
+        if is_long or slides:
             return engine_cannot("a start off the rod, which a hinge cannot represent")
     return None
 

@@ -92,7 +92,7 @@ def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: in
     addresses = {
         "q": data.qpos.ctypes.data,
         "v": data.qvel.ctypes.data,
-        "felt": data.qfrc_passive.ctypes.data,
+        "passive_force": data.qfrc_passive.ctypes.data,
         "clock": clock,
     }
     pointers = {name: ffi.cast("double *", address) for name, address in addresses.items()}

@@ -17,6 +17,10 @@ from refdem.engines.pymunk.space import angle_of, space_of
 from refdem.errors import EngineError
 
 Array = NDArray[np.float64]
+ANGLE = 4
+"""Column of the rows of a run, x, y, vx, vy, angle, omega, that has the angle [rad]."""
+OMEGA = 5
+"""Column that has the angular velocity [rad/s]."""
 FUNCTIONS = {
     "step": "cpSpaceStep",
     "position": "cpBodyGetPosition",
@@ -41,13 +45,15 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     )
     ffi = kernels.load("chipmunk").ffi
     lib = kernels.load("chipmunk").lib
-    engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
+    can_turn = (columns.inertia[:, 2] > 0) & ~columns.fixed
+    engine = _engine(ffi, space, turns=bool(can_turn.any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
     samples = len(request.problem.times)
     stride = request.stride
     rows = np.full((samples, len(bodies), 6), np.nan)
-    rows[..., 4] = angle_of(columns.attitude)
-    rows[..., 5] = 0.0
+    # Where nothing can turn the loop does not write these columns.
+    rows[..., ANGLE] = angle_of(columns.attitude)
+    rows[..., OMEGA] = 0.0
     out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()
     lib.refdem_chipmunk_record(
@@ -94,12 +100,20 @@ def _address(ffi: Any, pointer: Any) -> Any:
 def _trajectory(request: Request, t: Array, rows: Array) -> Trajectory:
     """Rows (T, N, 6) of x, y, vx, vy, angle, omega in three dimensions."""
     bodies = request.problem.scene.bodies
-    position, velocity, omega = (np.zeros((*rows.shape[:2], 3)) for _ in range(3))
+    vectors = (*rows.shape[:2], 3)
+    position = np.zeros(vectors)
+    velocity = np.zeros(vectors)
+    omega = np.zeros(vectors)
     position[..., :2] = rows[..., 0:2]
     velocity[..., :2] = rows[..., 2:4]
-    omega[..., 2] = rows[..., 5]
+    omega[..., 2] = rows[..., OMEGA]
     attitude = np.zeros((*rows.shape[:2], 4))
-    attitude[..., 0], attitude[..., 3] = np.cos(rows[..., 4] / 2), np.sin(rows[..., 4] / 2)
-    still = ~bodies.omega.any(axis=1) & (rows[..., 4] == angle_of(bodies.attitude)).all(axis=0)
+    # A turn about z by the angle alpha: (cos(alpha/2), 0, 0, sin(alpha/2)).
+    half_angle = rows[..., ANGLE] / 2
+    attitude[..., 0] = np.cos(half_angle)
+    attitude[..., 3] = np.sin(half_angle)
+    # A body that never turned keeps its attitude, which may be one that no turn about z makes.
+    keeps_angle = (rows[..., ANGLE] == angle_of(bodies.attitude)).all(axis=0)
+    still = ~bodies.omega.any(axis=1) & keeps_angle
     attitude[:, still] = bodies.attitude[still]
     return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)

@@ -27,10 +27,16 @@ def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list
     on joints unless it is tuned.
     """
     space = pymunk.Space()
-    space.damping = exp(-(fading(scene) or 0.0))
-    space.gravity = tuple(
-        np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist()
-    )
+    # Chipmunk's damping is the factor on all velocities in a second, exp(-rate).
+    rate = fading(scene)
+    if rate is None:
+        rate = 0.0
+    space.damping = exp(-rate)
+    # The total of all uniform fields in the plane; zero without one.
+    gravity = np.zeros(2)
+    for field in scene.all(UniformGravity):
+        gravity += field.g[:2]
+    space.gravity = (float(gravity[0]), float(gravity[1]))
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
     space.add(*bodies)
     links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
@@ -40,6 +46,7 @@ def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list
         if not all(_is_still(scene, end) for end in (link.a, link.b))
     ]
     space.add(*joints)
+    # Springs are forces; all other joints are constraints that the solver iterates over.
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
     add_soft_contacts(space, scene, bodies)
@@ -69,9 +76,11 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     if column.fixed[number]:
         body = pymunk.Body(body_type=pymunk.Body.STATIC)
     else:
-        body = pymunk.Body(
-            float(column.mass[number]), float(column.inertia[number, 2]) or float("inf")
-        )
+        # Chipmunk takes no moment of 0; a point that nothing can turn has an infinite one.
+        moment = float(column.inertia[number, 2])
+        if moment == 0:
+            moment = float("inf")
+        body = pymunk.Body(float(column.mass[number]), moment)
     body.position = tuple(column.position[number, :2].tolist())
     body.angle = float(angle_of(column.attitude[number]))
     if not column.fixed[number]:

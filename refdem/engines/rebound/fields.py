@@ -2,6 +2,7 @@
 fields, drives, rods and rotors, as the compiled loop has them.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from refdem import kernels
 from refdem.engines.rebound.unsupported import turning
 from refdem.scene import Scene, Sphere
+from refdem.scene.element import Link
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
@@ -34,78 +36,6 @@ class Fields:
     reads_velocity: bool
 
 
-def fields_of(scene: Scene) -> Fields:
-    """The fields of a scene; the places of its particles are filled in by the simulation."""
-    ffi = kernels.load(FAMILY).ffi
-    springs = scene.all(Spring)
-    rods = scene.all(Rod)
-    field_rows = _piecewise_rows(scene)
-    touches = _touches(scene)
-    gravity = scene.all(UniformGravity)
-    dashpots = scene.all(Dashpot)
-    drives = scene.all(Force)
-    rotors = turning(scene)
-    # The total acceleration of all uniform fields; zero without one.
-    fields = [field.g for field in gravity] or [(0.0, 0.0, 0.0)]
-    spring_rows = [
-        (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs
-    ]
-    dashpot_rows = [(d.damping, d.van_der_pol, *d.anchor_b) for d in dashpots]
-    drive_rows = [(f.amplitude, f.frequency, f.phase, *f.axis) for f in drives]
-    rod_anchors = [rod.anchor_b for rod in rods]
-    doubles = {
-        "mass": scene.bodies.mass,
-        "gravity": np.sum(fields, axis=0),
-        "spring": np.array(spring_rows),
-        "dashpot": np.array(dashpot_rows),
-        "contact": np.array([touch.numbers for touch in touches]),
-        "field": np.array(field_rows),
-        "drive": np.array(drive_rows),
-        "rod_anchor": np.array(rod_anchors),
-        "tension": np.zeros(len(rods)),
-        "inertia": scene.bodies.inertia[rotors],
-    }
-    integers = {
-        "fixed": scene.bodies.fixed,
-        "spring_end": np.array([(s.a, s.b) for s in springs]),
-        "dashpot_end": np.array([(d.a, d.b) for d in dashpots]),
-        "contact_end": np.array([touch.bodies for touch in touches]),
-        "drive_end": np.array([(f.a, f.b) for f in drives]),
-        "rod_end": np.array([(rod.a, rod.b) for rod in rods]),
-    }
-    counts = {
-        "bodies": len(scene.bodies),
-        "springs": len(springs),
-        "dashpots": len(dashpots),
-        "contacts": len(touches),
-        "fields": len(field_rows),
-        "drives": len(drives),
-    }
-    counts |= {"rods": len(rods), "turning": len(rotors)}
-    struct = ffi.new("refdem_rebound_scene *", counts)
-    kept = []
-    for columns, kind, dtype in (
-        (doubles, "double[]", np.float64),
-        (integers, "int64_t[]", np.int64),
-    ):
-        for name, values in columns.items():
-            view = ffi.from_buffer(
-                kind, np.ascontiguousarray(values, dtype), require_writable=False
-            )
-            setattr(struct, name, ffi.cast(kind.replace("[]", " *"), view))
-            kept.append(view)
-    acts = bool(springs or dashpots or touches or field_rows or drives or rods or gravity)
-    damped = any(touch.is_damped for touch in touches)
-    return Fields(
-        struct,
-        tuple(kept),
-        tuple(rotors),
-        len(rods),
-        acts,
-        reads_velocity=bool(dashpots or rods or damped),
-    )
-
-
 @dataclass(frozen=True)
 class Touch:
     """Two spheres that may press each other, and the law as a row of the callbacks: sum of the
@@ -119,6 +49,96 @@ class Touch:
     def is_damped(self) -> bool:
         """True if the force depends on the velocities."""
         return self.numbers[3] != 0
+
+
+def fields_of(scene: Scene) -> Fields:
+    """The fields of a scene; the places of its particles are filled in by the simulation."""
+    rods = scene.all(Rod)
+    touches = _touches(scene)
+    rotors = turning(scene)
+    dashpots = scene.all(Dashpot)
+    counts = {
+        "bodies": len(scene.bodies),
+        "springs": len(scene.all(Spring)),
+        "dashpots": len(dashpots),
+        "contacts": len(touches),
+        "fields": len(scene.all(PiecewiseField)),
+        "drives": len(scene.all(Force)),
+        "rods": len(rods),
+        "turning": len(rotors),
+    }
+    struct = kernels.load(FAMILY).ffi.new("refdem_rebound_scene *", counts)
+    arrays = _set_arrays(struct, _numbers(scene, touches, rotors), "double", np.float64)
+    arrays += _set_arrays(struct, _ends(scene, touches), "int64_t", np.int64)
+    acting = ("springs", "dashpots", "contacts", "fields", "drives", "rods")
+    has_gravity = bool(scene.all(UniformGravity))
+    is_damped = any(touch.is_damped for touch in touches)
+    return Fields(
+        struct,
+        tuple(arrays),
+        tuple(rotors),
+        len(rods),
+        has_forces=has_gravity or any(counts[name] > 0 for name in acting),
+        reads_velocity=bool(dashpots or rods or is_damped),
+    )
+
+
+def _numbers(scene: Scene, touches: list[Touch], rotors: Sequence[int]) -> dict[str, Any]:
+    """The arrays of doubles of the callbacks' struct, by its fields: a row an element."""
+    # The total acceleration of all uniform fields; zero without one.
+    gravity = [field.g for field in scene.all(UniformGravity)]
+    if not gravity:
+        gravity = [(0.0, 0.0, 0.0)]
+    spring_rows = [
+        (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic)
+        for s in scene.all(Spring)
+    ]
+    dashpot_rows = [(d.damping, d.van_der_pol, *d.anchor_b) for d in scene.all(Dashpot)]
+    drive_rows = [(f.amplitude, f.frequency, f.phase, *f.axis) for f in scene.all(Force)]
+    rods = scene.all(Rod)
+    return {
+        "mass": scene.bodies.mass,
+        "gravity": np.sum(gravity, axis=0),
+        "spring": spring_rows,
+        "dashpot": dashpot_rows,
+        "contact": [touch.numbers for touch in touches],
+        "field": _piecewise_rows(scene),
+        "drive": drive_rows,
+        "rod_anchor": [rod.anchor_b for rod in rods],
+        "tension": np.zeros(len(rods)),
+        "inertia": scene.bodies.inertia[rotors],
+    }
+
+
+def _ends(scene: Scene, touches: list[Touch]) -> dict[str, Any]:
+    """The arrays of integers of the callbacks' struct: what is fixed, and the bodies at both ends
+    of every element, -1 for the world.
+    """
+    links: dict[str, Sequence[Link]] = {
+        "spring_end": scene.all(Spring),
+        "dashpot_end": scene.all(Dashpot),
+        "drive_end": scene.all(Force),
+        "rod_end": scene.all(Rod),
+    }
+    ends: dict[str, Any] = {"fixed": scene.bodies.fixed}
+    for name, elements in links.items():
+        ends[name] = [(link.a, link.b) for link in elements]
+    ends["contact_end"] = [touch.bodies for touch in touches]
+    return ends
+
+
+def _set_arrays(struct: Any, columns: dict[str, Any], kind: str, dtype: Any) -> list[Any]:
+    """Points the fields of `struct` at arrays of the C type `kind`; returns views that keep them
+    alive.
+    """
+    ffi = kernels.load(FAMILY).ffi
+    views = []
+    for name, values in columns.items():
+        array = np.ascontiguousarray(values, dtype)
+        view = ffi.from_buffer(f"{kind}[]", array, require_writable=False)
+        setattr(struct, name, ffi.cast(f"{kind} *", view))
+        views.append(view)
+    return views
 
 
 def _piecewise_rows(scene: Scene) -> list[tuple[float, ...]]:

@@ -1,44 +1,41 @@
 """The integrators of REBOUND that refdem runs, with what is claimed for them."""
 
+from dataclasses import replace
+
 from refdem.core.engine import Method
 
 KEPT = frozenset({"momentum", "angular-momentum"})
 COLLISIONS = {"contact:rigid": 1}
 """Hard spheres collide at the end of the step in which they meet, wherever they are then."""
 
+LEAPFROG = Method(
+    name="leapfrog",
+    summary=(
+        "drift, kick, drift; forces that depend on the place alone; spheres that overlap at the"
+        " end of a step collide (direct)"
+    ),
+    control="step",
+    order=2,
+    order_with=COLLISIONS,
+    conserves=KEPT,
+    symplectic=True,
+    reversible=True,
+    backward=True,
+    summed_clock=True,
+    cost_rank=1,
+)
+LEAPFROG_LINE = replace(
+    LEAPFROG,
+    name="leapfrog-line",
+    summary=(
+        "leapfrog; spheres that overlapped on the straight way of a step collide at its end (line)"
+    ),
+)
+"""The same step with REBOUND's other search for collisions."""
+
 METHODS = (
-    Method(
-        name="leapfrog",
-        summary=(
-            "drift, kick, drift; forces that depend on the place alone; spheres that overlap at the"
-            " end of a step collide (direct)"
-        ),
-        control="step",
-        order=2,
-        order_with=COLLISIONS,
-        conserves=KEPT,
-        symplectic=True,
-        reversible=True,
-        backward=True,
-        summed_clock=True,
-        cost_rank=1,
-    ),
-    Method(
-        name="leapfrog-line",
-        summary=(
-            "leapfrog; spheres that overlapped on the straight way of a step collide at its end"
-            " (line)"
-        ),
-        control="step",
-        order=2,
-        order_with=COLLISIONS,
-        conserves=KEPT,
-        symplectic=True,
-        reversible=True,
-        backward=True,
-        summed_clock=True,
-        cost_rank=1,
-    ),
+    LEAPFROG,
+    LEAPFROG_LINE,
     Method(
         name="leapfrog-8",
         summary="17 leapfrog steps composed to order 8 (Blanes and Casas 2016)",

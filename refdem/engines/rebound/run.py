@@ -45,13 +45,10 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
         stride = request.stride
     else:
         stride = int(request.method in STEPPED)
-    rows = np.full(
-        (
-            len(times),
-            1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods,
-        ),
-        np.nan,
-    )
+    # A row: t, position and velocity of every body, attitude and omega of every rotor, rod forces.
+    of_bodies = 6 * len(request.problem.scene.bodies)
+    of_rotors = 7 * len(fields.rotors)
+    rows = np.full((len(times), 1 + of_bodies + of_rotors + fields.rods), np.nan)
     started = perf_counter()
     failed = kernels.load(FAMILY).lib.refdem_rebound_record(
         engine,
@@ -64,9 +61,9 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     ended = perf_counter()
     _refuse_failure(sim, request, failed)
     if request.method == "leapfrog-8":
-        rows[:, 0] = (
-            times[0] + np.arange(len(times)) * (sim.steps_done // (len(times) - 1)) * sim.dt
-        )
+        # Its inner steps move REBOUND's clock; the time is that of the whole steps.
+        steps_per_sample = sim.steps_done // (len(times) - 1)
+        rows[:, 0] = times[0] + np.arange(len(times)) * steps_per_sample * sim.dt
     return _trajectory(request, fields, rows), Cost(
         seconds=ended - started, setup=started - began, steps=int(sim.steps_done)
     )
@@ -102,7 +99,7 @@ def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> N
 
 
 def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
-    """Rows (T, ...) as the kernel writes them; attitudes are divided by their length."""
+    """The trajectory in the rows (T, ...) of `recorded`; attitudes are divided by their length."""
     bodies = request.problem.scene.bodies
     count = len(rows)
     end = 1 + 6 * len(bodies)
@@ -113,14 +110,18 @@ def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
     if fields.rotors:
         turned = rows[:, end : end + 7 * len(fields.rotors)].reshape(count, -1, 7)
         unit = turned[..., :4] / np.linalg.norm(turned[..., :4], axis=-1, keepdims=True)
-        attitude[:, fields.rotors], omega[:, fields.rotors] = unit, rotated(unit, turned[..., 4:])
+        attitude[:, fields.rotors] = unit
+        # The rows have omega in body axes.
+        omega[:, fields.rotors] = rotated(unit, turned[..., 4:])
     if fields.rods:
         channels = {"rod_force": rows[:, -fields.rods :].copy()}
     else:
         channels = {}
-    t, position, velocity = (
-        np.ascontiguousarray(part) for part in (rows[:, 0], state[..., :3], state[..., 3:])
-    )
     return Trajectory(
-        t=t, position=position, velocity=velocity, attitude=attitude, omega=omega, channels=channels
+        t=np.ascontiguousarray(rows[:, 0]),
+        position=np.ascontiguousarray(state[..., :3]),
+        velocity=np.ascontiguousarray(state[..., 3:]),
+        attitude=attitude,
+        omega=omega,
+        channels=channels,
     )

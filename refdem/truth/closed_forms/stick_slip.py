@@ -32,6 +32,10 @@ from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import numbers
 from refdem.truth.traced_field import Field
 
+# Places of a state.
+PLACE = 0  # x [m]
+SLIP = 1  # u [m/s]
+CLOCK = 2  # t [s]
 NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta", "x0", "v0")
 FORWARD = "forward"
 BACKWARD = "backward"
@@ -73,7 +77,7 @@ class StickSlip:
 
     def pull(self, y: Any) -> Any:
         """The pull P = gamma cos(eta t) - x - a mu(|belt|), which friction balances in a stick."""
-        return self.gamma * (self.eta * y[2]).cos() - y[0] - self.friction(abs(self.belt))
+        return self.gamma * (self.eta * y[CLOCK]).cos() - y[PLACE] - self.friction(abs(self.belt))
 
     def modes(self) -> dict[str, Mode]:
         """The three modes of the motion, by name.
@@ -82,8 +86,8 @@ class StickSlip:
         """
         limit = self.limit
         # A slip ends where u = 0.
-        forward_stop = Guard("stop", lambda y: y[1], self.landing)
-        backward_stop = Guard("stop", lambda y: -y[1], self.landing)
+        forward_stop = Guard("stop", lambda y: y[SLIP], self.landing)
+        backward_stop = Guard("stop", lambda y: -y[SLIP], self.landing)
         # Sticking ends where |P| = a mu0. The slip begins with a double zero of u.
         release_forward = Guard(
             FORWARD,
@@ -119,8 +123,8 @@ class StickSlip:
         """
 
         def field(y: Any) -> list[Any]:
-            friction = self.friction(side * y[1])
-            return [y[1] + self.belt, self.pull(y) - side * friction, 1]
+            friction = self.friction(side * y[SLIP])
+            return [y[SLIP] + self.belt, self.pull(y) - side * friction, 1]
 
         return field
 
@@ -135,9 +139,9 @@ class StickSlip:
 
         Raises SwitchError where balls do not tell |P| from a mu0.
         """
-        drive = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos()
+        drive = arb_of(self.gamma) * (arb_of(self.eta) * y[CLOCK]).cos()
         limit = arb_of(self.limit)
-        pull = drive - y[0] - arb_of(self.friction(abs(self.belt)))
+        pull = drive - y[PLACE] - arb_of(self.friction(abs(self.belt)))
         if abs(pull) < limit:
             return Entry(STICK, on_belt)
         # u crosses 0 with the rate P -+ a mu0, which is not 0: a simple zero of its guard.
@@ -146,7 +150,9 @@ class StickSlip:
         if pull < -limit:
             return Entry(BACKWARD, on_belt, {"stop": 1})
         raise SwitchError(
-            "corner", "it meets the belt with a pull at the limit of friction", float(y[2].mid())
+            "corner",
+            "it meets the belt with a pull at the limit of friction",
+            float(y[CLOCK].mid()),
         )
 
     def first(self, y: State) -> Entry:
@@ -193,7 +199,7 @@ class StickSlip:
         """
         releases = {}
         for side, offset in ((FORWARD, 2 * self.limit), (BACKWARD, Fraction(0))):
-            elapsed = self.next_time(y[0] + arb_of(offset), y[2])
+            elapsed = self.next_time(y[PLACE] + arb_of(offset), y[CLOCK])
             if elapsed is not None:
                 releases[side] = elapsed
         if len(releases) < 2:
@@ -234,7 +240,7 @@ class StickSlip:
 
 def on_belt(y: Any) -> list[Any]:
     """The same state with u exactly 0."""
-    return [y[0], 0, y[2]]
+    return [y[PLACE], 0, y[CLOCK]]
 
 
 WITNESS = (
@@ -286,7 +292,7 @@ def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
         system.modes(),
         start,
         system.first,
-        lambda y: {"x": y[0], "v": y[1] + system.belt},
+        lambda y: {"x": y[PLACE], "v": y[SLIP] + system.belt},
         scale,
         state=("x", "v"),
         moved=(0, 1),

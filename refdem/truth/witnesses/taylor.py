@@ -104,7 +104,9 @@ class Solution:
         """
         begin, start = self.next
         series = self._series(begin, start)
-        start_size = max(float(abs(value).mid()) for value in start) or 1.0
+        start_size = max(float(abs(value).mid()) for value in start)
+        if start_size == 0:
+            start_size = 1.0
         radii = [8.0]
         for n in range(self.order - LAST, self.order + 1):
             coefficient = max(abs(polynomial[n]) for polynomial in series)

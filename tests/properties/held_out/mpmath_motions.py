@@ -288,15 +288,18 @@ def outline():
 
 
 def turning(j, omega, q, t, torque=lambda q, w: (0, 0, 0)):
-    """omega in body axes and attitude."""
+    """omega in body axes and attitude of a body with principal moments `j` under a torque."""
 
     def rates(s, y):
         w = y[:3]
         m = torque(y[3:], y[:3])
-        spun = [
-            ((j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3] + m[i]) / j[i]
-            for i in range(3)
-        ]
+        # Euler: J_i w_i' = (J_k - J_l) w_k w_l + m_i for cyclic i, k, l.
+        spun = []
+        for i in range(3):
+            k = (i + 1) % 3
+            l_ = (i + 2) % 3
+            spun.append(((j[k] - j[l_]) * w[k] * w[l_] + m[i]) / j[i])
+        # q' = q (0, w)/2.
         a, x, y_, z = y[3:]
         turn = [
             -x * w[0] - y_ * w[1] - z * w[2],
