@@ -54,9 +54,12 @@ AT_ROUND_OFF = (
     ("energy", "intermediate-axis*", "rebound", TOLERATED),
     ("energy", "neglected-gyroscopic", "rebound", TOLERATED),
     ("energy", "neglected-gyroscopic*slope*", "reference", TINY),
+    ("energy", "free-rigid-body*inertia=3,1,2*", "rebound", TOLERATED),
     ("energy-return", "wedge-collision", "reference", CLOSED),
-    ("energy-return", "asymmetric-field", "reference", CLOSED),
+    ("energy-return", "asymmetric-field*", "reference", CLOSED),
     ("error", "billiards", "reference", CLOSED),
+    ("error", "billiards*direction=1,0*", "reference", CLOSED),
+    ("error", "free-rigid-body*inertia=3,1,2*", "rebound", TOLERATED),
     ("error", "block-on-slope*", "pymunk", STILL),
     ("error", "free-rigid-body*omega_body=0,0,1 *", "mujoco", STILL),
     ("error", "driven-oscillator*delta=2*", "reference", CLOSED),
@@ -73,6 +76,7 @@ AT_ROUND_OFF = (
     ("error", "newtons-first-law*velocity=0*", "mujoco", STILL),
     ("error", "pendulum-equilibria*", "rebound", TINY),
     ("event-times", "impact-benchmarks*dem-05-hertz*", "reference", CLOSED),
+    ("event-times", "impact-benchmarks*dem-05-mindlin*", "reference", CLOSED),
     ("limit", "pendulum-equilibria*delta=0*", "*", STILL),
     ("limit", "newtons-first-law*", "mujoco", STILL),
     ("limit", "free-rigid-body*omega_body=0,0,1 *", "mujoco", STILL),
@@ -100,8 +104,8 @@ AT_ROUND_OFF = (
         "pymunk",
         "what a contact solver leaves of a balance is a part of gravity, not of the scale",
     ),
-    ("reversal", "asymmetric-field", "reference", UNDONE),
-    ("reversal", "asymmetric-field", "rebound", UNDONE),
+    ("reversal", "asymmetric-field*", "reference", UNDONE),
+    ("reversal", "asymmetric-field*", "rebound", UNDONE),
     ("reversal", "impact-benchmarks*co-1*", "rebound", UNDONE),
     ("reversal", "impact-benchmarks*co-1*", "reference", UNDONE),
     ("reversal", "two-spheres*damping=0*", "rebound", UNDONE),
@@ -171,10 +175,6 @@ SAMPLED = (
     "bs must land on every sample, and the samples of a body that turns are closer than the steps"
     " that its tolerance allows"
 )
-STRAIGHT = (
-    "what an order lacks is 0 but for the term after next, on which no bound is known; a term of"
-    " lower order makes the lack double"
-)
 SCATTERED = (
     "kinks scatter an order by half of itself, and where they happen to fall on steps alike it"
     " lacks nothing"
@@ -197,7 +197,11 @@ LATE = (
 )
 OUTSIDE = (
     "before and behind the field the force is zero, and with it what the energy lacks at first"
-    " order; the corners of the field leave less than the order that they allow"
+    " order; what is left falls with the square of the step"
+)
+ONCE = (
+    "the bound counts (1 + T/tau) S for the velocity, twice; a leapfrog that passes the field once"
+    " leaves a tenth of (h/tau)^2, at every step"
 )
 CONJUGATE = (
     "semi-implicit Euler is a leapfrog seen half a kick late; where the force is zero at both ends"
@@ -206,7 +210,7 @@ CONJUGATE = (
 LOOSE = (
     ("energy-return", "asymmetric-field", "mujoco", OUTSIDE),
     ("energy-return", "asymmetric-field", "pymunk", OUTSIDE),
-    ("energy-return", "asymmetric-field", "rebound", OUTSIDE),
+    ("energy-return", "asymmetric-field*", "rebound", ONCE),
     ("error", "asymmetric-field", "pymunk", CONJUGATE),
     (
         "reversal",
@@ -217,22 +221,13 @@ LOOSE = (
     ),
     ("reversal", "asymmetric-field", "pymunk", CONJUGATE),
     ("reversal", "impact-benchmarks*co-1*", "pymunk", CONJUGATE),
-    ("order", "duffing*", "pymunk", STRAIGHT),
-    ("order", "power-oscillator*", "pymunk", STRAIGHT),
-    ("order", "quadratic-response*", "pymunk", STRAIGHT),
-    ("order", "van-der-pol*", "pymunk", STRAIGHT),
+    ("order", "power-oscillator*", "pymunk", SCATTERED),
     ("order", "two-spheres*friction=0.25*", "mujoco", SCATTERED),
     (
         "symmetry",
         "two-spheres*friction=0.25*",
         "mujoco",
         "the contact solver may leave the tolerance of its iterations, and here leaves less",
-    ),
-    (
-        "angular-momentum",
-        "two-spheres*damping=0*",
-        "mujoco",
-        "it keeps it in a contact of spheres and does not claim to",
     ),
     ("contact-channels", "impact-benchmarks*three-spheres*", "reference", LATE),
     (
@@ -269,13 +264,6 @@ LOOSE = (
         "pymunk",
         "Euler's error under a steady force is h v, without a next term",
     ),
-    ("order", "driven-duffing*", "mujoco", STRAIGHT),
-    ("order", "driven-oscillator*delta=2*", "mujoco", STRAIGHT),
-    ("order", "viscous-oscillator*delta=3*", "mujoco", STRAIGHT),
-    ("order", "driven-oscillator*mass=2*", "pymunk", STRAIGHT),
-    ("order", "harmonic-oscillator", "pymunk", STRAIGHT),
-    ("order", "pendulum[theta0=0 *", "mujoco", STRAIGHT),
-    ("order", "two-body-orbit*stiffness=1*", "pymunk", STRAIGHT),
     ("order", "power-oscillator*exponent=3*", "reference", SCATTERED),
     ("order", "stick-slip*mu1=0.4*", "pymunk", SCATTERED),
     ("reversal", "free-rigid-body*", "rebound", THERE),

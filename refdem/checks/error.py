@@ -13,6 +13,7 @@ from refdem.core.finding import Finding, Level
 from refdem.core.judgement import (
     MIXED,
     PREDICTION_FACTOR,
+    CUT_PREDICTION_FACTOR,
     Array,
     Sight,
     certified,
@@ -196,9 +197,11 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, and what a
-    step that straddles a kink is off by is added. A method that claims a higher order than fixed
-    steps can have across these kinks cuts its steps there. The part that is cut off has an error of
-    h^(p+1), however long it is, so that C h^p does not scatter: the division stays.
+    step that straddles a kink is off by is added. C h^p itself does not scatter, and the division
+    stays, in two cases. A method that claims a higher order than fixed steps can have across these
+    kinks cuts its steps there, and the part that is cut off has an error of h^(p+1), however long
+    it is. And a force that goes as |s|^n through its kink leaves an error of h^(n+1) (see
+    core/smoothness.py), which is of higher order than h^p where p < n + 1.
 
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
@@ -221,6 +224,8 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     last_change = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
     safety = room_of(subject)
+    # The force goes as |s|^exponent through the sharpest kink; infinite where it has none.
+    exponent = min((limit.exponent for _, limit in singularities(instance.scene)), default=np.inf)
     # Factor by which the error falls from one level to the next.
     ratio = 2.0**order
     if method.control == "tolerance":
@@ -229,6 +234,8 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
             return None
     elif not kinked(instance) or _cuts_steps(subject):
         safety /= ratio - 1.0
+    elif order < exponent + 1.0:
+        safety = CUT_PREDICTION_FACTOR / (ratio - 1.0)
     # The larger of the last change and of what the one before implies for it, so far.
     change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
     if method.control == "tolerance":
@@ -237,9 +244,10 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
     allowed: Array = safety * change + rounding
     if may_straddle:
-        allowed = allowed + PREDICTION_FACTOR * (
-            _kink_rate(instance, fine, count) * subject.levels[-1]
-        )
+        step = subject.levels[-1]
+        # Within a step of its kink a force is at most (h/tau)^exponent of what it comes to.
+        share = min(1.0, step / instance.scales.tau) ** exponent
+        allowed = allowed + PREDICTION_FACTOR * share * (_kink_rate(instance, fine, count) * step)
     return allowed
 
 
@@ -267,8 +275,9 @@ def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Arra
     each sample.
 
     A step that straddles a kink uses the force from before the kink for its remainder, and is off
-    by that rate times the remainder. Halved steps end at the same times, so every step longer than
-    the remainder is off by the same: halvings do not show this error.
+    by that rate times the remainder, or less where the force does not jump. Halved steps end at the
+    same times, so every step longer than the remainder is off by the same: halvings do not show
+    this error.
     """
     fastest = np.zeros(len(instance.times) - 1)
     for name, quantity in instance.quantities.items():

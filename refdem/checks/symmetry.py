@@ -16,6 +16,7 @@ from refdem.core.judgement import (
     MORE,
     PERTURBED,
     PREDICTION_FACTOR,
+    KINK_PREDICTION_FACTOR,
     certified,
     distances,
     followed,
@@ -29,6 +30,7 @@ from refdem.core.judgement import (
 from refdem.core.refinement import COUNTING_FLOOR, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
+from refdem.scene.elements.contact import Contact
 
 SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
 """Elements that switch discontinuously: where the switch falls on the end of a step, rounding
@@ -129,13 +131,16 @@ class Symmetry(Check):
         """
         base = runs[Variant(variant.level)].trajectory
         view = symmetry.of(subject.instance, variant.change)
+        difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
+        rounding = round_off(subject, view) * growth
         decided = _decided_by_rounding(subject, runs, growth, variant.change)
-        bounds = round_off(subject, view) * growth + decided
+        if _flips_nothing(subject, runs, difference, rounding):
+            decided = np.zeros(len(growth))
+        bounds = rounding + decided
         count = scored(bounds)
         if count < 2:
             why = "round-off may exceed a tenth of the scale before the second sample"
             return undecided(self.name, variant.change, why)
-        difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
         exceeds = bool(np.any(difference[:count] > bounds[:count]))
         if variant.change == "rotated" and _has_axes(subject) and exceeds:
             return self._rotated(subject, runs, growth, decided)
@@ -316,19 +321,59 @@ def _decided_by_rounding(
     truncation: Array = 2 * subject.truncation(level) * growth
     if subject.method.control != "step":
         return np.minimum(truncation, _difference_of_step_choices(subject, runs, growth, picture))
-    perturbed_runs = [
-        runs[variant].trajectory
-        for variant in _perturbed_variants(subject, level)
-        if variant in runs
-    ]
-    if not perturbed_runs:
+    shown = _differences_of_perturbed_starts(subject, runs, base)
+    if not shown:
         return truncation
     # What decisions by rounding make of the plain run, seen in its perturbed starts.
-    largest = np.maximum.reduce([distances(subject.instance, run, base) for run in perturbed_runs])
+    largest = np.maximum.reduce(shown)
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
         observed = observed + _left_by_iterations(subject, runs, growth, picture)
     return np.minimum(observed, truncation)
+
+
+def _differences_of_perturbed_starts(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], base: Trajectory
+) -> list[Array]:
+    """Difference (T,) of every run from a perturbed start to the plain run."""
+    variants = _perturbed_variants(subject, level_for(subject))
+    return [
+        distances(subject.instance, runs[variant].trajectory, base)
+        for variant in variants
+        if variant in runs
+    ]
+
+
+def _flips_nothing(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], difference: Array, rounding: Array
+) -> bool:
+    """True if a difference (T,) is too small for a decision by rounding: a decision is made one way
+    or the other, and nothing lies between.
+
+    Two bodies that collide without friction decide when they touch and when they part. The starts
+    that show such a decision show how much it changes; the other one changes KINK_PREDICTION_FACTOR times
+    less if it comes at as much less of the speed. What is smaller still must be round-off,
+    `rounding` (T,).
+    """
+    if not _rounding_decides(subject) or not _is_one_collision(subject):
+        return False
+    base = runs[Variant(level_for(subject))].trajectory
+    shown = _differences_of_perturbed_starts(subject, runs, base)
+    flips = [float(np.max(shift)) for shift in shown if np.any(shift > rounding)]
+    return bool(flips) and float(np.max(difference)) < min(flips) / KINK_PREDICTION_FACTOR
+
+
+def _is_one_collision(subject: Subject) -> bool:
+    """True for two bodies with a contact without friction, in fixed steps, that meet once."""
+    scene = subject.instance.scene
+    laws = scene.all(Contact)
+    return (
+        subject.method.control == "step"
+        and not _iterates(subject)
+        and len(scene.bodies) == 2
+        and len(scene.elements) == len(laws) == 1
+        and laws[0].friction == 0
+    )
 
 
 def _left_by_iterations(

@@ -49,7 +49,7 @@ KINK_PREDICTION_FACTOR = 64.0
 chance, and alike to 1/64 of 2^p to those of the step before, are one in ten thousand if the scatter
 is an octave.
 """
-ROOM_OF_CUTS = 16.0
+CUT_PREDICTION_FACTOR = 16.0
 """The same of a method that cuts its steps at kinks: there only the length of the last part of a
 cut step is random.
 """
@@ -417,7 +417,7 @@ def room_of(subject: Subject) -> float:
     if not kinked(subject.instance):
         return PREDICTION_FACTOR
     if subject.method.locates_events:
-        return ROOM_OF_CUTS
+        return CUT_PREDICTION_FACTOR
     return KINK_PREDICTION_FACTOR
 
 

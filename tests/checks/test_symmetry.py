@@ -16,6 +16,7 @@ from refdem.checks.symmetry import Symmetry
 from refdem.core import discovery, symmetry
 from refdem.core.check import CompletedRun
 from refdem.faults.change import of_bodies, of_elements, single
+from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import product
 from refdem.scene.elements.spring import Spring
 
@@ -356,3 +357,39 @@ def test_pictures_are_as_near_as_steps_that_are_chosen_and_iterations_over_conta
     assert {name: f.sentence for name, f in sound.items() if f.outcome != "pass"} == {}
     assert sound["shifted"].bound < least
     assert spoiled["shifted"].outcome == "fail", spoiled["shifted"].sentence
+
+
+def grown_where_relabelled(part):
+    """Velocities that go wrong by a part of themselves where the heavier sphere comes first."""
+
+    def after(request, run):
+        mass = request.problem.scene.bodies.mass
+        if mass[0] <= mass[1]:
+            return run
+        grown = (1 + part * run.t / run.t[-1])[:, None, None]
+        return replace(run, velocity=run.velocity * grown)
+
+    return Fault(
+        name="order of bodies",
+        kind="",
+        sentence="",
+        on=(),
+        sees=("symmetry", "relabelled"),
+        after=after,
+    )
+
+
+@pytest.mark.parametrize(("part", "outcome"), [(0.0, "pass"), (1e-8, "fail"), (1e-6, "fail")])
+def test_a_difference_far_below_that_of_a_decision_is_not_excused_by_one(part, outcome):
+    """Of two spheres that touch at the start rounding decides whether the first step is damped.
+
+    That is worth a thousandth here, and a picture that differs by a millionth has decided alike.
+    """
+    engine = grown_where_relabelled(part).carrier(discovery.engine("mujoco"))
+    given = {"masses": "1,3", "damping": "2", "cutoff": "zero_force", "samples": "16"}
+    instance = discovery.case("two-spheres").at(**given)
+    truth = truth_of(instance)
+    specification = replaced("euler")
+    (task,) = plan.tasks(specification, instance, ("symmetry",), engine, truth)
+    (found,) = (f for f in record_of(task).findings if f.quantity == "relabelled")
+    assert found.outcome == outcome
