@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from refdem.core.kept_file import kept_file
 from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
 from refdem.report.files import written
@@ -98,7 +99,14 @@ def script(store: Store | None) -> bytes:
     return _kept(store, "script", [_renderer(), SNIPPET], _script)
 
 
+@cache
 def _script() -> bytes:
+    """The same for every store: made once on a machine."""
+    snippet = hashlib.sha256(SNIPPET.encode()).hexdigest()
+    return kept_file(f"vega-{_renderer()}-{snippet}.js", _bundle)
+
+
+def _bundle() -> bytes:
     import vl_convert
 
     return bytes(vl_convert.javascript_bundle(SNIPPET).encode())

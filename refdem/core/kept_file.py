@@ -1,0 +1,35 @@
+"""A file in the user's cache folder: what takes long to make, and is the same wherever the same
+versions are installed.
+
+The first line seals name and content: a file that is damaged is made again. Where nothing can be
+kept, it is made each time.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from contextlib import suppress
+
+from refdem.core.store import cache_folder
+
+
+def kept_file(name: str, made: Callable[[], bytes]) -> bytes:
+    """The content kept under a name, which says all that decides it; `made()` if there is none."""
+    path = cache_folder() / name
+    with suppress(OSError):
+        seal, _, content = path.read_bytes().partition(b"\n")
+        if seal == _seal(name, content):
+            return content
+    content = made()
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # Another process finds the whole file or none.
+        unfinished = path.with_name(f"{name}.{os.getpid()}")
+        unfinished.write_bytes(_seal(name, content) + b"\n" + content)
+        os.replace(unfinished, path)
+    return content
+
+
+def _seal(name: str, content: bytes) -> bytes:
+    """A digest of name and content, as text."""
+    return hashlib.blake2b(name.encode() + b"\0" + content, digest_size=16).hexdigest().encode()
