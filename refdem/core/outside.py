@@ -50,7 +50,7 @@ def printable(text: str) -> str:
 
 MARKED = re.compile(r"[\\`*_{}\[\]#|~$]")
 """Characters that are markup in Markdown."""
-SPOKEN_TO = re.compile(r"@(?=\w)|://|(?<=www)\.|#(?=\d)", re.IGNORECASE)
+SPOKEN_TO = re.compile(r"@(?=\w)|://|(?<=www)\.|#(?=\d)|GH-(?=\d)", re.IGNORECASE)
 """Bare text from which GitHub makes a mention, a link, or a reference to an issue."""
 NOTHING = "&#8203;"
 """A space of no width, which ends a name and a link."""

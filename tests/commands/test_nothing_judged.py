@@ -65,6 +65,7 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
         (["certify", "--check", "no-such-case"], "no set of case 'no-such-case'"),
         (["gallery", "9.99"], "9.99"),
         (["faults", "--fault", "no-such-fault"], "no-such-fault"),
+        (["report", "blank"], "nothing to report"),
     ],
 )
 def test_nothing_judged_is_exit_2_with_the_reason(
@@ -73,6 +74,8 @@ def test_nothing_judged_is_exit_2_with_the_reason(
     import refdem as package
 
     (tmp_path / "empty.toml").write_text("case = []\n")
+    (tmp_path / "blank").mkdir()
+    (tmp_path / "blank" / "records.jsonl").write_text("\n")
     manifest = {
         "format": 1,
         "refdem": package.__version__,

@@ -67,6 +67,7 @@ def test_only_a_plain_file_of_ones_own_is_opened(tmp_path: Path) -> None:
         ("ask @someone", "ask @&#8203;someone"),
         ("see https://example.org", "see https:&#8203;//example.org"),
         ("see www.example.org", "see www.&#8203;example.org"),
+        ("as GH-12 or gh-7 and GHz-5", "as G&#8203;H-12 or g&#8203;h-7 and GHz-5"),
         ("like #12 and # 12", r"like \#&#8203;12 and \# 12"),
         ("[a](javascript:b)", r"\[a\](javascript:b)"),
         ("\x1b[31m", r"?\[31m"),

@@ -4,8 +4,9 @@ A script with the standard library alone, started by process.py as `python -I -S
 FOLDER PROCESS`. Its standard input is a socket: a line of JSON with the descriptors of the
 program's output comes in, a line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so
 that every process that a program has started, in whatever session, is a descendant of it; and when
-the socket is closed, because refdem has ended in whatever way, it ends them and itself. The folder
-is that of all runs of the process, which it takes away if that process was killed.
+the socket is closed, because refdem has ended in whatever way, it ends them and itself. It is two
+processes: one serves, the other ends what is left where a program has killed the one that serves.
+The folder is that of all runs of the process, which it takes away if that process was killed.
 """
 
 import contextlib
@@ -44,6 +45,9 @@ itself was killed.
 """
 STREAMS = 3
 """Standard input, output and error."""
+DISMISSED = 0
+ABANDONED = 3
+"""Exit statuses of the process that serves: refdem goes on without it, or is gone."""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
 
@@ -319,16 +323,41 @@ def main() -> None:
         # What ends refdem closes the socket.
         signal.signal(number, signal.SIG_IGN)
     control(PR_SET_CHILD_SUBREAPER, 1)
+    serving = os.fork()
+    if serving == 0:
+        serve(asked)
+    asked.close()
     # Told, not asked for: whoever started this may be gone by now.
-    parent = int(sys.argv[2])
+    guard(serving, int(sys.argv[2]), Path(sys.argv[1]))
+
+
+def serve(asked: socket.socket) -> None:
+    """Answers what comes over the socket, ends what is left then, and ends this process."""
+    control(PR_SET_CHILD_SUBREAPER, 1)
     supervisor = Supervisor(asked)
     try:
         with contextlib.suppress(OSError, AbandonedError):
             supervisor.answers()
     finally:
         end_descendants()
-        if not supervisor.is_dismissed and is_orphan(parent):
-            remove(Path(sys.argv[1]))
+    if supervisor.is_dismissed:
+        os._exit(DISMISSED)
+    os._exit(ABANDONED)
+
+
+def guard(serving: int, parent: int, folder: Path) -> None:
+    """Waits for the process that serves refdem, and ends what that has left: a program may kill it,
+    which is its parent, and would leave behind what it has put into other sessions.
+    """
+    _, status = os.waitpid(serving, 0)
+    end_descendants()
+    code = os.waitstatus_to_exitcode(status)
+    if code == ABANDONED:
+        is_killed = is_orphan(parent)
+    else:
+        is_killed = code != DISMISSED and os.getppid() != parent
+    if is_killed:
+        remove(folder)
 
 
 def remove(folder: Path) -> None:

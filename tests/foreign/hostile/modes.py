@@ -13,6 +13,8 @@ ERRORS = {
     "has-a-fault-of-segments": r"signal 11 \(SIGSEGV\)",
     "kills-itself": r"signal 9 \(SIGKILL",
     "kills-its-parent": "was ended from outside",
+    "leaves-a-session-and-kills-its-parent": "was ended from outside",
+    "kills-the-parent-of-its-parent": "exit status 1: it is done",
     "kills-its-group": r"signal 9 \(SIGKILL",
     "floods": "SIGXFSZ: a file grew too large",
     "floods-its-output": "SIGXFSZ: a file grew too large",

@@ -103,6 +103,22 @@ def kills_its_parent():
 
 
 @before
+def leaves_a_session_and_kills_its_parent():
+    subprocess.Popen(SLEEPS, start_new_session=True, cwd="/", env={})
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(600)
+
+
+@before
+def kills_the_parent_of_its_parent():
+    with open(f"/proc/{os.getppid()}/stat") as file:
+        guard = int(file.read().rpartition(")")[2].split()[1])
+    os.kill(guard, signal.SIGKILL)
+    subprocess.Popen(SLEEPS, start_new_session=True, cwd="/", env={})
+    sys.exit("it is done")
+
+
+@before
 def kills_its_group():
     os.killpg(0, signal.SIGKILL)
 
