@@ -24,6 +24,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any, Protocol, Self
 
@@ -121,7 +122,8 @@ class Moment:
     encounters: tuple[Encounter, ...]
     sides: tuple[int, ...]
 
-    def after(self) -> list[Motion]:
+    @cached_property
+    def parted(self) -> list[Motion]:
         """The exact states of all bodies right after it."""
         states = list(self.states)
         for encounter, side in zip(self.encounters, self.sides, strict=True):
@@ -175,7 +177,7 @@ class ImpactList:
         states = motions(self.start)
         begin: Number = Fraction(0)
         if self.moments:
-            states = self.moments[-1].after()
+            states = self.moments[-1].parted
             begin = self.moments[-1].time
         waits: list[tuple[Number, Encounter]] = []
         for encounter in self.encounters:

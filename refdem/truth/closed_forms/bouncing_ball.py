@@ -40,7 +40,7 @@ WITNESS = (
     "each flight to the next zero of the height by bisection, impulses from the balance equations"
     " by elimination (refdem/truth/witnesses/bounces.py)"
 )
-MOST_BOUNCES = 300
+MOST_BOUNCES = 64
 """Bounces that are followed."""
 PLANE_MOTION = (0, 1, 3, 4, 8)
 """Of r, v and omega: the numbers that a motion in the plane x-y changes."""
@@ -76,7 +76,7 @@ class MeetsFloor:
 class Bounces(ImpactSequence):
     """A sphere that bounces; the state and the quantities are x, y, their rates, and omega_z.
 
-    `last` [s] is the end of the run, up to which bounces are counted.
+    `count` is the number of bounces up to the end of the run.
     """
 
     method = METHOD
@@ -88,25 +88,21 @@ class Bounces(ImpactSequence):
         impacts: ImpactList,
         floor: MeetsFloor,
         restitution: Fraction,
-        last: Fraction,
+        count: int,
     ) -> None:
         super().__init__(scale, impacts, PLANE_MOTION)
         self.floor = floor
         self.restitution = restitution
-        self.last = last
+        self.count = count
 
     def constants(self) -> dict[str, arb]:
         """The number of bounces up to the end of the run, the time of the first one and, with e <
         1, the time at which they accumulate [s], and the energy lost up to the end of the run [J].
         """
-        count = 0
         lost = arb(0)
-        while (moment := self.impacts.number(count)) is not None:
-            if sign(moment.time - self.last) > 0:
-                break
-            lost += self.energy_lost(count)
-            count += 1
-        found = {"bounces": arb(count), "energy_lost": lost}
+        for k in range(self.count):
+            lost += self.energy_lost(k)
+        found = {"bounces": arb(self.count), "energy_lost": lost}
         found["first_bounce"] = arb_of(self.moment_number(0).time)
         if self.restitution < 1:
             found["accumulation_time"] = arb_of(
@@ -117,7 +113,7 @@ class Bounces(ImpactSequence):
     def refuse_unlisted(self, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""
         moment = self.impacts.moments[-1]
-        following = moment.time + self.floor.time(moment.after())
+        following = moment.time + self.floor.time(moment.parted)
         if not t < arb_of(following):
             raise UndecidedError(
                 f"only the first {self.impacts.most} bounces are followed, which end at"
@@ -172,16 +168,25 @@ def is_before_accumulation(p: Mapping[str, Any], t: Fraction) -> bool:
     return sign(end - t) > 0
 
 
-def truth(p: Parameters, scale: Mapping[str, Size], last: Fraction) -> Truth:
-    """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order, `last` the end of
-    the run [s].
+def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
+    """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order."""
+    count = bounces_of_run(p)
+    # One bounce after the end of the run is the last one that S and samples may ask for.
+    impacts = impact_list(p, count + 1)
+    return Bounces(scale, impacts, floor_of(p), number(p, "restitution"), count)
+
+
+def bounces_of_run(p: Mapping[str, Any]) -> int:
+    """The number of bounces up to the duration that is given, or the number that is asked for; at
+    most MOST_BOUNCES.
     """
+    duration = p["duration"]
+    if duration is None:
+        return int(number(p, "bounces"))
     impacts = impact_list(p, MOST_BOUNCES)
-    count = 1
-    while (moment := impacts.number(count - 1)) is not None:
-        if sign(moment.time - last) > 0:
+    count = 0
+    while (moment := impacts.number(count)) is not None:
+        if sign(moment.time - duration) > 0:
             break
         count += 1
-    # One bounce after the end of the run is the last one that S and samples may ask for.
-    impacts = impact_list(p, min(count, MOST_BOUNCES))
-    return Bounces(scale, impacts, floor_of(p), number(p, "restitution"), last)
+    return count
