@@ -73,50 +73,40 @@ class MeetsFloor:
         return [zero, zero - 1, zero]
 
 
-class Bounces(ImpactSequence):
-    """A sphere that bounces; the state and the quantities are x, y, their rates, and omega_z.
-
-    `count` is the number of bounces up to the end of the run.
+@dataclass(frozen=True)
+class Bounces:
+    """The family of a sphere that bounces; `count` is the number of bounces up to the end of the
+    run.
     """
 
-    method = METHOD
-    witness = WITNESS
+    floor: MeetsFloor
+    restitution: Fraction
+    count: int
+    method: str = METHOD
+    witness: str = WITNESS
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        impacts: ImpactList,
-        floor: MeetsFloor,
-        restitution: Fraction,
-        count: int,
-    ) -> None:
-        super().__init__(scale, impacts, PLANE_MOTION)
-        self.floor = floor
-        self.restitution = restitution
-        self.count = count
-
-    def constants(self) -> dict[str, arb]:
+    def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of bounces up to the end of the run, the time of the first one and, with e <
         1, the time at which they accumulate [s], and the energy lost up to the end of the run [J].
         """
         lost = arb(0)
         for k in range(self.count):
-            lost += self.energy_lost(k)
+            lost += motion.energy_lost(k)
         found = {"bounces": arb(self.count), "energy_lost": lost}
-        found["first_bounce"] = arb_of(self.moment_number(0).time)
+        found["first_bounce"] = arb_of(motion.moment_number(0).time)
         if self.restitution < 1:
             found["accumulation_time"] = arb_of(
-                accumulation_time(self.impacts, self.floor, self.restitution)
+                accumulation_time(motion.impacts, self.floor, self.restitution)
             )
         return found
 
-    def refuse_unlisted(self, t: arb) -> None:
+    def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""
-        moment = self.impacts.moments[-1]
+        moment = motion.impacts.moments[-1]
         following = moment.time + self.floor.time(moment.parted)
         if not t < arb_of(following):
             raise UndecidedError(
-                f"only the first {self.impacts.most} bounces are followed, which end at"
+                f"only the first {motion.impacts.most} bounces are followed, which end at"
                 f" {arb_of(following).str(12)} s",
                 code="time",
                 final=True,
@@ -173,7 +163,8 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     count = bounces_of_run(p)
     # One bounce after the end of the run is the last one that S and samples may ask for.
     impacts = impact_list(p, count + 1)
-    return Bounces(scale, impacts, floor_of(p), number(p, "restitution"), count)
+    family = Bounces(floor_of(p), number(p, "restitution"), count)
+    return ImpactSequence(scale, impacts, PLANE_MOTION, family)
 
 
 def bounces_of_run(p: Mapping[str, Any]) -> int:

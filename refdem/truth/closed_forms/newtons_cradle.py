@@ -63,27 +63,27 @@ class MeetInLine:
         return [zero + 1, zero, zero]
 
 
-class Cradle(ImpactSequence):
-    """Balls in a line; the state and the quantities are the place and the velocity of each."""
+class Cradle:
+    """The family of balls in a line."""
 
     method = METHOD
     witness = WITNESS
 
-    def constants(self) -> dict[str, arb]:
+    def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of impacts, the time of the last one [s], and the energy lost in all [J]."""
-        moments = self.impacts.all()
-        if len(moments) == self.impacts.most:
+        moments = motion.impacts.all()
+        if len(moments) == motion.impacts.most:
             raise endless()
         lost = arb(0)
         for k in range(len(moments)):
-            lost += self.energy_lost(k)
+            lost += motion.energy_lost(k)
         return {
             "impacts": arb(sum(len(moment.encounters) for moment in moments)),
             "last_impact_time": arb_of(moments[-1].time),
             "energy_lost": lost,
         }
 
-    def refuse_unlisted(self, t: arb) -> None:
+    def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError: the list was cut off."""
         raise endless()
 
@@ -197,4 +197,4 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     coordinates = []
     for body in range(count):
         coordinates += [OF_BODY * body, OF_BODY * body + 3]
-    return Cradle(scale, impacts, coordinates)
+    return ImpactSequence(scale, impacts, coordinates, Cradle())
