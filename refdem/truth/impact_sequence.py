@@ -24,6 +24,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any, Protocol, Self
 
@@ -121,7 +122,8 @@ class Moment:
     encounters: tuple[Encounter, ...]
     sides: tuple[int, ...]
 
-    def after(self) -> list[Motion]:
+    @cached_property
+    def parted(self) -> list[Motion]:
         """The exact states of all bodies right after it."""
         states = list(self.states)
         for encounter, side in zip(self.encounters, self.sides, strict=True):
@@ -175,7 +177,7 @@ class ImpactList:
         states = motions(self.start)
         begin: Number = Fraction(0)
         if self.moments:
-            states = self.moments[-1].after()
+            states = self.moments[-1].parted
             begin = self.moments[-1].time
         waits: list[tuple[Number, Encounter]] = []
         for encounter in self.encounters:
@@ -216,6 +218,26 @@ class ImpactList:
             )
 
 
+class Family(Protocol):
+    """What a kind of motion adds to its list of impacts; `method` and `witness` are those of a
+    truth.
+    """
+
+    @property
+    def method(self) -> str:
+        """The words for how values are proved."""
+
+    @property
+    def witness(self) -> str:
+        """The words for what confirms them."""
+
+    def constants(self, motion: "ImpactSequence") -> dict[str, arb]:
+        """The scalars of a motion at the current precision."""
+
+    def refuse_unlisted(self, motion: "ImpactSequence", t: arb) -> None:
+        """Raises UndecidedError where impacts after the last one of the list may come before t."""
+
+
 class ImpactSequence(ClosedForm):
     """A motion through a list of impacts; `coordinates` are the places in the full state of the
     numbers that are told, in the order of the quantities.
@@ -229,11 +251,15 @@ class ImpactSequence(ClosedForm):
         scale: Mapping[str, Size],
         impacts: ImpactList,
         coordinates: Sequence[int],
+        family: Family,
     ) -> None:
         self.refiner = Refiner.of(scale)
         self.state = tuple(scale)
         self.impacts = impacts
         self.coordinates = list(coordinates)
+        self.family = family
+        self.method = family.method
+        self.witness = family.witness
 
     @property
     def start(self) -> Sequence[Fraction]:
@@ -307,14 +333,20 @@ class ImpactSequence(ClosedForm):
             since = later
             k += 1
         if k == self.impacts.most:
-            self.refuse_unlisted(t)
+            self.family.refuse_unlisted(self, t)
         gravity = self.gravity()
         return self.named([state.after(since, gravity) for state in states])
 
-    def refuse_unlisted(self, t: arb) -> None:
-        """Raises UndecidedError where impacts after the last one of the list may come before t; by
-        default none do.
+    def constants(self) -> dict[str, arb]:
+        """The scalars of the family."""
+        return self.family.constants(self)
+
+    @property
+    def side_of_limit(self) -> int:
+        """1 where Coulomb's law cuts the tangential impulse of the first impact, 0 where it is just
+        enough, -1 below, exactly.
         """
+        return self.moment_number(0).sides[0]
 
     def named(self, states: Sequence[Motion]) -> dict[str, arb]:
         """The quantities by name, of some states."""

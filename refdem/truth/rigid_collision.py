@@ -33,48 +33,47 @@ WITNESS = (
 )
 
 
-class RigidCollision(ImpactSequence):
-    """One impact of one or two bodies; the state and the quantities are r, v, omega of each."""
+class RigidCollision:
+    """The family of one impact of one or two bodies."""
 
     method = METHOD
     witness = WITNESS
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        bodies: Sequence[RoundBody],
-        law: ImpactLaw,
-        meeting: Meeting,
-        start: Sequence[Fraction],
-    ) -> None:
-        everybody = tuple(range(len(bodies)))
-        self.encounter = Encounter(everybody, impact_of(bodies, law), meeting)
-        impacts = ImpactList([self.encounter], start, gravity=None, most=1)
-        super().__init__(scale, impacts, range(OF_BODY * len(bodies)))
-
-    @property
-    def side_of_limit(self) -> int:
-        """1 where Coulomb's law cuts the tangential impulse, 0 where it is just enough, -1 below,
-        exactly.
-        """
-        return self.moment_number(0).sides[0]
-
-    def constants(self) -> dict[str, arb]:
+    def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """impact_time [s], the impulses along and across the normal [N s], and the energy lost
         [J].
         """
-        impact = self.encounter.impact.in_numbers(arb_of)
-        states = self.before()
-        normal = self.encounter.meeting.normal([state.r for state in states])
+        moment = motion.moment_number(0)
+        encounter = moment.encounters[0]
+        impact = encounter.impact.in_numbers(arb_of)
+        states = motion.before()
+        normal = encounter.meeting.normal([state.r for state in states])
         closing, slip = impact.approach(normal, states)
-        is_cut = self.side_of_limit > 0
+        is_cut = moment.sides[0] > 0
         k = impact.tangential_factor(closing, slip, is_cut=is_cut)
         return {
-            "impact_time": arb_of(self.moment_number(0).time),
+            "impact_time": arb_of(moment.time),
             "normal_impulse": impact.normal_impulse(closing),
             "tangential_impulse": k * root(dot(slip, slip)),
-            "energy_lost": work_lost(self.encounter, states, is_cut=is_cut),
+            "energy_lost": work_lost(encounter, states, is_cut=is_cut),
         }
+
+    def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
+        """Returns at once: bodies that meet once fly on for ever."""
+
+
+def rigid_collision(
+    scale: Mapping[str, Size],
+    bodies: Sequence[RoundBody],
+    law: ImpactLaw,
+    meeting: Meeting,
+    start: Sequence[Fraction],
+) -> ImpactSequence:
+    """The motion through one impact; the state and the quantities are r, v, omega of each body."""
+    everybody = tuple(range(len(bodies)))
+    encounter = Encounter(everybody, impact_of(bodies, law), meeting)
+    impacts = ImpactList([encounter], start, gravity=None, most=1)
+    return ImpactSequence(scale, impacts, range(OF_BODY * len(bodies)), RigidCollision())
 
 
 def root(square: arb) -> arb:

@@ -40,7 +40,7 @@ WITNESS = (
     "each flight to the next zero of the height by bisection, impulses from the balance equations"
     " by elimination (refdem/truth/witnesses/bounces.py)"
 )
-MOST_BOUNCES = 300
+MOST_BOUNCES = 64
 """Bounces that are followed."""
 PLANE_MOTION = (0, 1, 3, 4, 8)
 """Of r, v and omega: the numbers that a motion in the plane x-y changes."""
@@ -73,54 +73,40 @@ class MeetsFloor:
         return [zero, zero - 1, zero]
 
 
-class Bounces(ImpactSequence):
-    """A sphere that bounces; the state and the quantities are x, y, their rates, and omega_z.
-
-    `last` [s] is the end of the run, up to which bounces are counted.
+@dataclass(frozen=True)
+class Bounces:
+    """The family of a sphere that bounces; `count` is the number of bounces up to the end of the
+    run.
     """
 
-    method = METHOD
-    witness = WITNESS
+    floor: MeetsFloor
+    restitution: Fraction
+    count: int
+    method: str = METHOD
+    witness: str = WITNESS
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        impacts: ImpactList,
-        floor: MeetsFloor,
-        restitution: Fraction,
-        last: Fraction,
-    ) -> None:
-        super().__init__(scale, impacts, PLANE_MOTION)
-        self.floor = floor
-        self.restitution = restitution
-        self.last = last
-
-    def constants(self) -> dict[str, arb]:
+    def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of bounces up to the end of the run, the time of the first one and, with e <
         1, the time at which they accumulate [s], and the energy lost up to the end of the run [J].
         """
-        count = 0
         lost = arb(0)
-        while (moment := self.impacts.number(count)) is not None:
-            if sign(moment.time - self.last) > 0:
-                break
-            lost += self.energy_lost(count)
-            count += 1
-        found = {"bounces": arb(count), "energy_lost": lost}
-        found["first_bounce"] = arb_of(self.moment_number(0).time)
+        for k in range(self.count):
+            lost += motion.energy_lost(k)
+        found = {"bounces": arb(self.count), "energy_lost": lost}
+        found["first_bounce"] = arb_of(motion.moment_number(0).time)
         if self.restitution < 1:
             found["accumulation_time"] = arb_of(
-                accumulation_time(self.impacts, self.floor, self.restitution)
+                accumulation_time(motion.impacts, self.floor, self.restitution)
             )
         return found
 
-    def refuse_unlisted(self, t: arb) -> None:
+    def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""
-        moment = self.impacts.moments[-1]
-        following = moment.time + self.floor.time(moment.after())
+        moment = motion.impacts.moments[-1]
+        following = moment.time + self.floor.time(moment.parted)
         if not t < arb_of(following):
             raise UndecidedError(
-                f"only the first {self.impacts.most} bounces are followed, which end at"
+                f"only the first {motion.impacts.most} bounces are followed, which end at"
                 f" {arb_of(following).str(12)} s",
                 code="time",
                 final=True,
@@ -172,16 +158,26 @@ def is_before_accumulation(p: Mapping[str, Any], t: Fraction) -> bool:
     return sign(end - t) > 0
 
 
-def truth(p: Parameters, scale: Mapping[str, Size], last: Fraction) -> Truth:
-    """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order, `last` the end of
-    the run [s].
+def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
+    """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order."""
+    count = bounces_of_run(p)
+    # One bounce after the end of the run is the last one that S and samples may ask for.
+    impacts = impact_list(p, count + 1)
+    family = Bounces(floor_of(p), number(p, "restitution"), count)
+    return ImpactSequence(scale, impacts, PLANE_MOTION, family)
+
+
+def bounces_of_run(p: Mapping[str, Any]) -> int:
+    """The number of bounces up to the duration that is given, or the number that is asked for; at
+    most MOST_BOUNCES.
     """
+    duration = p["duration"]
+    if duration is None:
+        return int(number(p, "bounces"))
     impacts = impact_list(p, MOST_BOUNCES)
-    count = 1
-    while (moment := impacts.number(count - 1)) is not None:
-        if sign(moment.time - last) > 0:
+    count = 0
+    while (moment := impacts.number(count)) is not None:
+        if sign(moment.time - duration) > 0:
             break
         count += 1
-    # One bounce after the end of the run is the last one that S and samples may ask for.
-    impacts = impact_list(p, min(count, MOST_BOUNCES))
-    return Bounces(scale, impacts, floor_of(p), number(p, "restitution"), last)
+    return count

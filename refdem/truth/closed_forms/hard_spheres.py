@@ -14,7 +14,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError
 from refdem.truth.exact import number, vector
-from refdem.truth.rigid_collision import RigidCollision
+from refdem.truth.rigid_collision import rigid_collision
 from refdem.truth.rigid_impact import ImpactLaw, Motion, RoundBody, dot
 from refdem.truth.surds import Surd, surd
 
@@ -98,4 +98,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth of case hard-spheres; `scale` of r, v, omega of both, in order."""
     bodies = bodies_of(p)
     meeting = SpheresMeet(bodies[0].radius + bodies[1].radius)
-    return RigidCollision(scale, bodies, law_of(p), meeting, start_of(p))
+    return rigid_collision(scale, bodies, law_of(p), meeting, start_of(p))

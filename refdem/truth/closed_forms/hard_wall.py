@@ -16,7 +16,7 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError
 from refdem.truth.closed_forms.hard_spheres import law_of
 from refdem.truth.exact import number, vector
-from refdem.truth.rigid_collision import RigidCollision
+from refdem.truth.rigid_collision import rigid_collision
 from refdem.truth.rigid_impact import Motion, RoundBody, dot
 from refdem.truth.surds import Surd, surd
 
@@ -56,4 +56,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     )
     start = [*vector(p, "position"), *vector(p, "velocity"), *vector(p, "spin")]
     meeting = MeetsWall(vector(p, "normal"), body.radius)
-    return RigidCollision(scale, [body], law_of(p), meeting, start)
+    return rigid_collision(scale, [body], law_of(p), meeting, start)

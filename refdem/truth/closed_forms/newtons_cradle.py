@@ -32,10 +32,12 @@ WITNESS = (
     "speeds from the balance equations of each pair by elimination, the next impact of all pairs"
     " found anew in balls (refdem/truth/witnesses/lines_of_impacts.py)"
 )
-MOST_IMPACTS = 400
+MOST_IMPACTS = 120
 """Moments of impact that are followed: balls that lose much meet without end in finite time
 (McNamara and Young 1992).
 """
+MOST_BITS = 2**14
+"""Bits of an exact time of impact: each impact adds those of the masses."""
 SOLID = Fraction(2, 5)
 """J/(m R^2) of the balls, which never turn."""
 
@@ -61,27 +63,27 @@ class MeetInLine:
         return [zero + 1, zero, zero]
 
 
-class Cradle(ImpactSequence):
-    """Balls in a line; the state and the quantities are the place and the velocity of each."""
+class Cradle:
+    """The family of balls in a line."""
 
     method = METHOD
     witness = WITNESS
 
-    def constants(self) -> dict[str, arb]:
+    def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of impacts, the time of the last one [s], and the energy lost in all [J]."""
-        moments = self.impacts.all()
-        if len(moments) == self.impacts.most:
+        moments = motion.impacts.all()
+        if len(moments) == motion.impacts.most:
             raise endless()
         lost = arb(0)
         for k in range(len(moments)):
-            lost += self.energy_lost(k)
+            lost += motion.energy_lost(k)
         return {
             "impacts": arb(sum(len(moment.encounters) for moment in moments)),
             "last_impact_time": arb_of(moments[-1].time),
             "energy_lost": lost,
         }
 
-    def refuse_unlisted(self, t: arb) -> None:
+    def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError: the list was cut off."""
         raise endless()
 
@@ -152,7 +154,15 @@ def course_of(p: Mapping[str, Any]) -> Course:
 def _course(values: tuple[Any, ...]) -> Course:
     """The course by the values of the parameters that it depends on."""
     impacts = impact_list(dict(zip(SHAPING, values, strict=True)))
-    moments = impacts.all()
+    while (moment := impacts.number(len(impacts.moments))) is not None:
+        assert isinstance(moment.time, Fraction)
+        if moment.time.denominator.bit_length() > MOST_BITS:
+            raise UndecidedError(
+                f"after {len(impacts.moments)} impacts exact times have more than {MOST_BITS} bits",
+                code="time",
+                final=True,
+            )
+    moments = impacts.moments
     if len(moments) == MOST_IMPACTS:
         raise endless()
     times = []
@@ -162,7 +172,7 @@ def _course(values: tuple[Any, ...]) -> Course:
     for moment in moments:
         assert isinstance(moment.time, Fraction)
         times.append(moment.time)
-        speeds += [abs(state.v[0]) for state in moment.after()]
+        speeds += [abs(state.v[0]) for state in moment.parted]
         for body in [body for encounter in moment.encounters for body in encounter.bodies]:
             if body in last_impact:
                 waits.append(moment.time - last_impact[body])
@@ -187,4 +197,4 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     coordinates = []
     for body in range(count):
         coordinates += [OF_BODY * body, OF_BODY * body + 3]
-    return Cradle(scale, impacts, coordinates)
+    return ImpactSequence(scale, impacts, coordinates, Cradle())

@@ -70,7 +70,7 @@ class Line:
         self.v[k + 1] = speeds[1, 0]
 
     def energy(self) -> arb:
-        """The kinetic energy [J]."""
+        """The kinetic energy of all balls [J]."""
         found = arb(0)
         for m, v in zip(self.masses, self.v, strict=True):
             found += m * v * v / 2

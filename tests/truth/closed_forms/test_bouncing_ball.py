@@ -10,6 +10,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.errors import NotCertifiedError
+from refdem.truth.surds import Surd, sign
 
 CASE = discovery.case("bouncing-ball")
 NAMES = ("x", "y", "vx", "vy", "omega")
@@ -195,3 +196,12 @@ def test_s_grows_without_bound_towards_the_end_of_the_bounces():
         instance = CASE.at(bounces=str(bounces), restitution="1/2")
         seen.append(instance.truth().sensitivity(Fraction(float(instance.times[-1]))))
     assert seen[0] < seen[1] / 4 < seen[2] / 16
+
+
+def test_a_quotient_of_surds_times_its_divisor_is_what_was_divided():
+    first = Surd(Fraction(3, 7), Fraction(-2, 5), Fraction(11))
+    second = Surd(Fraction(-1, 3), Fraction(5, 2), Fraction(11))
+    quotient = first / second
+    assert sign(quotient * second - first) == 0
+    assert sign(first / 2 * 2 - first) == 0
+    assert sign(Fraction(-1, 3)) == -1

@@ -11,7 +11,7 @@ import pytest
 from refdem.core import discovery
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError, UsageError
-from refdem.truth.rigid_collision import RigidCollision
+from refdem.truth.impact_sequence import ImpactSequence
 from refdem.truth.surds import Surd, surd
 
 CASE = discovery.case("hard-spheres")
@@ -173,7 +173,7 @@ def test_slip_that_just_stops_is_decided_exactly(more, side):
     excess = {"0": Fraction(0), "1/10**30": Fraction(1, 10**30)}.get(more, -Fraction(1, 10**30))
     friction = Fraction(6, 49) - excess
     truth = CASE.at(friction=str(friction)).truth()
-    assert isinstance(truth, RigidCollision)
+    assert isinstance(truth, ImpactSequence)
     assert truth.side_of_limit == side
     assert truth.sensitivity(Fraction(3)) >= 1
 
