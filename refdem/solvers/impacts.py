@@ -7,6 +7,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError
+from refdem.kernels import load
 from refdem.scene import Bodies, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
@@ -15,6 +16,8 @@ from refdem.solvers._scene_pattern import ANY, ONE, SOME, ScenePattern
 
 Array = NDArray[np.float64]
 FAMILY = "impacts"
+FEW = 16
+"""Spheres up to which every pair is looked at; measured."""
 MOST_EVENTS = 100_000
 """Impacts that are told; of a motion with more none is, so that those told are all."""
 LONGEST = 100_000_000
@@ -74,6 +77,7 @@ class Impacts(KernelSolver):
             {
                 "bodies": len(bodies),
                 "planes": len(planes),
+                "few": FEW,
                 "mass": np.where(bodies.fixed, np.inf, bodies.mass),
                 "inertia": np.where(held, np.inf, bodies.inertia[:, 0]),
                 "radius": bodies.radius,
@@ -81,6 +85,8 @@ class Impacts(KernelSolver):
                 "restitution": law.restitution,
                 "tangential_restitution": law.slip_restitution,
                 "friction": law.friction,
+                "period": 0.0,
+                "gravity": [0.0, 0.0, 0.0],
             },
         )
         count = len(problem.times)
@@ -90,7 +96,7 @@ class Impacts(KernelSolver):
             rows = np.empty((count, *start.shape))
             rows[0] = start
             states.append(rows)
-        room = np.empty(16 * len(bodies))
+        room = np.empty(load(FAMILY).lib.refdem_impacts_room(len(bodies)))
         events = np.empty((MOST_EVENTS, 3))
         return KernelCall(
             function="refdem_impacts_run",
