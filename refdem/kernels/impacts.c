@@ -17,6 +17,7 @@
 
 #include "impacts_events.h"
 #include "impacts_pairs.h"
+#include "simd.h"
 
 enum { LINE = 64 };
 
@@ -42,13 +43,12 @@ static int64_t lay_out(motion *m, crowd *k, int64_t bodies, char *room)
     m->partner = claimed(room, &used, n * sizeof *m->partner);
     m->boxes = claimed(room, &used, 3 * n * sizeof *m->boxes);
     k->plan = claimed(room, &used, n * sizeof *k->plan);
-    k->near = claimed(room, &used, n * sizeof *k->near);
-    k->candidate = claimed(room, &used, n * sizeof *k->candidate);
-    k->queue.when = claimed(room, &used, (n + 1) * sizeof *k->queue.when);
+    k->near = claimed(room, &used, (n + 2) * sizeof *k->near);
+    k->due = claimed(room, &used, n * sizeof *k->due);
     k->queue.node = claimed(room, &used, nodes * sizeof *k->queue.node);
     k->grid.slot = claimed(room, &used, n * sizeof *k->grid.slot);
-    k->grid.next = claimed(room, &used, n * sizeof *k->grid.next);
-    k->grid.previous = claimed(room, &used, n * sizeof *k->grid.previous);
+    k->grid.next = claimed(room, &used, (n + 1) * sizeof *k->grid.next);
+    k->grid.previous = claimed(room, &used, (n + 1) * sizeof *k->grid.previous);
     const size_t cells = (size_t)most_cells(bodies);
     k->grid.first = claimed(room, &used, cells * sizeof *k->grid.first);
     return used;
@@ -95,6 +95,7 @@ static void sample(const motion *m, double now, double *position, double *veloci
     }
 }
 
+REFDEM_EVERY_CPU
 int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const double *t, int64_t most,
                            int64_t longest, double *room, double *event, double *work,
                            double *position, double *velocity, double *omega, double *attitude)

@@ -28,9 +28,10 @@ typedef struct {
     int32_t exit;
 } slot;
 
-/* The grid, and the spheres of every cell as a list: from `first` (cells) on by `next` (bodies),
- * and back by `previous`. */
+/* The grid, and the spheres of every cell as a list: from `first` (cells) on by `next`, and back by
+ * `previous` (bodies + 1 each), up to `nobody`, whose next is nobody. */
 typedef struct {
+    int32_t nobody;
     double low[3], edge[3];
     int32_t count[3];
     slot *slot;
@@ -131,10 +132,9 @@ static inline void enter_cell(grid *g, int32_t i)
 {
     const int64_t cell = cell_number(g, g->slot[i].cell);
     const int32_t other = g->first[cell];
-    g->previous[i] = -1;
+    g->previous[i] = g->nobody;
     g->next[i] = other;
-    if (other >= 0)
-        g->previous[other] = i;
+    g->previous[other] = i;
     g->first[cell] = i;
 }
 
@@ -143,12 +143,11 @@ static inline void leave_cell(grid *g, int32_t i)
 {
     const int32_t before = g->previous[i];
     const int32_t after = g->next[i];
-    if (before >= 0)
-        g->next[before] = after;
-    else
+    if (before == g->nobody)
         g->first[cell_number(g, g->slot[i].cell)] = after;
-    if (after >= 0)
-        g->previous[after] = before;
+    else
+        g->next[before] = after;
+    g->previous[after] = before;
 }
 
 /* Puts every body of a periodic box into the box that the grid covers. */
@@ -166,8 +165,10 @@ static inline void enter_box(motion *m)
 static inline void fill_grid(const motion *m, grid *g, double now)
 {
     const int64_t all = (int64_t)g->count[0] * g->count[1] * g->count[2];
+    g->nobody = (int32_t)m->bodies;
+    g->next[g->nobody] = g->nobody;
     for (int64_t k = 0; k < all; k++)
-        g->first[k] = -1;
+        g->first[k] = g->nobody;
     for (int64_t i = 0; i < m->bodies; i++) {
         slot *s = g->slot + i;
         double r[3];
@@ -179,6 +180,15 @@ static inline void fill_grid(const motion *m, grid *g, double now)
         }
         enter_cell(g, (int32_t)i);
     }
+}
+
+/* Takes a time and the side that is left then, if it is the first so far. */
+static inline void first_of(double when, int32_t side, double *restrict first,
+                            int32_t *restrict exit)
+{
+    const int is_first = when < *first;
+    *exit = is_first ? side : *exit;
+    *first = is_first ? when : *first;
 }
 
 /* The time from now until a body leaves its cell, and through which side; infinity where there is
@@ -196,22 +206,17 @@ static inline double until_exit(const motion *m, const grid *g, int64_t i, doubl
             continue;
         const double below = r[c] - (g->low[c] + (double)s->at[c] * g->edge[c]);
         const double above = g->edge[c] - below;
-        double up, down;
         if (m->falls) {
-            up = until_passed(above, v[c], m->gravity[c]);
-            down = until_passed(below, -v[c], -m->gravity[c]);
-        } else {
-            up = v[c] > 0.0 ? fmax(0.0, above) / v[c] : INFINITY;
-            down = v[c] < 0.0 ? fmax(0.0, below) / -v[c] : INFINITY;
+            const double up = until_passed(above, v[c], m->gravity[c]);
+            const double down = until_passed(below, -v[c], -m->gravity[c]);
+            first_of(up, 2 * c + 1, &first, exit);
+            first_of(down, 2 * c, &first, exit);
+            continue;
         }
-        if (up < first) {
-            first = up;
-            *exit = 2 * c + 1;
-        }
-        if (down < first) {
-            first = down;
-            *exit = 2 * c;
-        }
+        const int upwards = v[c] > 0.0;
+        const double way = upwards ? above : below;
+        /* At rest on the side itself 0/0 is no time, and not the first. */
+        first_of((way > 0.0 ? way : 0.0) / fabs(v[c]), 2 * c + upwards, &first, exit);
     }
     return first;
 }
@@ -266,7 +271,22 @@ static inline int columns(const grid *g, const slot *s, int axis, bool only_new,
     return 3;
 }
 
-/* Lists the bodies of the cells around body i, without itself; returns how many. */
+/* Lists the bodies of a cell after the `found` ones of others; returns how many there are then. Cells
+ * have seldom more than two: these are listed without a branch, and nobody is written over. */
+static inline int64_t list_cell(const grid *g, int64_t cell, int64_t found, int32_t *restrict near)
+{
+    const int32_t first = g->first[cell];
+    const int32_t second = g->next[first];
+    near[found] = first;
+    found += first != g->nobody;
+    near[found] = second;
+    found += second != g->nobody;
+    for (int32_t j = g->next[second]; j != g->nobody; j = g->next[j])
+        near[found++] = j;
+    return found;
+}
+
+/* Lists the bodies of the cells around body i, with itself; returns how many. */
 static inline int64_t list_near(const grid *g, int32_t i, bool only_new, int32_t *restrict near)
 {
     const slot *s = g->slot + i;
@@ -279,10 +299,7 @@ static inline int64_t list_near(const grid *g, int32_t i, bool only_new, int32_t
         for (int b = 0; b < along_y; b++) {
             const int64_t row = ((int64_t)z[c] * g->count[1] + y[b]) * g->count[0];
             for (int a = 0; a < along_x; a++)
-                for (int32_t j = g->first[row + x[a]]; j >= 0; j = g->next[j]) {
-                    near[found] = j;
-                    found += j != i;
-                }
+                found = list_cell(g, row + x[a], found, near);
         }
     return found;
 }

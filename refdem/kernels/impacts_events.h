@@ -20,6 +20,9 @@
 #include "impacts_log.h"
 #include "impacts_queue.h"
 
+/* Neighbours that are looked at together. */
+enum { NEAR_AT_ONCE = 64 };
+
 /* What a body is about to do: meet `partner` at the time `when`, unless that one's `impacts` are no
  * longer `met`; leave its cell at the time `leaves`. */
 typedef struct {
@@ -28,19 +31,21 @@ typedef struct {
     uint32_t met, impacts;
 } plan;
 
-/* Someone near, and about when it is met. */
+/* Spheres near another one, at one time, in columns that the compiler makes vectors of. */
 typedef struct {
-    double when;
-    int32_t body;
-} candidate;
+    double place[3][NEAR_AT_ONCE], velocity[3][NEAR_AT_ONCE], radius[NEAR_AT_ONCE];
+} neighbours;
 
+/* All that a run works on. `near` and `due` are about the body that is looking: those near it, and
+ * about when it meets them, in units of their own that keep squares within the range of numbers. */
 typedef struct {
     motion *m;
     grid grid;
     queue queue;
     plan *plan;
     int32_t *near;
-    candidate *candidate;
+    double *due;
+    double per_length, per_speed;
     int64_t crossings;
 } crowd;
 
@@ -50,61 +55,103 @@ enum { CROSSINGS_EACH = 64 };
 /* Roundings of q below, as a part of w^2 d^2: each of the dozen products and sums has one. */
 static const double GRAZING = 0x1p-47;
 
-/* The bodies near i that it may meet, and about when: with d = r_j - r_i and w = v_j - v_i, those
- * with b = d.w <= 0 and q = b^2 - w^2 (d^2 - R^2) >= 0 to rounding, at (d^2 - R^2)/(-b + sqrt(q)).
- * What leaves the range of numbers stays in: until_spheres decides. */
-static int64_t list_approaching(crowd *k, int32_t i, double now, int64_t count)
+/* Where so many of the bodies are at the time now. */
+static inline void gather(const motion *m, const int32_t *restrict near, int64_t count, double now,
+                          neighbours *restrict out)
 {
-    const motion *m = k->m;
-    const double radius = m->flight[i].radius;
-    double ri[3], vi[3];
-    place(m, i, now, ri);
-    velocity(m, i, now, vi);
-    int64_t found = 0;
     for (int64_t n = 0; n < count; n++) {
-        const int32_t j = k->near[n];
-        double rj[3], vj[3], d[3], w[3];
-        place(m, j, now, rj);
-        velocity(m, j, now, vj);
-        branch(m, ri, rj, d);
-        for (int c = 0; c < 3; c++)
-            w[c] = vj[c] - vi[c];
-        const double reach = radius + m->flight[j].radius;
-        const double b = dot(d, w);
-        const double ww = dot(w, w);
-        const double dd = dot(d, d);
-        const double gap = dd - reach * reach;
-        const double q = b * b - ww * gap;
-        if (b > 0.0 || q < -GRAZING * ww * dd)
-            continue;
-        k->candidate[found].body = j;
-        k->candidate[found].when = gap / (sqrt(fmax(0.0, q)) - b);
-        found++;
+        const flight *f = m->flight + near[n];
+        const double elapsed = now - f->since;
+        for (int c = 0; c < 3; c++) {
+            out->place[c][n] = fma(f->velocity[c], elapsed, f->place[c]);
+            out->velocity[c][n] = f->velocity[c];
+        }
+        out->radius[n] = f->radius;
     }
-    return found;
+    for (int64_t n = 0; n < count && m->falls; n++) {
+        const double elapsed = now - m->flight[near[n]].since;
+        for (int c = 0; c < 3; c++) {
+            out->place[c][n] += 0.5 * elapsed * elapsed * m->gravity[c];
+            out->velocity[c][n] += elapsed * m->gravity[c];
+        }
+    }
 }
 
-/* The earliest impact of body i among `count` of those near, from the plan's own on. */
-static void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i, double now, int64_t count)
+/* About when a body at r that moves with v meets each of its neighbours, from now; infinity if it
+ * does not. With d = r_j - r and w = v_j - v it may where b = d.w < 0 and, but for rounding,
+ * q = b^2 - w^2 (d^2 - R^2) >= 0, at (d^2 - R^2)/(-b + sqrt(q)). */
+static inline void estimate(const crowd *k, const neighbours *restrict near, int64_t count,
+                            const double *restrict r, const double *restrict v, double radius,
+                            double *restrict due)
+{
+    const double period = k->m->period;
+    const double half = period > 0.0 ? 0.5 * period : INFINITY;
+    for (int64_t n = 0; n < count; n++) {
+        double b = 0.0;
+        double dd = 0.0;
+        double ww = 0.0;
+        for (int c = 0; c < 3; c++) {
+            double d = near->place[c][n] - r[c];
+            d = d > half ? d - period : d;
+            d = d < -half ? d + period : d;
+            d *= k->per_length;
+            const double w = (near->velocity[c][n] - v[c]) * k->per_speed;
+            b = fma(d, w, b);
+            dd = fma(d, d, dd);
+            ww = fma(w, w, ww);
+        }
+        const double reach = (radius + near->radius[n]) * k->per_length;
+        const double gap = fma(-reach, reach, dd);
+        const double q = fma(b, b, -ww * gap);
+        const double root = sqrt(q > 0.0 ? q : 0.0);
+        const double when = gap / (root - b);
+        due[n] = (b < 0.0) & (q >= -GRAZING * ww * dd) ? when : INFINITY;
+    }
+}
+
+/* Lists in `due` about when body i meets each of those near. */
+static inline void estimate_all(crowd *k, int32_t i, double now, int64_t count)
+{
+    neighbours some;
+    double r[3], v[3];
+    place(k->m, i, now, r);
+    velocity(k->m, i, now, v);
+    for (int64_t n = 0; n < count; n += NEAR_AT_ONCE) {
+        const int64_t left = count - n;
+        const int64_t part = left < NEAR_AT_ONCE ? left : NEAR_AT_ONCE;
+        gather(k->m, k->near + n, part, now, &some);
+        estimate(k, &some, part, r, v, k->m->flight[i].radius, k->due + n);
+    }
+}
+
+/* The earliest impact of body i with one of the `count` near it, if it is before the plan's own.
+ * Estimates say in which order to ask until_spheres, which decides. */
+static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i, double now,
+                                   int64_t count)
 {
     plan *own = k->plan + i;
-    int64_t left = list_approaching(k, i, now, count);
-    while (left > 0) {
-        int64_t first = 0;
-        for (int64_t n = 1; n < left; n++)
-            if (k->candidate[n].when < k->candidate[first].when)
+    estimate_all(k, i, now, count);
+    for (;;) {
+        int64_t first = -1;
+        double soonest = INFINITY;
+        for (int64_t n = 0; n < count; n++)
+            if (k->due[n] < soonest) {
+                soonest = k->due[n];
                 first = n;
-        const int32_t j = k->candidate[first].body;
+            }
+        if (first < 0)
+            return;
+        const int32_t j = k->near[first];
         const double when = now + until_spheres(p, k->m, i, j, now);
         if (when < own->when) {
             own->when = when;
             own->partner = j;
             own->met = k->plan[j].impacts;
         }
-        if (!isinf(when))
+        if (when < INFINITY)
             return;
         /* It grazes by, or parts: the next one. */
-        k->candidate[first] = k->candidate[--left];
+        k->due[first] = INFINITY;
     }
 }
 
@@ -126,7 +173,7 @@ static void schedule_plan(crowd *k, int32_t i, double now)
 {
     plan *own = k->plan + i;
     own->leaves = now + until_exit(k->m, &k->grid, i, now, &k->grid.slot[i].exit);
-    schedule(&k->queue, i, fmin(own->when, own->leaves));
+    schedule(&k->queue, i, own->when < own->leaves ? own->when : own->leaves);
 }
 
 /* The events of body i anew. */
@@ -215,9 +262,23 @@ static void meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double
         predict(p, k, j, now);
 }
 
+/* Units of length and speed of which squares of squares are numbers: the size of the largest sphere
+ * and the speed of the fastest, or of one that has fallen so far. Powers of two: no digit changes.
+ */
+static void choose_units(const refdem_impacts *p, crowd *k)
+{
+    const double length = least_edge(p);
+    double speed = sqrt(size(k->m->gravity) * length);
+    for (int64_t i = 0; i < k->m->bodies; i++)
+        speed = fmax(speed, size(k->m->flight[i].velocity));
+    k->per_length = ldexp(1.0, -ilogb(length));
+    k->per_speed = speed > 0.0 ? ldexp(1.0, -ilogb(speed)) : 1.0;
+}
+
 /* The first events of all bodies. */
 static void begin_cells(const refdem_impacts *p, crowd *k, double now)
 {
+    choose_units(p, k);
     empty_queue(&k->queue, k->m->bodies);
     for (int64_t i = 0; i < k->m->bodies; i++)
         k->plan[i].impacts = 0;
@@ -230,9 +291,10 @@ static void begin_cells(const refdem_impacts *p, crowd *k, double now)
 static int cells_until(const refdem_impacts *p, crowd *k, double end, event_log *log)
 {
     for (;;) {
-        const int32_t i = next_event(&k->queue);
-        if (!(k->queue.when[i] <= end))
+        const entry next = next_event(&k->queue);
+        if (!(next.when <= end))
             return GOES_ON;
+        const int32_t i = (int32_t)next.body;
         const plan own = k->plan[i];
         if (own.leaves < own.when) {
             enter_next(p, k, i);

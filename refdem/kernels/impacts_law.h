@@ -16,24 +16,52 @@ static inline void push(const refdem_impacts *p, motion *m, int64_t i, double si
                         const double *restrict impulse, const double *restrict turning)
 {
     add_scaled(m->flight[i].velocity, side / p->mass[i], impulse);
-    /* The rounding of n x n would turn smooth spheres. */
-    if (p->friction > 0.0)
-        add_scaled(m->spin[i].omega, p->radius[i] / p->inertia[i], turning);
+    add_scaled(m->spin[i].omega, p->radius[i] / p->inertia[i], turning);
 }
 
-/* The impact of body i with body j, or with a wall (j < 0), along the unit normal from i on. */
-static inline void collide(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
-                           const double *restrict normal)
+/* 1/m_i + 1/m_j of body i and body j, or a wall (j < 0). */
+static inline double ease_along(const refdem_impacts *p, int64_t i, int64_t j)
+{
+    double ease = 1.0 / p->mass[i];
+    if (j >= 0)
+        ease += 1.0 / p->mass[j];
+    return ease;
+}
+
+/* The impact of smooth spheres: nothing acts across the normal. */
+static inline void collide_smooth(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                                  const double *restrict normal)
+{
+    double relative[3];
+    const double ease = ease_along(p, i, j);
+    memcpy(relative, m->flight[i].velocity, sizeof relative);
+    if (j >= 0)
+        add_scaled(relative, -1.0, m->flight[j].velocity);
+    const double closing = dot(relative, normal);
+    const double along = (1.0 + p->restitution) * closing / ease;
+    double impulse[3];
+    for (int c = 0; c < 3; c++)
+        impulse[c] = -along * normal[c];
+    add_scaled(m->flight[i].velocity, 1.0 / p->mass[i], impulse);
+    if (j >= 0)
+        add_scaled(m->flight[j].velocity, -1.0 / p->mass[j], impulse);
+    /* What is left of m_n c^2/2 is the part e^2. */
+    const double left = p->restitution * p->restitution;
+    m->work += 0.5 * ((1.0 - left) * closing * closing / ease);
+}
+
+/* The impact of spheres with friction, which turns them. */
+static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                                 const double *restrict normal)
 {
     double relative[3], surface[3], swept[3], slip[3], impulse[3], turning[3];
-    double ease = 1.0 / p->mass[i];
+    const double ease = ease_along(p, i, j);
     double turn_ease = p->radius[i] * p->radius[i] / p->inertia[i];
     for (int c = 0; c < 3; c++) {
         relative[c] = m->flight[i].velocity[c];
         surface[c] = p->radius[i] * m->spin[i].omega[c];
     }
     if (j >= 0) {
-        ease += 1.0 / p->mass[j];
         turn_ease += p->radius[j] * p->radius[j] / p->inertia[j];
         for (int c = 0; c < 3; c++) {
             relative[c] -= m->flight[j].velocity[c];
@@ -62,6 +90,16 @@ static inline void collide(const refdem_impacts *p, motion *m, int64_t i, int64_
     const double lost_along = (1.0 - p->restitution * p->restitution) * closing * closing / ease;
     const double lost_across = (1.0 - left * left) * speed * speed * across_mass;
     m->work += 0.5 * (lost_along + lost_across);
+}
+
+/* The impact of body i with body j, or with a wall (j < 0), along the unit normal from i on. */
+static inline void collide(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                           const double *restrict normal)
+{
+    if (p->friction > 0.0)
+        collide_rough(p, m, i, j, normal);
+    else
+        collide_smooth(p, m, i, j, normal);
 }
 
 /* The unit normal from body i to what it meets. */

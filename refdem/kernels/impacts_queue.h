@@ -11,12 +11,16 @@
 #include <math.h>
 #include <stdint.h>
 
-/* `when` (bodies + 1): the last is nobody's, and never. `node` (2 leaves): 1 is the root, the
- * children of k are 2 k and 2 k + 1. */
+/* Somebody, and the time at which it is due. */
+typedef struct {
+    double when;
+    int64_t body;
+} entry;
+
+/* `node` (2 leaves): 1 is the root, the children of k are 2 k and 2 k + 1. */
 typedef struct {
     int64_t leaves;
-    double *when;
-    int32_t *node;
+    entry *node;
 } queue;
 
 /* The leaves of a tree of so many bodies: a power of two, at least 2. */
@@ -32,33 +36,32 @@ static inline int64_t leaves_of(int64_t bodies)
 static inline void empty_queue(queue *q, int64_t bodies)
 {
     q->leaves = leaves_of(bodies);
-    for (int64_t i = 0; i <= bodies; i++)
-        q->when[i] = INFINITY;
-    for (int64_t k = 0; k < 2 * q->leaves; k++)
-        q->node[k] = (int32_t)bodies;
-    for (int64_t i = 0; i < bodies; i++)
-        q->node[q->leaves + i] = (int32_t)i;
+    for (int64_t k = 0; k < 2 * q->leaves; k++) {
+        q->node[k].when = INFINITY;
+        q->node[k].body = bodies;
+    }
 }
 
-/* The body that is due next. */
-static inline int32_t next_event(const queue *q)
+/* Who is due next, and when. */
+static inline entry next_event(const queue *q)
 {
     return q->node[1];
 }
 
 /* Body i is due at the time `when`. */
-static inline void schedule(queue *q, int32_t i, double when)
+static inline void schedule(queue *q, int64_t i, double when)
 {
-    int32_t winner = i;
-    double earliest = when;
-    q->when[i] = when;
+    entry winner = {.when = when, .body = i};
+    q->node[q->leaves + i] = winner;
     for (int64_t k = q->leaves + i; k > 1; k /= 2) {
-        const int32_t rival = q->node[k ^ 1];
-        const double time = q->when[rival];
-        const int is_lower = rival < winner;
-        const int loses = (time < earliest) | ((time == earliest) & is_lower);
-        winner = loses ? rival : winner;
-        earliest = loses ? time : earliest;
+        const entry rival = q->node[k ^ 1];
+        const int is_earlier = rival.when < winner.when;
+        const int is_equal = rival.when == winner.when;
+        const int is_lower = rival.body < winner.body;
+        /* All ones if the rival wins: a mask, where a branch would be foretold wrongly. */
+        const int64_t mask = -(int64_t)(is_earlier | (is_equal & is_lower));
+        winner.body ^= (winner.body ^ rival.body) & mask;
+        winner.when = is_earlier ? rival.when : winner.when;
         q->node[k / 2] = winner;
     }
 }
