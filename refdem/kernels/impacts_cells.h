@@ -271,8 +271,9 @@ static inline int columns(const grid *g, const slot *s, int axis, bool only_new,
     return 3;
 }
 
-/* Lists the bodies of a cell after the `found` ones of others; returns how many there are then. Cells
- * have seldom more than two: these are listed without a branch, and nobody is written over. */
+/* Lists the bodies of a cell after the `found` ones of others; returns how many there are then.
+ * Cells have seldom more than two: these are listed without a branch, and nobody is written over.
+ */
 static inline int64_t list_cell(const grid *g, int64_t cell, int64_t found, int32_t *restrict near)
 {
     const int32_t first = g->first[cell];

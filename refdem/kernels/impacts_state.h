@@ -186,7 +186,9 @@ static inline double until_passed(double ahead, double v, double a)
     return INFINITY;
 }
 
-/* Time from now until a sphere meets a plane, or infinity. */
+/* Time from now until a sphere meets a plane, or infinity: h - c t - a t^2/2 = 0 with the height h,
+ * the closing speed c and the pull a towards the plane. The first root is 2 h/(c + sqrt(q)) with
+ * q = c^2 + 2 a h, and (sqrt(q) - c)/a if the sphere moves away and is pulled back. */
 static inline double until_plane(const refdem_impacts *p, const motion *m, int64_t i, int64_t k,
                                  double now)
 {
@@ -197,16 +199,19 @@ static inline double until_plane(const refdem_impacts *p, const motion *m, int64
     velocity(m, i, now, v);
     for (int c = 0; c < 3; c++)
         from[c] = r[c] - point[c];
+    const double closing = -dot(v, normal);
     const double height = dot(from, normal) - p->radius[i];
-    double closing = -dot(v, normal);
-    if (m->falls) {
-        if (fabs(closing) <= ROUNDINGS * size(v))
-            closing = 0.0;
-        return until_passed(height, closing, -dot(m->gravity, normal));
-    }
-    if (!(closing > ROUNDINGS * size(v)))
-        return INFINITY;
-    return fmax(0.0, height / closing);
+    const double pull = -dot(m->gravity, normal);
+    const bool comes_near = closing > ROUNDINGS * size(v);
+    if (pull == 0.0)
+        return comes_near ? fmax(0.0, height / closing) : INFINITY;
+    const double above = fmax(0.0, height);
+    const double q = closing * closing + 2.0 * pull * above;
+    if (comes_near && q >= 0.0)
+        return 2.0 * above / (closing + sqrt(q));
+    if (!comes_near && pull > 0.0)
+        return (sqrt(q) - closing) / pull;
+    return INFINITY;
 }
 
 #endif

@@ -245,7 +245,11 @@ LAW = Contact(law="rigid", friction=0.5)
 @pytest.mark.parametrize(
     ("bodies", "elements", "word"),
     [
-        (TWO, [LAW, UniformGravity(g=(0.0, -1.0, 0.0))], "uniform_gravity"),
+        (
+            [sphere(fixed=True, position=(9.0, 0.0, 0.0)), TWO[0]],
+            [LAW, UniformGravity(g=(0.0, -1.0, 0.0))],
+            "no quadratic",
+        ),
         (TWO, [Contact(law="linear", stiffness=1.0)], "linear"),
         ([TWO[0], Body(mass=1.0)], [LAW], "no sphere"),
         ([TWO[0], sphere(position=(-1.5, 0.0, 0.0))], [LAW], "overlaps"),
@@ -308,3 +312,55 @@ def test_an_impact_is_as_exact_in_any_unit_of_length(unit):
     assert len(found.events) == 1
     assert np.abs(found.position / unit - plain.position).max() < 1e-13
     assert np.abs(found.omega - plain.omega).max() < 1e-13
+
+
+def test_spheres_that_fall_together_meet_as_without_gravity():
+    times = np.linspace(0.0, 2.0, 33)
+    bodies = [
+        sphere(position=(-1.0, 0.25, 0.0), velocity=(1.0, 0.0, 0.0)),
+        sphere(position=(1.0, 0.0, 0.0), mass=3.0),
+    ]
+    free = run(Scene.of(bodies, [Contact(law="rigid", restitution=0.5)]), times)
+    g = np.array([0.5, -9.8125, 0.25])
+    gravity = UniformGravity(g=tuple(g.tolist()))
+    fallen = run(Scene.of(bodies, [Contact(law="rigid", restitution=0.5), gravity]), times)
+    assert len(free.events) == len(fallen.events) == 1
+    depth = times[:, None, None] ** 2 / 2 * g
+    assert fallen.position - depth == pytest.approx(free.position, abs=64 * U * 40)
+    assert fallen.velocity - times[:, None, None] * g == pytest.approx(
+        free.velocity, abs=64 * U * 40
+    )
+
+
+@pytest.mark.parametrize("upwards", [0.0, 2.0, -3.0])
+def test_a_sphere_falls_on_a_plane_and_bounces_by_the_formula(upwards):
+    g = 8.0
+    height = 1.0
+    body = sphere(position=(0.0, 0.5 + height, 0.0), velocity=(1.0, upwards, 0.0))
+    elements = [
+        Contact(law="rigid", restitution=0.5),
+        Plane(normal=(0.0, 1.0, 0.0)),
+        UniformGravity(g=(0.0, -g, 0.0)),
+    ]
+    # They end at 1.5 s, 1.9 s and 1.5 s.
+    ended = run(Scene.of([body], elements), np.linspace(0.0, 1.375, 9))
+    speed = np.sqrt(upwards**2 + 2 * g * height)
+    first = (upwards + speed) / g
+    # Each flight lasts 2 e^n v/g.
+    due = first + np.append(0.0, np.cumsum(2 * speed / g * 0.5 ** np.arange(1, 20)))
+    seen = np.array([event.time for event in ended.events])
+    assert len(seen) >= 2
+    assert seen == pytest.approx(due[: len(seen)], abs=64 * U * 2)
+    assert np.all(ended.position[:, 0, 1] >= 0.5 - 64 * U)
+
+
+def test_gravity_away_from_a_plane_may_turn_a_sphere_before_it():
+    for speed, count in ((3.9, 0), (4.1, 1)):
+        # It comes 4^2/(2 g) = 1 m near with 4 m/s.
+        body = sphere(position=(0.0, 1.5, 0.0), velocity=(0.0, -speed, 0.0))
+        elements = [
+            Contact(law="rigid", restitution=1.0),
+            Plane(normal=(0.0, 1.0, 0.0)),
+            UniformGravity(g=(0.0, 8.0, 0.0)),
+        ]
+        assert len(run(Scene.of([body], elements), np.linspace(0.0, 2.0, 5)).events) == count
