@@ -39,6 +39,7 @@ static int64_t lay_out(motion *m, crowd *k, int64_t bodies, char *room)
     int64_t used = 0;
     m->flight = claimed(room, &used, n * sizeof *m->flight);
     m->spin = claimed(room, &used, n * sizeof *m->spin);
+    m->creeping = claimed(room, &used, n * sizeof *m->creeping);
     m->next = claimed(room, &used, n * sizeof *m->next);
     m->partner = claimed(room, &used, n * sizeof *m->partner);
     m->boxes = claimed(room, &used, 3 * n * sizeof *m->boxes);
@@ -76,6 +77,7 @@ static void begin(const refdem_impacts *p, motion *m, double now, const double *
         memcpy(s->omega, omega + 3 * i, sizeof s->omega);
         memcpy(s->attitude, attitude + 4 * i, sizeof s->attitude);
         s->since = now;
+        m->creeping[i] = 0;
     }
     memcpy(m->gravity, p->gravity, sizeof m->gravity);
     m->falls = dot(p->gravity, p->gravity) > 0.0;
@@ -105,7 +107,7 @@ int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const doubl
     crowd k = {.m = &m};
     const uintptr_t address = (uintptr_t)room;
     lay_out(&m, &k, p->bodies, (char *)room + (LINE - address % LINE) % LINE);
-    event_log log = {.event = event, .most = most, .longest = longest, .bodies = p->bodies};
+    event_log log = {.event = event, .most = most, .longest = longest};
     const bool in_cells = p->bodies > p->few || p->period > 0.0;
     begin(p, &m, t[0], position, velocity, omega, attitude);
     if (in_cells)
@@ -119,7 +121,7 @@ int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const doubl
             = in_cells ? cells_until(p, &k, t[row], &log) : pairs_until(p, &m, t[row], &log);
         if (status == TOO_MANY)
             return -row;
-        if (status == STANDS_STILL)
+        if (status == RESTS)
             return -samples - row;
         sample(&m, t[row], position + 3 * from, velocity + 3 * from, omega + 3 * from,
                attitude + 4 * from);

@@ -237,29 +237,25 @@ static bool is_valid(const crowd *k, int32_t i)
     return own->partner < 0 || k->plan[own->partner].impacts == own->met;
 }
 
-/* Advances a body to its impact. Without friction its spin stays, and its attitude can wait. */
-static void advance_one(const refdem_impacts *p, crowd *k, int32_t i, double now)
+/* Others that were to meet body i have to look again; nothing moves a fixed one. */
+static inline void count_impact(const refdem_impacts *p, crowd *k, int32_t i)
 {
-    advance(k->m, i, now);
-    if (p->friction > 0.0)
-        turn(k->m, i, now);
-    /* Nothing moves a fixed body: what others know of it stays true. */
     if (!is_fixed(p, i))
         k->plan[i].impacts++;
 }
 
 /* The impact of body i with its partner, in the order of their numbers. */
-static void meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double now)
+static int meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double now)
 {
-    double normal[3];
-    advance_one(p, k, i, now);
+    if (!strike(p, k->m, i, j, now))
+        return RESTS;
+    count_impact(p, k, i);
     if (j >= 0)
-        advance_one(p, k, j, now);
-    normal_of(p, k->m, i, j, normal);
-    collide(p, k->m, i, j, normal);
+        count_impact(p, k, j);
     predict(p, k, i, now);
     if (j >= 0)
         predict(p, k, j, now);
+    return GOES_ON;
 }
 
 /* Units of length and speed of which squares of squares are numbers: the size of the largest sphere
@@ -307,10 +303,11 @@ static int cells_until(const refdem_impacts *p, crowd *k, double end, event_log 
         const bool is_second = own.partner >= 0 && own.partner < i;
         const int32_t first = is_second ? own.partner : i;
         const int32_t second = is_second ? i : own.partner;
-        const int status = record(log, own.when, first, second);
+        int status = record(log, own.when, first, second);
+        if (status == GOES_ON)
+            status = meet(p, k, first, second, own.when);
         if (status != GOES_ON)
             return status;
-        meet(p, k, first, second, own.when);
     }
 }
 

@@ -118,4 +118,61 @@ static inline void normal_of(const refdem_impacts *p, const motion *m, int64_t i
         normal[c] /= distance;
 }
 
+/* Time since the last impact of body i or of body j, whichever was later; nothing moves fixed
+ * bodies and walls. */
+static inline double flown(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
+                           double now)
+{
+    double last = -INFINITY;
+    if (!is_fixed(p, i))
+        last = m->flight[i].since;
+    if (j >= 0 && !is_fixed(p, j))
+        last = fmax(last, m->flight[j].since);
+    return now - last;
+}
+
+/* Advances a body to its impact. Without friction its spin stays, and its attitude can wait. */
+static inline void advance_to_impact(const refdem_impacts *p, motion *m, int64_t i, double now)
+{
+    advance(m, i, now);
+    if (p->friction > 0.0)
+        turn(m, i, now);
+}
+
+/* Counts the impacts of body i one after another on a way that no place can tell; returns them. */
+static inline int64_t creeping(motion *m, int64_t i, double way)
+{
+    const flight *f = m->flight + i;
+    const double far = fabs(f->place[0]) + fabs(f->place[1]) + fabs(f->place[2]) + f->radius;
+    m->creeping[i]++;
+    if (way > ROUNDINGS * far)
+        m->creeping[i] = 0;
+    return m->creeping[i];
+}
+
+/* The impact of body i with body j, or with a wall (j < 0), at the time now. False if they come to
+ * rest against each other: times between their impacts shrink geometrically, and the way between
+ * them is below the rounding of places for so many impacts that it must be without end. (Of chains
+ * of spheres that touch, impacts without a way between them have an end: every body passes on every
+ * other's blow.) */
+static inline bool strike(const refdem_impacts *p, motion *m, int64_t i, int64_t j, double now)
+{
+    enum { CREEPING = 1000, CREEPING_EACH = 10 };
+    const double elapsed = flown(p, m, i, j, now);
+    double normal[3], relative[3];
+    advance_to_impact(p, m, i, now);
+    memcpy(relative, m->flight[i].velocity, sizeof relative);
+    if (j >= 0) {
+        advance_to_impact(p, m, j, now);
+        add_scaled(relative, -1.0, m->flight[j].velocity);
+    }
+    normal_of(p, m, i, j, normal);
+    const double way = dot(relative, normal) * elapsed;
+    int64_t count = creeping(m, i, way);
+    if (j >= 0)
+        count = count < creeping(m, j, way) ? count : m->creeping[j];
+    collide(p, m, i, j, normal);
+    return count <= CREEPING + CREEPING_EACH * m->bodies;
+}
+
 #endif

@@ -59,24 +59,18 @@ static int64_t earliest(const motion *m)
 }
 
 /* Makes the impact of body i with its partner, and looks for those that follow. */
-static void happen(const refdem_impacts *p, motion *m, int64_t i)
+static int happen(const refdem_impacts *p, motion *m, int64_t i)
 {
     const double now = m->next[i];
     const int64_t j = (int64_t)m->partner[i];
-    double normal[3];
-    advance(m, i, now);
-    turn(m, i, now);
-    if (j >= 0) {
-        advance(m, j, now);
-        turn(m, j, now);
-    }
-    normal_of(p, m, i, j, normal);
-    collide(p, m, i, j, normal);
+    if (!strike(p, m, i, j, now))
+        return RESTS;
     for (int64_t k = 0; k < m->bodies; k++) {
         const int64_t other = (int64_t)m->partner[k];
         if (k == i || k == j || other == i || (j >= 0 && other == j))
             predict_among_all(p, m, k, now);
     }
+    return GOES_ON;
 }
 
 /* All impacts up to the time `end`; why they end before. */
@@ -86,10 +80,11 @@ static int pairs_until(const refdem_impacts *p, motion *m, double end, event_log
         const int64_t i = earliest(m);
         if (!(m->next[i] <= end))
             return GOES_ON;
-        const int status = record(log, m->next[i], i, (int64_t)m->partner[i]);
+        int status = record(log, m->next[i], i, (int64_t)m->partner[i]);
+        if (status == GOES_ON)
+            status = happen(p, m, i);
         if (status != GOES_ON)
             return status;
-        happen(p, m, i);
     }
 }
 

@@ -35,8 +35,9 @@ typedef struct {
 } spin;
 
 /* The state of all bodies. In a periodic box places are kept in it, and the `boxes` (bodies, 3) by
- * which a body has gone on are counted. `next` and `partner` are each one's next impact where every
- * pair is looked at (impacts_pairs.h). */
+ * which a body has gone on are counted. `creeping`
+ * counts impacts of each that no place can tell apart. `next` and `partner` are each one's next
+ * impact where every pair is looked at (impacts_pairs.h). */
 typedef struct {
     int64_t bodies;
     bool falls;
@@ -45,6 +46,7 @@ typedef struct {
     int64_t *boxes;
     flight *flight;
     spin *spin;
+    int64_t *creeping;
     double *next, *partner;
     double work;
 } motion;
