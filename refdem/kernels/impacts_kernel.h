@@ -8,12 +8,14 @@
 
 /* Rigid spheres and planes: of each body mass [kg] (infinite: it is fixed), moment of inertia [kg
  * m^2] about every axis (infinite: it cannot be spun up) and radius [m], each (bodies); plane
- * (planes, 6): point [m] and unit normal; the law's coefficients; uniform gravity [m/s^2], with
- * which no body is fixed. */
+ * (planes, 6): point [m] and unit normal; the law's coefficients; uniform gravity [m/s^2], without
+ * fixed bodies, which all others would fall on; period [m] of a periodic box, at least 5.1 times
+ * the largest diameter, or 0. Up to `few` bodies look at every pair, more look in cells: as exact,
+ * and faster. */
 typedef struct {
-    int64_t bodies, planes;
+    int64_t bodies, planes, few;
     const double *mass, *inertia, *radius, *plane;
-    double restitution, tangential_restitution, friction;
+    double restitution, tangential_restitution, friction, period;
     double gravity[3];
 } refdem_impacts;
 
@@ -24,8 +26,9 @@ int64_t refdem_impacts_room(int64_t bodies);
  * omega [1/s] (samples, bodies, 3), attitude (samples, bodies, 4); row 0 is the start, given. work
  * (samples): energy lost so far [J]. event (most, 3): time [s], body, and the body or plane k as -1
  * - k that it meets; events that come after `most` are not kept. Errors: round-off times the
- * motion's own sensitivity. Returns the number of events, or -k if sample k (from 1) was not
- * reached within `longest` events. */
+ * motion's own sensitivity. Returns the number of events; -k if sample k (from 1) was not reached
+ * within `longest` events; -samples - k if times of impacts before it could no longer be told
+ * apart, since spheres come to rest against each other in infinitely many impacts. */
 int64_t refdem_impacts_run(const refdem_impacts *p, int64_t samples, const double *t, int64_t most,
                            int64_t longest, double *room, double *event, double *work,
                            double *position, double *velocity, double *omega, double *attitude);

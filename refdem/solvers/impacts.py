@@ -7,19 +7,26 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Event, Trajectory
 from refdem.errors import EngineError
-from refdem.scene import Bodies, Sphere
+from refdem.kernels import load
+from refdem.mechanics.neighbours import near_pairs
+from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples
-from refdem.solvers._scene_pattern import ANY, ONE, SOME, ScenePattern
+from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, SOME, ScenePattern
 
 Array = NDArray[np.float64]
 FAMILY = "impacts"
+FEW = 16
+"""Spheres up to which every pair is looked at; measured."""
 MOST_EVENTS = 100_000
 """Impacts that are told; of a motion with more none is, so that those told are all."""
 LONGEST = 100_000_000
-"""Impacts after which a run ends: spheres that lose energy may meet without end in finite time."""
+"""Impacts after which a run ends, minutes of them."""
+FEWEST_DIAMETERS = 5 * (1 + 2.0**-19)
+"""Largest diameters along a periodic box, at least: as many cells, with the kernel's margin."""
 ROUNDED = 8 * 2.0**-53
 """Part of a sum of radii by which spheres may overlap at the start: places are rounded."""
 
@@ -40,7 +47,7 @@ class Impacts(KernelSolver):
     kernels = (FAMILY,)
 
     pattern = ScenePattern(
-        elements={Contact: ONE, Plane: ANY, UniformGravity: ANY},
+        elements={Contact: ONE, Plane: ANY, UniformGravity: ANY, PeriodicBox: OPTIONAL},
         bodies=SOME,
         shape=Sphere,
         law="rigid",
@@ -63,7 +70,7 @@ class Impacts(KernelSolver):
         points = (bodies.inertia[:, 0] == 0) & ~bodies.fixed
         if law.friction > 0 and points.any():
             return "friction on a body without moments of inertia"
-        return _overlapping(bodies, scene.all(Plane))
+        return _cramped(scene) or _overlapping(scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Bodies, planes, law and clock; the start is in its row."""
@@ -80,6 +87,7 @@ class Impacts(KernelSolver):
             {
                 "bodies": len(bodies),
                 "planes": len(planes),
+                "few": FEW,
                 "mass": np.where(bodies.fixed, np.inf, bodies.mass),
                 "inertia": np.where(held, np.inf, bodies.inertia[:, 0]),
                 "radius": bodies.radius,
@@ -88,6 +96,7 @@ class Impacts(KernelSolver):
                 "tangential_restitution": law.slip_restitution,
                 "friction": law.friction,
                 "gravity": gravity.tolist(),
+                "period": _period(scene),
             },
         )
         count = len(problem.times)
@@ -97,7 +106,7 @@ class Impacts(KernelSolver):
             rows = np.empty((count, *start.shape))
             rows[0] = start
             states.append(rows)
-        room = np.empty(16 * len(bodies))
+        room = np.empty(load(FAMILY).lib.refdem_impacts_room(len(bodies)))
         events = np.empty((MOST_EVENTS, 3))
         return KernelCall(
             function="refdem_impacts_run",
@@ -110,11 +119,19 @@ class Impacts(KernelSolver):
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """States, the energy lost, and the impacts as contacts of their first bodies."""
         _, table, work, position, velocity, omega, attitude = call.outputs
+        count = len(request.problem.times)
+        if status < -count:
+            before, after = request.problem.times[-status - count - 1 : -status - count + 1]
+            raise EngineError(
+                f"impacts: between t = {before:.6g} s and {after:.6g} s spheres come to rest"
+                " against each other or on a plane, in infinitely many impacts (inelastic"
+                " collapse); expected a run that ends before, or contacts that can last"
+            )
         if status < 0:
             t = request.problem.times[-status]
             raise EngineError(
-                f"impacts: {LONGEST} impacts did not lead to t = {t:.6g} s: spheres that lose"
-                " energy meet without end in finite time"
+                f"impacts: {LONGEST} impacts did not lead to t = {t:.6g} s; expected fewer"
+                " bodies, or a shorter run"
             )
         start = request.problem.times[0]
         told = []
@@ -132,15 +149,43 @@ class Impacts(KernelSolver):
         )
 
 
-def _overlapping(bodies: Bodies, planes: list[Plane]) -> str | None:
+def _period(scene: Scene) -> float:
+    """The period [m] of the scene's box; 0 without one."""
+    for box in scene.all(PeriodicBox):
+        return box.size
+    return 0.0
+
+
+def _cramped(scene: Scene) -> str | None:
+    """None if a periodic box has room for the cells in which spheres look for each other."""
+    period = _period(scene)
+    if period == 0:
+        return None
+    if scene.all(Plane):
+        return "planes in a periodic box, of which bodies meet images"
+    least = FEWEST_DIAMETERS * 2 * float(scene.bodies.radius.max())
+    if period < least:
+        return f"a periodic box of {period:.6g} m; expected at least {least:.6g} m, 5 diameters"
+    return None
+
+
+def _overlapping(scene: Scene) -> str | None:
     """None if no spheres overlap at the start and none reaches behind a plane."""
-    for i in range(len(bodies)):
-        apart = np.linalg.norm(bodies.position[i + 1 :] - bodies.position[i], axis=1)
-        reach = bodies.radius[i + 1 :] + bodies.radius[i]
-        if np.any(apart < reach * (1 - ROUNDED)):
-            return f"body {i} overlaps another one at the start"
-    for plane in planes:
-        height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
+    bodies = scene.bodies
+    position = bodies.position
+    period = _period(scene)
+    i, j = near_pairs(position, 2 * float(bodies.radius.max()), period)
+    branch = position[j] - position[i]
+    if period:
+        branch -= period * np.rint(branch / period)
+    apart = np.linalg.norm(branch, axis=1)
+    reach = bodies.radius[i] + bodies.radius[j]
+    deep = np.flatnonzero(apart < reach * (1 - ROUNDED))
+    if len(deep):
+        first, second = sorted((int(i[deep[0]]), int(j[deep[0]])))
+        return f"body {first} overlaps body {second} at the start"
+    for plane in scene.all(Plane):
+        height = (position - np.array(plane.point)) @ np.array(plane.normal)
         behind = (height < bodies.radius * (1 - ROUNDED)) & ~bodies.fixed
         if np.any(behind):
             return f"body {int(np.flatnonzero(behind)[0])} reaches behind a plane at the start"

@@ -1,0 +1,314 @@
+/* Many rigid spheres: event-driven, O(log bodies) an impact (impacts.c).
+ *
+ * Every sphere has one event in a queue: its next impact, as far as it knew when it looked last, or
+ * the crossing into the next cell if that comes before. Phases: next_event, then
+ *
+ *   - cross: the sphere enters a cell, and looks at those that have come near;
+ *   - look again: its partner has met another one in the meantime (it has counted more impacts than
+ *     when the event was predicted), so that all neighbours are looked at anew;
+ *   - collide: both are advanced to the time of their impact and change their velocities;
+ *
+ * and predict and schedule for those whose event is gone. A pair that is to meet is known to the
+ * one of the two that looked last, since it looked when either's flight began: so that a sphere
+ * need not be told what others found (Lubachevsky 1991, with cells of Alder and Wainwright 1959).
+ */
+#ifndef REFDEM_IMPACTS_EVENTS_H
+#define REFDEM_IMPACTS_EVENTS_H
+
+#include "impacts_cells.h"
+#include "impacts_law.h"
+#include "impacts_log.h"
+#include "impacts_queue.h"
+
+/* Neighbours that are looked at together. */
+enum { NEAR_AT_ONCE = 64 };
+
+/* What a body is about to do: meet `partner` at the time `when`, unless that one's `impacts` are no
+ * longer `met`; leave its cell at the time `leaves`. */
+typedef struct {
+    double when, leaves;
+    int32_t partner;
+    uint32_t met, impacts;
+} plan;
+
+/* Spheres near another one, at one time, in columns that the compiler makes vectors of. */
+typedef struct {
+    double place[3][NEAR_AT_ONCE], velocity[3][NEAR_AT_ONCE], radius[NEAR_AT_ONCE];
+} neighbours;
+
+/* All that a run works on. `near` and `due` are about the body that is looking: those near it, and
+ * about when it meets them, in units of their own that keep squares within the range of numbers. */
+typedef struct {
+    motion *m;
+    grid grid;
+    queue queue;
+    plan *plan;
+    int32_t *near;
+    double *due;
+    double per_length, per_speed;
+    int64_t crossings;
+} crowd;
+
+/* Crossings of each body after which the extent of all is looked at again. */
+enum { CROSSINGS_EACH = 64 };
+
+/* Roundings of q below, as a part of w^2 d^2: each of the dozen products and sums has one. */
+static const double GRAZING = 0x1p-47;
+
+/* Where so many of the bodies are at the time now. */
+static inline void gather(const motion *m, const int32_t *restrict near, int64_t count, double now,
+                          neighbours *restrict out)
+{
+    for (int64_t n = 0; n < count; n++) {
+        const flight *f = m->flight + near[n];
+        const double elapsed = now - f->since;
+        for (int c = 0; c < 3; c++) {
+            out->place[c][n] = fma(f->velocity[c], elapsed, f->place[c]);
+            out->velocity[c][n] = f->velocity[c];
+        }
+        out->radius[n] = f->radius;
+    }
+    for (int64_t n = 0; n < count && m->falls; n++) {
+        const double elapsed = now - m->flight[near[n]].since;
+        for (int c = 0; c < 3; c++) {
+            out->place[c][n] += 0.5 * elapsed * elapsed * m->gravity[c];
+            out->velocity[c][n] += elapsed * m->gravity[c];
+        }
+    }
+}
+
+/* About when a body at r that moves with v meets each of its neighbours, from now; infinity if it
+ * does not. With d = r_j - r and w = v_j - v it may where b = d.w < 0 and, but for rounding,
+ * q = b^2 - w^2 (d^2 - R^2) >= 0, at (d^2 - R^2)/(-b + sqrt(q)). */
+static inline void estimate(const crowd *k, const neighbours *restrict near, int64_t count,
+                            const double *restrict r, const double *restrict v, double radius,
+                            double *restrict due)
+{
+    const double period = k->m->period;
+    const double half = period > 0.0 ? 0.5 * period : INFINITY;
+    for (int64_t n = 0; n < count; n++) {
+        double b = 0.0;
+        double dd = 0.0;
+        double ww = 0.0;
+        for (int c = 0; c < 3; c++) {
+            double d = near->place[c][n] - r[c];
+            d = d > half ? d - period : d;
+            d = d < -half ? d + period : d;
+            d *= k->per_length;
+            const double w = (near->velocity[c][n] - v[c]) * k->per_speed;
+            b = fma(d, w, b);
+            dd = fma(d, d, dd);
+            ww = fma(w, w, ww);
+        }
+        const double reach = (radius + near->radius[n]) * k->per_length;
+        const double gap = fma(-reach, reach, dd);
+        const double q = fma(b, b, -ww * gap);
+        const double root = sqrt(q > 0.0 ? q : 0.0);
+        const double when = gap / (root - b);
+        due[n] = (b < 0.0) & (q >= -GRAZING * ww * dd) ? when : INFINITY;
+    }
+}
+
+/* Lists in `due` about when body i meets each of those near. */
+static inline void estimate_all(crowd *k, int32_t i, double now, int64_t count)
+{
+    neighbours some;
+    double r[3], v[3];
+    place(k->m, i, now, r);
+    velocity(k->m, i, now, v);
+    for (int64_t n = 0; n < count; n += NEAR_AT_ONCE) {
+        const int64_t left = count - n;
+        const int64_t part = left < NEAR_AT_ONCE ? left : NEAR_AT_ONCE;
+        gather(k->m, k->near + n, part, now, &some);
+        estimate(k, &some, part, r, v, k->m->flight[i].radius, k->due + n);
+    }
+}
+
+/* The earliest impact of body i with one of the `count` near it, if it is before the plan's own.
+ * Estimates say in which order to ask until_spheres, which decides. */
+static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i, double now,
+                                   int64_t count)
+{
+    plan *own = k->plan + i;
+    estimate_all(k, i, now, count);
+    for (;;) {
+        int64_t first = -1;
+        double soonest = INFINITY;
+        for (int64_t n = 0; n < count; n++)
+            if (k->due[n] < soonest) {
+                soonest = k->due[n];
+                first = n;
+            }
+        if (first < 0)
+            return;
+        const int32_t j = k->near[first];
+        const double when = now + until_spheres(p, k->m, i, j, now);
+        if (when < own->when) {
+            own->when = when;
+            own->partner = j;
+            own->met = k->plan[j].impacts;
+        }
+        if (when < INFINITY)
+            return;
+        /* It grazes by, or parts: the next one. */
+        k->due[first] = INFINITY;
+    }
+}
+
+/* The earliest impact of body i with a plane, from the plan's own on. */
+static void predict_planes(const refdem_impacts *p, crowd *k, int32_t i, double now)
+{
+    plan *own = k->plan + i;
+    for (int64_t n = 0; n < p->planes; n++) {
+        const double when = now + until_plane(p, k->m, i, n, now);
+        if (when < own->when) {
+            own->when = when;
+            own->partner = (int32_t)(-1 - n);
+        }
+    }
+}
+
+/* The end of the body's stay in its cell, and its place in the queue. */
+static void schedule_plan(crowd *k, int32_t i, double now)
+{
+    plan *own = k->plan + i;
+    own->leaves = now + until_exit(k->m, &k->grid, i, now, &k->grid.slot[i].exit);
+    schedule(&k->queue, i, own->when < own->leaves ? own->when : own->leaves);
+}
+
+/* The events of body i anew. */
+static void predict(const refdem_impacts *p, crowd *k, int32_t i, double now)
+{
+    plan *own = k->plan + i;
+    own->when = INFINITY;
+    own->leaves = INFINITY;
+    own->partner = NOBODY;
+    if (is_fixed(p, i))
+        return;
+    const int64_t count = list_near(&k->grid, i, false, k->near);
+    predict_spheres(p, k, i, now, count);
+    predict_planes(p, k, i, now);
+    schedule_plan(k, i, now);
+}
+
+/* A new grid at the time now, and all events anew. */
+static void make_grid(const refdem_impacts *p, crowd *k, double now)
+{
+    if (k->m->period > 0.0)
+        fit_periodic_grid(p, k->m, &k->grid);
+    else
+        fit_open_grid(p, k->m, &k->grid, now);
+    fill_grid(k->m, &k->grid, now);
+    for (int64_t i = 0; i < k->m->bodies; i++)
+        predict(p, k, (int32_t)i, now);
+    k->crossings = 0;
+}
+
+/* Bodies that fly apart need larger cells: they would cross small ones without end. */
+static void check_grid(const refdem_impacts *p, crowd *k, double now)
+{
+    k->crossings = 0;
+    if (k->m->period > 0.0)
+        return;
+    grid wanted = k->grid;
+    fit_open_grid(p, k->m, &wanted, now);
+    const double factor = wanted.edge[0] / k->grid.edge[0];
+    if (factor > 2.0 || factor < 0.5)
+        make_grid(p, k, now);
+}
+
+/* Body i enters the next cell, and looks at those that this has brought near. */
+static void enter_next(const refdem_impacts *p, crowd *k, int32_t i)
+{
+    const double now = k->plan[i].leaves;
+    cross_side(k->m, &k->grid, i);
+    const int64_t count = list_near(&k->grid, i, true, k->near);
+    predict_spheres(p, k, i, now, count);
+    schedule_plan(k, i, now);
+    k->crossings++;
+    if (k->crossings > CROSSINGS_EACH * k->m->bodies)
+        check_grid(p, k, now);
+}
+
+/* True if what body i is about to meet has not met another one since. */
+static bool is_valid(const crowd *k, int32_t i)
+{
+    const plan *own = k->plan + i;
+    return own->partner < 0 || k->plan[own->partner].impacts == own->met;
+}
+
+/* Others that were to meet body i have to look again; nothing moves a fixed one. */
+static inline void count_impact(const refdem_impacts *p, crowd *k, int32_t i)
+{
+    if (!is_fixed(p, i))
+        k->plan[i].impacts++;
+}
+
+/* The impact of body i with its partner, in the order of their numbers. */
+static int meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double now)
+{
+    if (!strike(p, k->m, i, j, now))
+        return RESTS;
+    count_impact(p, k, i);
+    if (j >= 0)
+        count_impact(p, k, j);
+    predict(p, k, i, now);
+    if (j >= 0)
+        predict(p, k, j, now);
+    return GOES_ON;
+}
+
+/* Units of length and speed of which squares of squares are numbers: the size of the largest sphere
+ * and the speed of the fastest, or of one that has fallen so far. Powers of two: no digit changes.
+ */
+static void choose_units(const refdem_impacts *p, crowd *k)
+{
+    const double length = least_edge(p);
+    double speed = sqrt(size(k->m->gravity) * length);
+    for (int64_t i = 0; i < k->m->bodies; i++)
+        speed = fmax(speed, size(k->m->flight[i].velocity));
+    k->per_length = ldexp(1.0, -ilogb(length));
+    k->per_speed = speed > 0.0 ? ldexp(1.0, -ilogb(speed)) : 1.0;
+}
+
+/* The first events of all bodies. */
+static void begin_cells(const refdem_impacts *p, crowd *k, double now)
+{
+    choose_units(p, k);
+    empty_queue(&k->queue, k->m->bodies);
+    for (int64_t i = 0; i < k->m->bodies; i++)
+        k->plan[i].impacts = 0;
+    if (k->m->period > 0.0)
+        enter_box(k->m);
+    make_grid(p, k, now);
+}
+
+/* All impacts up to the time `end`; why they end before. */
+static int cells_until(const refdem_impacts *p, crowd *k, double end, event_log *log)
+{
+    for (;;) {
+        const entry next = next_event(&k->queue);
+        if (!(next.when <= end))
+            return GOES_ON;
+        const int32_t i = (int32_t)next.body;
+        const plan own = k->plan[i];
+        if (own.leaves < own.when) {
+            enter_next(p, k, i);
+            continue;
+        }
+        if (!is_valid(k, i)) {
+            predict(p, k, i, own.when);
+            continue;
+        }
+        const bool is_second = own.partner >= 0 && own.partner < i;
+        const int32_t first = is_second ? own.partner : i;
+        const int32_t second = is_second ? i : own.partner;
+        int status = record(log, own.when, first, second);
+        if (status == GOES_ON)
+            status = meet(p, k, first, second, own.when);
+        if (status != GOES_ON)
+            return status;
+    }
+}
+
+#endif

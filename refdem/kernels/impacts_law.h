@@ -1,0 +1,178 @@
+/* The impulses of an impact of rigid spheres (impacts.c).
+ *
+ * With n from i to j, the velocity g of the points that touch, its part c along n and its slip s
+ * across,
+ *
+ *     P = -p n - k s,   p = (1 + e) c / (1/m_i + 1/m_j),
+ *     k = min((1 + b) / (1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j), mu p / |s|)   (Walton 1993).
+ */
+#ifndef REFDEM_IMPACTS_LAW_H
+#define REFDEM_IMPACTS_LAW_H
+
+#include "impacts_state.h"
+
+/* The impulse on a body, and the turn that it gives: v += P/m, omega += (R/J) n x P. */
+static inline void push(const refdem_impacts *p, motion *m, int64_t i, double side,
+                        const double *restrict impulse, const double *restrict turning)
+{
+    add_scaled(m->flight[i].velocity, side / p->mass[i], impulse);
+    add_scaled(m->spin[i].omega, p->radius[i] / p->inertia[i], turning);
+}
+
+/* 1/m_i + 1/m_j of body i and body j, or a wall (j < 0). */
+static inline double ease_along(const refdem_impacts *p, int64_t i, int64_t j)
+{
+    double ease = 1.0 / p->mass[i];
+    if (j >= 0)
+        ease += 1.0 / p->mass[j];
+    return ease;
+}
+
+/* The impact of smooth spheres: nothing acts across the normal. */
+static inline void collide_smooth(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                                  const double *restrict normal)
+{
+    double relative[3];
+    const double ease = ease_along(p, i, j);
+    memcpy(relative, m->flight[i].velocity, sizeof relative);
+    if (j >= 0)
+        add_scaled(relative, -1.0, m->flight[j].velocity);
+    const double closing = dot(relative, normal);
+    const double along = (1.0 + p->restitution) * closing / ease;
+    double impulse[3];
+    for (int c = 0; c < 3; c++)
+        impulse[c] = -along * normal[c];
+    add_scaled(m->flight[i].velocity, 1.0 / p->mass[i], impulse);
+    if (j >= 0)
+        add_scaled(m->flight[j].velocity, -1.0 / p->mass[j], impulse);
+    /* What is left of m_n c^2/2 is the part e^2. */
+    const double left = p->restitution * p->restitution;
+    m->work += 0.5 * ((1.0 - left) * closing * closing / ease);
+}
+
+/* The impact of spheres with friction, which turns them. */
+static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                                 const double *restrict normal)
+{
+    double relative[3], surface[3], swept[3], slip[3], impulse[3], turning[3];
+    const double ease = ease_along(p, i, j);
+    double turn_ease = p->radius[i] * p->radius[i] / p->inertia[i];
+    for (int c = 0; c < 3; c++) {
+        relative[c] = m->flight[i].velocity[c];
+        surface[c] = p->radius[i] * m->spin[i].omega[c];
+    }
+    if (j >= 0) {
+        turn_ease += p->radius[j] * p->radius[j] / p->inertia[j];
+        for (int c = 0; c < 3; c++) {
+            relative[c] -= m->flight[j].velocity[c];
+            surface[c] += p->radius[j] * m->spin[j].omega[c];
+        }
+    }
+    /* g = v_i - v_j + (R_i omega_i + R_j omega_j) x n; the last part has nothing along n. */
+    cross(surface, normal, swept);
+    const double closing = dot(relative, normal);
+    for (int c = 0; c < 3; c++)
+        slip[c] = relative[c] - closing * normal[c] + swept[c];
+    const double speed = size(slip);
+    const double across_mass = 1.0 / (ease + turn_ease);
+    const double along = (1.0 + p->restitution) * closing / ease;
+    double factor = (1.0 + p->tangential_restitution) * across_mass;
+    if (factor * speed > p->friction * along)
+        factor = p->friction * along / speed;
+    for (int c = 0; c < 3; c++)
+        impulse[c] = -along * normal[c] - factor * slip[c];
+    cross(normal, impulse, turning);
+    push(p, m, i, 1.0, impulse, turning);
+    if (j >= 0)
+        push(p, m, j, -1.0, impulse, turning);
+    /* What is left of m_n c^2/2 is the part e^2, and of m_t s^2/2 the part (1 - k/m_t)^2. */
+    const double left = 1.0 - factor / across_mass;
+    const double lost_along = (1.0 - p->restitution * p->restitution) * closing * closing / ease;
+    const double lost_across = (1.0 - left * left) * speed * speed * across_mass;
+    m->work += 0.5 * (lost_along + lost_across);
+}
+
+/* The impact of body i with body j, or with a wall (j < 0), along the unit normal from i on. */
+static inline void collide(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
+                           const double *restrict normal)
+{
+    if (p->friction > 0.0)
+        collide_rough(p, m, i, j, normal);
+    else
+        collide_smooth(p, m, i, j, normal);
+}
+
+/* The unit normal from body i to what it meets. */
+static inline void normal_of(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
+                             double *restrict normal)
+{
+    if (j < 0) {
+        const double *plane = p->plane + 6 * (-1 - j);
+        for (int c = 0; c < 3; c++)
+            normal[c] = -plane[3 + c];
+        return;
+    }
+    branch(m, m->flight[i].place, m->flight[j].place, normal);
+    const double distance = size(normal);
+    for (int c = 0; c < 3; c++)
+        normal[c] /= distance;
+}
+
+/* Time since the last impact of body i or of body j, whichever was later; nothing moves fixed
+ * bodies and walls. */
+static inline double flown(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
+                           double now)
+{
+    double last = -INFINITY;
+    if (!is_fixed(p, i))
+        last = m->flight[i].since;
+    if (j >= 0 && !is_fixed(p, j))
+        last = fmax(last, m->flight[j].since);
+    return now - last;
+}
+
+/* Advances a body to its impact. Without friction its spin stays, and its attitude can wait. */
+static inline void advance_to_impact(const refdem_impacts *p, motion *m, int64_t i, double now)
+{
+    advance(m, i, now);
+    if (p->friction > 0.0)
+        turn(m, i, now);
+}
+
+/* Counts the impacts of body i one after another on a way that no place can tell; returns them. */
+static inline int64_t creeping(motion *m, int64_t i, double way)
+{
+    const flight *f = m->flight + i;
+    const double far = fabs(f->place[0]) + fabs(f->place[1]) + fabs(f->place[2]) + f->radius;
+    m->creeping[i]++;
+    if (way > ROUNDINGS * far)
+        m->creeping[i] = 0;
+    return m->creeping[i];
+}
+
+/* The impact of body i with body j, or with a wall (j < 0), at the time now. False if they come to
+ * rest against each other: times between their impacts shrink geometrically, and the way between
+ * them is below the rounding of places for so many impacts that it must be without end. (Of chains
+ * of spheres that touch, impacts without a way between them have an end: every body passes on every
+ * other's blow.) */
+static inline bool strike(const refdem_impacts *p, motion *m, int64_t i, int64_t j, double now)
+{
+    enum { CREEPING = 1000, CREEPING_EACH = 10 };
+    const double elapsed = flown(p, m, i, j, now);
+    double normal[3], relative[3];
+    advance_to_impact(p, m, i, now);
+    memcpy(relative, m->flight[i].velocity, sizeof relative);
+    if (j >= 0) {
+        advance_to_impact(p, m, j, now);
+        add_scaled(relative, -1.0, m->flight[j].velocity);
+    }
+    normal_of(p, m, i, j, normal);
+    const double way = dot(relative, normal) * elapsed;
+    int64_t count = creeping(m, i, way);
+    if (j >= 0)
+        count = count < creeping(m, j, way) ? count : m->creeping[j];
+    collide(p, m, i, j, normal);
+    return count <= CREEPING + CREEPING_EACH * m->bodies;
+}
+
+#endif
