@@ -77,3 +77,27 @@ def test_a_method_that_may_straddle_a_kink_keeps_the_room_of_scattered_errors():
     # Order 4 cannot be had across the kinks of a contact by steps that straddle them, order 2 can.
     assert cuts("rk4")
     assert not cuts("velocity-verlet")
+
+
+def drifted(by):
+    """Places that go wrong in the course of time, at the end by `by` [m], at every step."""
+
+    def after(request, run):
+        position = run.position.copy()
+        position[:, :, 0] += by * (run.t / run.t[-1])[:, None]
+        return replace(run, position=position)
+
+    return Fault(name="drift", kind="", sentence="", on=(), sees=("error", "x"), after=after)
+
+
+@pytest.mark.parametrize(("by", "outcome"), [(0.0, "pass"), (0.015, "fail")])
+def test_a_kink_of_higher_order_than_the_claim_does_not_widen_the_bound(by, outcome):
+    """The force of the field has kinks and no jumps: Euler's first order does not scatter there.
+
+    What the order claimed allows at the finest step is twice as much.
+    """
+    engine = drifted(by).carrier(discovery.engine("pymunk"))
+    instance = discovery.case("asymmetric-field").at()
+    task = task_of(engine, "semi-implicit-euler", instance, truth_of(instance), 4, ("error",))
+    (found,) = (f for f in record_of(task).findings if f.quantity == "x")
+    assert found.outcome == outcome
