@@ -152,10 +152,9 @@ def measure(copy: TreeCopy, file: str) -> None:
         ended = copy.tested([file], LONGEST, more=("-p", "lines_plugin"), also=also)
         kept_tests = out / "tests.json"
         if not kept_tests.exists():
-            print(
-                f"  {file}: no answer, status {ended.status} {' '.join(ended.failed)}\n{ended.said}",
-                flush=True,
-            )
+            failed = " ".join(ended.failed)
+            print(f"  {file}: no answer, status {ended.status} {failed}", flush=True)
+            print(ended.said, flush=True)
             return
         tests = json.loads(kept_tests.read_text())
         for number, test in enumerate(tests):
