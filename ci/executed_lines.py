@@ -153,7 +153,8 @@ def measure(copy: TreeCopy, file: str) -> None:
         kept_tests = out / "tests.json"
         if not kept_tests.exists():
             answer = f"status {ended.status} {' '.join(ended.failed)}"
-            print(f"  {file}: no answer, {answer}\n{ended.said}", flush=True)
+            print(f"  {file}: no answer, {answer}", flush=True)
+            print(ended.said, flush=True)
             return
         tests = json.loads(kept_tests.read_text())
         for number, test in enumerate(tests):

@@ -11,9 +11,9 @@ from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
 from refdem.core.judgement import (
+    CUT_PREDICTION_FACTOR,
     MIXED,
     PREDICTION_FACTOR,
-    CUT_PREDICTION_FACTOR,
     Array,
     Sight,
     certified,

@@ -13,10 +13,10 @@ from refdem.core import symmetry
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
+    KINK_PREDICTION_FACTOR,
     MORE,
     PERTURBED,
     PREDICTION_FACTOR,
-    KINK_PREDICTION_FACTOR,
     certified,
     distances,
     followed,
@@ -351,9 +351,9 @@ def _flips_nothing(
     or the other, and nothing lies between.
 
     Two bodies that collide without friction decide when they touch and when they part. The starts
-    that show such a decision show how much it changes; the other one changes KINK_PREDICTION_FACTOR times
-    less if it comes at as much less of the speed. What is smaller still must be round-off,
-    `rounding` (T,).
+    that show such a decision show how much it changes; the other one changes
+    KINK_PREDICTION_FACTOR times less if it comes at as much less of the speed. What is smaller
+    still must be round-off, `rounding` (T,).
     """
     if not _rounding_decides(subject) or not _is_one_collision(subject):
         return False
