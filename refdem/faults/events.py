@@ -138,7 +138,12 @@ def limit_excess_rate(m: Moving, state: State, load: Loads, number: int, h: Numb
 def second_rate(
     m: Moving, state: State, number: int, relative: Vector, rate: Number, pull: Vector
 ) -> Number:
-    """d'' [m/s^2]: the relative acceleration along the normal, less the turning of the normal."""
+    """d'' [m/s^2] of a pair, `pull` being the relative acceleration a = a_i - a_j (3), `relative`
+    the relative velocity v and `rate` d'.
+
+    d = R_i + R_j - rho has d' = v . n; the normal turns with n' = -(v - (v . n) n)/rho, so that d''
+    = a . n - (|v|^2 - d'^2)/rho. The normal of a plane does not turn.
+    """
     i, j = m.world.pairs[number]
     normal, depth, _, _ = meeting(m.world, state, m.parts, number)
     if j < 0:
@@ -369,30 +374,37 @@ def sign_change(
     high = 1.0
     above = max(first, positional.TINY)
     below = last
-    reach = 1.0  # resolution x 2^(most evaluations left)
+    # The next interval may be as wide at most, twice as wide as that of bisection: no more than one
+    # evaluation is lost.
+    allowed_width = 1.0
     while high - low > 2 * resolution:
         middle = (low + high) / 2
-        wide = high - low
+        width = high - low
+        # Interpolate: the zero of the chord through both ends.
         chord = (below * low - above * high) / (below - above)
-        aside = max(0.2 * wide * wide, resolution)  # no less than shows
+        # Truncate: move it towards the middle by k1 width^k2, at least by the resolution, so that a
+        # chord that creeps along one end comes to the other side of the zero.
+        shift = max(0.2 * width * width, resolution)
         if middle > chord:
             side = 1.0
         else:
             side = -1.0
-        if aside <= abs(middle - chord):
-            chord = chord + side * aside
+        if shift <= abs(middle - chord):
+            truncated = chord + side * shift
         else:
-            chord = middle
-        slack = reach - wide / 2
-        if abs(chord - middle) <= slack:
-            part = chord
+            truncated = middle
+        # Project: stay as near to the middle as the allowed width demands.
+        radius = allowed_width - width / 2
+        if abs(truncated - middle) <= radius:
+            part = truncated
         else:
-            part = middle - side * slack
+            part = middle - side * radius
+        # Rounding may have put it on an end.
         if not low < part < high:
             part = middle
         if not low < part < high:
             break
-        reach /= 2
+        allowed_width /= 2
         value = margin(part)
         if value < 0:
             high = part

@@ -241,6 +241,7 @@ def _refuted(
     ratio = other_step / twins[0].step
     explained: dict[str, bool] = {}
     for twin in twins:
+        # A twin at the code's own step goes on at the other run's own step, a finer one at a finer.
         if twin.step == twins[0].step:
             step = twin.step * ratio
         else:

@@ -25,8 +25,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
     double *z = y[6];
     (void)time;
     for (int k = 0; k < TERMS; k++) {
+        /* omega = J^-1 L, coefficient k. */
         for (int i = 0; i < 3; i++)
             omega[i][k] = y[i][k] * p->inverse_inertia[i];
+        /* The rate at which the axes turn, omega + damping L x omega. */
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
             int l = (i + 2) % 3;
@@ -36,8 +38,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
             int l = (i + 2) % 3;
+            /* L' = L x turn. */
             y[i][k + 1] = (cauchy(y[j], turn[l], k) - cauchy(y[l], turn[j], k)) / (k + 1);
         }
+        /* q' = q (0, turn)/2 of the attitude q = (w, x, v, z). */
         double half = 0.5 / (k + 1);
         w[k + 1] = -half * (cauchy(x, turn[0], k) + cauchy(v, turn[1], k) + cauchy(z, turn[2], k));
         x[k + 1] = half * (cauchy(w, turn[0], k) + cauchy(v, turn[2], k) - cauchy(z, turn[1], k));

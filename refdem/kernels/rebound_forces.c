@@ -179,10 +179,12 @@ static void euler(const scene_t *scene, double *restrict rate, const double *res
     for (int64_t k = 0; k < scene->turning; k++, y += 7, rate += 7) {
         const double *j = scene->inertia + 3 * k;
         const double *w = y + 4;
+        /* q' = q (0, w)/2. */
         rate[0] = 0.5 * (-y[1] * w[0] - y[2] * w[1] - y[3] * w[2]);
         rate[1] = 0.5 * (y[0] * w[0] + y[2] * w[2] - y[3] * w[1]);
         rate[2] = 0.5 * (y[0] * w[1] + y[3] * w[0] - y[1] * w[2]);
         rate[3] = 0.5 * (y[0] * w[2] + y[1] * w[1] - y[2] * w[0]);
+        /* J1 w1' = (J2 - J3) w2 w3, and cyclically. */
         rate[4] = (j[1] - j[2]) * w[1] * w[2] / j[0];
         rate[5] = (j[2] - j[0]) * w[2] * w[0] / j[1];
         rate[6] = (j[0] - j[1]) * w[0] * w[1] / j[2];

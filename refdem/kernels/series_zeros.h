@@ -17,7 +17,7 @@
 
 enum {
     ORDER = 20,
-    LANES = 4,               /* numbers in a short vector of the processor */
+    LANES = 4,                       /* numbers in a short vector of the processor */
     PADDED_ORDER = ORDER + 2 * LANES /* room for a whole vector beyond the last coefficient */
 };
 

@@ -37,12 +37,14 @@ def clock_address(data: Any) -> int:
     """Address of `data.time`, which stands before `data.energy` in the structure; raises
     EngineError if it does not.
     """
-    address = data.energy.ctypes.data - 8
+    address = data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
+    # A number that stands nowhere else is written by name and read back at the address.
+    probe = 0.1234567890123
     kept = data.time
-    data.time = 0.1234567890123
+    data.time = probe
     seen = ctypes.c_double.from_address(address).value
     data.time = kept
-    if seen != 0.1234567890123:
+    if seen != probe:
         raise EngineError(
             "mujoco: mjData.time does not stand before mjData.energy as in 4.0.0; the adapter must"
             " be brought up to date"

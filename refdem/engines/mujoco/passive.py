@@ -101,12 +101,17 @@ def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: in
 
 
 def _columns(places: Sequence[Places], body: int) -> list[int]:
-    """Where the place (3) and the velocity (3) of a body lie; -1 for what there is none of."""
+    """The numbers (6) of the coordinates that are the place (3) of a body, and of those that are
+    its velocity (3), in mjData; -1 for an axis along which it cannot move, and for the world.
+    """
     if body < 0:
         return [-1] * 6
     columns: list[int] = []
-    for where in places[body]:
-        columns += [*where[:3], *[-1] * (3 - len(where[:3]))]
+    for numbers in places[body]:
+        # Further numbers are those of its rotation.
+        along_axes = numbers[:3]
+        missing = 3 - len(along_axes)
+        columns += [*along_axes, *[-1] * missing]
     return columns
 
 
