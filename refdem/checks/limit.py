@@ -24,8 +24,9 @@ class Limit(Check):
     h^p. E falls by a factor f = 2^(p+1) or more from one pair of levels to the next, so the
     remaining E is 1/(f - 1) of its last change. PREDICTION_FACTOR times that is allowed, because
     terms of higher order still count, and at most all of it. Measured on a hundred motions of
-    correct methods: 1/3, 1/15 and 1/31 of it for orders 1, 2 and 4. An error that does not depend on the step, as of a
-    stiffness or a clock wrong by 1e-7, does not fall, and is seen far below the truncation error.
+    correct methods: 1/3, 1/15 and 1/31 of it for orders 1, 2 and 4. An error that does not depend
+    on the step, as of a stiffness or a clock wrong by 1e-7, does not fall, and is seen far below
+    the truncation error.
     """
 
     name = "limit"
