@@ -31,7 +31,12 @@ def key_of(specification: Specification, engines: list[Engine]) -> str | None:
     environment = [platform.python_version(), *libraries, fingerprint.of_machine()]
     of_engines = [_of_engine(engine) for engine in engines]
     content = [code, environment, specification, of_engines]
-    return hashlib.sha256(msgspec.json.encode(content, order="deterministic")).hexdigest()
+    try:
+        encoded = msgspec.json.encode(content, order="deterministic")
+    except UnicodeEncodeError:
+        # The path of a refdem.toml may hold any bytes; its sheets are made anew every time.
+        return None
+    return hashlib.sha256(encoded).hexdigest()
 
 
 def _of_engine(engine: Engine) -> list[object]:

@@ -1,6 +1,7 @@
 """Digests of all that can change a result: installed packages, files, and the machine."""
 
 import hashlib
+import os
 import platform
 import sys
 from collections.abc import Iterable
@@ -13,7 +14,7 @@ def of_files(paths: Iterable[Path]) -> str:
     """sha256 of the names and contents of files, in order of name."""
     digest = hashlib.sha256()
     for path in sorted(paths):
-        digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+        digest.update(os.fsencode(path.name) + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
 
 

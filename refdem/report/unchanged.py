@@ -28,7 +28,7 @@ def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets (how long they took apart) and
     nobody has touched it since.
     """
-    state = store.read("report", str(folder.resolve()), msgspec.json.Decoder(_State).decode)
+    state = store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
     return (
         state is not None
         and state.made_of == _made_of(folder, sheets)
@@ -39,7 +39,7 @@ def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
 def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
     """Keeps how a report has just been written."""
     state = _State(_made_of(folder, sheets), _files(folder))
-    store.put("report", str(folder.resolve()), msgspec.json.encode(state))
+    store.put("report", _text(folder.resolve()), msgspec.json.encode(state))
 
 
 def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
@@ -53,6 +53,11 @@ def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
     return hashlib.sha256(msgspec.msgpack.encode(parts, order="deterministic")).hexdigest()
 
 
+def _text(path: Path) -> str:
+    """A path as UTF-8 can have it: names of files may hold any bytes."""
+    return str(path).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 def _files(folder: Path) -> Files:
     """Every file of the folder and of the folders of a report in it."""
     files: Files = {}
@@ -60,5 +65,6 @@ def _files(folder: Path) -> Files:
         for path in (folder / part).glob("*"):
             if path.is_file():
                 state = path.stat()
-                files[str(path.relative_to(folder))] = (state.st_size, state.st_mtime_ns)
+                name = _text(path.relative_to(folder))
+                files[name] = (state.st_size, state.st_mtime_ns)
     return files

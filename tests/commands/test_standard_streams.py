@@ -1,4 +1,4 @@
-"""Standard input, output and error that are closed, full, or in a folder that is gone."""
+"""Standard streams that are closed or full, folders that are gone or whose names are no text."""
 
 import os
 import subprocess
@@ -36,7 +36,8 @@ def done(folder: Path, words: str, before: str = "") -> "subprocess.CompletedPro
         cwd=folder,
         env=environment,
         capture_output=True,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
         timeout=PATIENCE,
         check=False,
     )
@@ -79,3 +80,16 @@ def test_a_file_without_an_end_is_bad_input(tmp_path: Path) -> None:
     found = done(tmp_path, "gate /dev/zero", "ulimit -v 8000000;")
     assert found.returncode == 2, found.stderr
     assert "/dev/zero: more than" in found.stderr
+
+
+def test_a_folder_whose_name_is_no_text_is_a_folder(tmp_path: Path, toml: Path) -> None:
+    name = tmp_path / os.fsdecode(b"b\xff\xe9")
+    name.mkdir()
+    (name / "refdem.toml").write_text(toml.read_text())
+    (name / PROGRAM.name).write_bytes(PROGRAM.read_bytes())
+    gate = "gate b*/refdem.toml --jobs 1 --markdown $(echo b*)/told.md --out $(echo b*)/report"
+    run = "run harmonic-oscillator --engine b*/refdem.toml --jobs 1 --out $(echo b*)/report"
+    for words, status in ((gate, UNACCEPTED), (run, 0)):
+        found = done(tmp_path, words)
+        assert found.returncode == status, found.stderr
+    assert "is open" in (name / "told.md").read_text()

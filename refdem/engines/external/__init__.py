@@ -3,6 +3,7 @@ files.
 """
 
 import hashlib
+import os
 from functools import cached_property
 from pathlib import Path
 
@@ -68,7 +69,7 @@ class External(ProgramEngine):
         """
         digest = hashlib.sha256(fingerprint.of_files([self.path]).encode())
         for file in self.program.files():
-            digest.update(f"{file}\0{fingerprint.of_files([file])}".encode())
+            digest.update(os.fsencode(f"{file}\0{fingerprint.of_files([file])}"))
         source = fingerprint.of_source(
             "engines/external",
             "core/request_text.py",
