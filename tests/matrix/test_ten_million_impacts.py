@@ -20,7 +20,7 @@ def test_ten_million_impacts_change_energy_and_momentum_by_a_walk_of_roundings()
     size = max(max(plane.point) for plane in walled.all(Plane))
     law = walled.all(Contact)[0]
     scene = Scene(bodies=walled.bodies, elements=(law, PeriodicBox(size=size)))
-    problem = Motion(scene, np.array([0.0, 1000.0]))
+    problem = Motion(scene, np.array([0.0, 1010.0]))
     request = Request(problem=problem, method="impacts", step=None)
     call = METHOD.prepare(request)
     impacts = call.made("impacts")
