@@ -111,6 +111,7 @@ def command(
     more = []
     if crowd:
         more.append(_cells(crowded(crowd, rounds)))
+        more.append(_cells(collided(crowd, rounds)))
     tell(record, out, then, more)
 
 
@@ -158,6 +159,15 @@ def crowded(sizes: str, rounds: int) -> "Table":
         )
     return table(
         costs(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr))
+    )
+
+
+def collided(sizes: str, rounds: int) -> "Table":
+    """Impacts a second of so many rigid spheres in boxes, by sizes that `crowded` has accepted."""
+    from refdem.bench.hard_spheres import rates, table
+
+    return table(
+        rates(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr))
     )
 
 

@@ -1,0 +1,100 @@
+"""Impacts a second of rigid spheres in a box, by the event-driven method of the reference."""
+
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdem.bench.tables import Table, duration, two
+from refdem.core import discovery
+from refdem.core.problem import Motion, Request
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+
+PARTS = (0.01, 0.3, 0.4)
+"""Parts of the box that spheres fill: a gas, and two fluids."""
+IMPACTS = 50_000
+"""Impacts of a round, about: fewer than the method tells one by one, so that it counts them."""
+LEAST_GAP = 1.02
+"""Diameters between the places of the lattice on which they start, at least."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Seconds an impact in each round, of so many spheres that fill this part of their box."""
+
+    n: int
+    part: float
+    rounds: Sequence[float]
+
+
+def box_of_spheres(n: int, part: float) -> Scene:
+    """Smooth elastic spheres of unit mass and diameter on a lattice between six planes, with
+    normally distributed velocities of variance 1 (always the same).
+    """
+    along = int(np.ceil(np.cbrt(n) - 1e-9))
+    volume = n * np.pi / 6 / part
+    size = max(float(np.cbrt(volume)), LEAST_GAP * along)
+    cells = np.indices((along, along, along)).reshape(3, -1).T[:n]
+    places = (cells + 0.5) * (size / along)
+    velocities = np.random.default_rng(0).normal(size=(n, 3))
+    bodies = []
+    for place, velocity in zip(places.tolist(), velocities.tolist(), strict=True):
+        shape = Sphere(radius=0.5)
+        moments = (0.1, 0.1, 0.1)
+        body = Body(
+            mass=1.0,
+            inertia=moments,
+            shape=shape,
+            position=tuple(place),
+            velocity=tuple(velocity),
+        )
+        bodies.append(body)
+    walls = []
+    for axis in np.eye(3):
+        walls.append(Plane(point=(0.0, 0.0, 0.0), normal=tuple(axis.tolist())))
+        walls.append(Plane(point=tuple((size * axis).tolist()), normal=tuple((-axis).tolist())))
+    return Scene.of(bodies, [Contact(law="rigid", restitution=1.0), *walls])
+
+
+def rates(
+    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None
+) -> list[Rate]:
+    """The rate of every box of so many spheres, one thread."""
+    found = []
+    for n in sizes:
+        for part in PARTS:
+            progress(f"{n} hard spheres, {part:g} of the box")
+            scene = box_of_spheres(n, part)
+            # A short run tells how long one of IMPACTS is.
+            short = 1e-2 / part / np.cbrt(n)
+            impacts, _ = _seconds(scene, short)
+            while impacts < IMPACTS / 100:
+                short *= 2.0
+                impacts, _ = _seconds(scene, short)
+            end = short * IMPACTS / impacts
+            timed = [_seconds(scene, end) for _ in range(rounds)]
+            found.append(Rate(n, part, [seconds / count for count, seconds in timed]))
+    return found
+
+
+def _seconds(scene: Scene, end: float) -> tuple[int, float]:
+    """The number of impacts up to `end` [s], and the time [s] that the kernel takes."""
+    motion = Motion(scene, np.array([0.0, end]))
+    request = Request(problem=motion, method="impacts", step=None)
+    trajectory, cost = discovery.engine("reference").run(request)
+    return len(trajectory.events), cost.seconds
+
+
+def table(found: Sequence[Rate]) -> Table:
+    """The rates as a table: a line for each box."""
+    header = ("box", "impacts a second", "an impact", "least to most")
+    rows = []
+    for rate in found:
+        median = statistics.median(rate.rounds)
+        extremes = f"{duration(min(rate.rounds))} to {duration(max(rate.rounds))}"
+        box = f"{rate.n} spheres, {rate.part:g} of the box"
+        rows.append((box, two(1 / median), duration(median), extremes))
+    return Table("Impacts of rigid spheres", header, rows)
