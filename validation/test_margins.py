@@ -159,7 +159,6 @@ AT_ROUND_OFF = (
         "mujoco",
         "iterations over contacts may round hundreds of times a step, and here few do",
     ),
-    ("symmetry", "two-spheres*cutoff=zero_force*", "mujoco", PICTURED),
     (
         "symmetry",
         "two-body-orbit",
@@ -211,7 +210,6 @@ LOOSE = (
     ("energy-return", "asymmetric-field", "mujoco", OUTSIDE),
     ("energy-return", "asymmetric-field", "pymunk", OUTSIDE),
     ("energy-return", "asymmetric-field*", "rebound", ONCE),
-    ("error", "asymmetric-field", "pymunk", CONJUGATE),
     (
         "reversal",
         "asymmetric-field",
@@ -222,6 +220,13 @@ LOOSE = (
     ("reversal", "asymmetric-field", "pymunk", CONJUGATE),
     ("reversal", "impact-benchmarks*co-1*", "pymunk", CONJUGATE),
     ("order", "power-oscillator*", "pymunk", SCATTERED),
+    (
+        "order",
+        "two-spheres*damping=20*",
+        "mujoco",
+        "damped beyond the critical damping they do not part; what is left is the first step, in"
+        " which they do not touch yet, and falls in proportion to it",
+    ),
     ("order", "two-spheres*friction=0.25*", "mujoco", SCATTERED),
     (
         "symmetry",
