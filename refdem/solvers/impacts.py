@@ -39,7 +39,7 @@ class Impacts(KernelSolver):
 
     claims = Method(
         name="impacts",
-        summary="event-driven: straight lines from impact to impact, impulses in closed form",
+        summary="event-driven: lines or parabolas from impact to impact, impulses in closed form",
         control="exact",
         conserves=frozenset({"momentum", "angular-momentum", "energy"}),
         locates_events=True,
