@@ -133,7 +133,11 @@ def _admitted(selection: Selection) -> list[Instance]:
         if isinstance(case, Selection):
             continue
         for parameters in selection.parameters(case):
-            instance = case.at(**parameters)
+            try:
+                instance = case.at(**parameters)
+            except UsageError:
+                # The motion has no such settings, as one that comes to an end has no long run.
+                continue
             if isinstance(instance.problem, judged_kinds) and selection.admits(instance) is None:
                 by_label[instance.label] = instance
     return list(by_label.values())

@@ -85,7 +85,7 @@ def sentences(engine, case, **given):
     """What the check says, a sentence a method, of a run at two levels of refinement or more."""
     instance = discovery.case(case).at(**given)
     found = {}
-    for method in engine.methods:
+    for method in engine.chosen_methods():
         if method.answers != instance.problem.kind or engine.unsupported(instance.problem, method):
             continue
         task = task_of(engine, method.name, instance, truth_of(instance), 3, ("angular-momentum",))

@@ -13,7 +13,7 @@ from refdem.core.check import Subject
 from refdem.core.refinement import levels
 
 ROOT = Path(refdem.__file__).parent
-NORMALISED = re.compile(r"/ np\.linalg\.norm\((turned|states|out)\[|np\.cos\(rows")
+NORMALISED = re.compile(r"/ np\.linalg\.norm\((turned|states|out)\[|np\.cos\(half_angle")
 """How a source makes unit quaternions of what a kernel or an engine has written."""
 
 
