@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_BALLS = 7
+"""Length of the lists of masses, radii and velocities; toys have five balls."""
 SOLID = 2 / 5
 """J/(m R^2) of the balls, which never turn."""
 AFTER_LAST = (1.125, 1.5)

@@ -46,8 +46,9 @@ itself was killed.
 STREAMS = 3
 """Standard input, output and error."""
 DISMISSED = 0
+"""Exit status of the process that serves, when refdem goes on without it."""
 ABANDONED = 3
-"""Exit statuses of the process that serves: refdem goes on without it, or is gone."""
+"""Exit status of the process that serves, when refdem is gone."""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
 
