@@ -14,6 +14,7 @@ import border
 from border import cannot
 
 BOX = 1e6
+"""Half the side of the box [m]; nothing must leave it."""
 START = (
     "units si\natom_style granular\natom_modify map array sort 0 0\nboundary f f f\nnewton"
     " off\ncommunicate single vel yes\n"
