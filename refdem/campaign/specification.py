@@ -129,8 +129,8 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
         known = {p.stem for p in (validation_folder() / "campaigns").glob("*.toml")}
         hint = nearest(name, known)
         raise UsageError(
-            f"no campaign {one_line(name)!r}; {hint} It is one of those, or a file that ends in"
-            " .toml"
+            f"no campaign {one_line(name)!r} (its name, or a file that ends in .toml, was"
+            f" expected); {hint}"
         )
     specification = toml_as(Specification, path, "a campaign", {"name": path.stem})
     included: list[Entry] = []

@@ -52,3 +52,11 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     # dimension, coordinates: number of independent motions that keep every distance
     "rigid-freedom": ((1, 0), 1),
 }
+
+COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
+    "first-order-freedom": (0, 2),
+    "rigid-freedom": (0,),
+}
+"""Places of the operands that count or name something (a dimension, points of a rod) instead of
+measuring it: they have no last digit that a rounding could move.
+"""

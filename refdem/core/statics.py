@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.algebra import SIZES
+from refdem.core.algebra import COUNTING_OPERANDS, SIZES
 from refdem.core.problem_kinds import Problem
 from refdem.errors import UsageError
 from refdem.scene.shapes import Polyhedron, Sphere
@@ -282,14 +282,15 @@ class Identity(Static):
         return self.content
 
     def perturbed(self, ulps: int) -> "Identity":
-        """The same operations with every operand moved up by some ulps."""
+        """The same operations with every operand that measures something moved up by some ulps."""
         factor = 1 + ulps * 2.0**-52
 
         def perturbed_step(step: Operation) -> Operation:
             """The operation with its numbers moved; results that it names move by themselves."""
+            counting = COUNTING_OPERANDS.get(step.operation, ())
             operands: list[list[float] | str] = []
-            for operand in step.operands:
-                if isinstance(operand, str):
+            for place, operand in enumerate(step.operands):
+                if isinstance(operand, str) or place in counting:
                     operands.append(operand)
                 else:
                     operands.append([x * factor for x in operand])

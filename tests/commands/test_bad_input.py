@@ -55,6 +55,7 @@ def _own_store(tmp_path, monkeypatch):
         (["smoke", ""], "no engine"),
         (["run", "--set", "mass=1"], "without a case"),
         (["run", "--campaign", "mian"], "did you mean 'main'?"),
+        (["run", "--campaign", "zzz"], "ends in .toml, was expected); known: full, gate, main"),
         (["run", "--campaign", "x" * 300 + ".toml"], "no campaign"),
         (["run", "--campaign", "a\0b.toml"], "no campaign"),
         (["gate", "x" * 300], "File name too long"),

@@ -11,6 +11,7 @@ import pytest
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.cases import _solids
 from refdem.core import discovery
+from refdem.core.problem import Request
 from refdem.mechanics import rotation
 from refdem.mechanics.mass_properties import of_polyhedron
 from refdem.scene import box
@@ -74,6 +75,25 @@ def failures(engine, method, case, **given):
     return {f.quantity for f in findings if f.outcome in ("fail", "error")}, sum(
         f.outcome == "pass" for f in findings
     )
+
+
+@pytest.mark.parametrize("ulps", [-7, -2, 7])
+@pytest.mark.parametrize(("case", "given"), EVERY)
+def test_an_input_moved_by_some_ulps_is_answered_and_counts_what_the_input_counts(
+    case, given, ulps
+):
+    instance = discovery.case(case).at(**given)
+    moved = instance.problem.perturbed(ulps)
+    engine = discovery.engine("reference")
+    for method in ANSWERS[case]:
+        values, values_of_moved = (
+            engine.run(Request(problem=problem, method=method, step=problem.interval))[0].values
+            for problem in (instance.problem, moved)
+        )
+        assert values_of_moved.keys() == values.keys()
+        assert all(np.all(np.isfinite(value)) for value in values_of_moved.values())
+        if case == "degrees-of-freedom":
+            assert all(np.array_equal(values_of_moved[name], values[name]) for name in values)
 
 
 @pytest.mark.parametrize(("case", "given"), EVERY)

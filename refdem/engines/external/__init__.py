@@ -44,7 +44,7 @@ class External(ProgramEngine):
             tuple(self.description.expected),
         )
         self.may_refuse = frozenset(table.may_refuse)
-        self.program = Program(table, self.path.parent)
+        self.program = Program(table, self.path)
 
     @property
     def address(self) -> str:

@@ -38,9 +38,10 @@ VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**20, memory=2**32)
 class Program:
     """The command of an engine table, whose relative paths are meant from `home`."""
 
-    def __init__(self, table: EngineTable, home: Path) -> None:
+    def __init__(self, table: EngineTable, description: Path) -> None:
         self.table = table
-        self.home = home
+        self.description = description
+        self.home = description.parent
 
     def missing(self) -> str | None:
         """None if the first word of the command can be run."""
@@ -66,8 +67,8 @@ class Program:
         matches = [path for path in self.home.glob(pattern) if path.is_file()]
         if not matches:
             raise UsageError(
-                f"{self.home / 'refdem.toml'}: engine.inputs has {pattern!r}, which matches no"
-                " file; correct or remove it"
+                f"{self.description}: engine.inputs has {pattern!r}, which matches no file;"
+                " correct or remove it"
             )
         return matches
 

@@ -255,8 +255,13 @@ def test_inputs_are_part_of_the_fingerprint_and_must_exist(small: Path) -> None:
     toml = small / "refdem.toml"
     toml.write_text(toml.read_text().replace("[engine]\n", '[engine]\ninputs = ["src/**/*.c"]\n'))
     engine = discovery.engine(str(toml))
-    with pytest.raises(UsageError, match="matches no file"):
+    with pytest.raises(UsageError, match=r"refdem\.toml: .*matches no file"):
         engine.fingerprint(engine.methods[0])
+    other = small / "second.toml"
+    other.write_text(toml.read_text())
+    engine_of_other = discovery.engine(str(other))
+    with pytest.raises(UsageError, match=r"second\.toml: .*matches no file"):
+        engine_of_other.fingerprint(engine_of_other.methods[0])
     (small / "src" / "deep").mkdir(parents=True)
     (small / "src" / "deep" / "a.c").write_text("one")
     before = engine.fingerprint(engine.methods[0])
