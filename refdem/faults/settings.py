@@ -104,6 +104,13 @@ CHAIN: Rows = (
     *lasting("3/2", "12"),
 )
 """Two bobs on two rods, well below chaos."""
+COUPLED: Rows = (
+    ("theta0", listed(signed(0.5, 0.75, 64), signed(0.125, 0.25, 64))),
+    ("masses", listed(between(2, 4, 64), between(0.5, 1, 64))),
+    ("stiffness", between(4, 8, 64)),
+    *lasting("3/2", "12"),
+)
+"""Two bobs on rods side by side, of other masses, on a spring that both feel."""
 TOP: Rows = (
     ("mass", between(0.75, 1.25, 64)),
     ("length", between(0.375, 0.5, 64)),
@@ -501,6 +508,7 @@ SETTINGS: Mapping[str, Setting] = {
     "above": Setting("pendulum-equilibria", ABOVE, HELD),
     "below": Setting("pendulum-equilibria", BELOW, HELD),
     "chain": Setting("double-pendulum", CHAIN, HELD),
+    "coupled": Setting("coupled-pendulums", COUPLED, HELD),
     "captured": Setting("captured-mass", CAPTURED, TOUCHING),
     "machine": Setting("pendulum-wheel-mass", MACHINE, HELD),
     "chaotic-map": Setting("logistic", CHAOTIC_MAP, ITERATED),

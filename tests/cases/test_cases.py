@@ -69,6 +69,10 @@ CATALOGUE = {
         "masses lengths gravity theta0 thetadot0",
         ["theta1", "theta2", "thetadot1", "thetadot2"],
     ),
+    "coupled-pendulums": (
+        "masses lengths distance gravity stiffness spring_length theta0 thetadot0",
+        ["theta1", "theta2", "thetadot1", "thetadot2"],
+    ),
     "kapitza-pendulum": (
         "length gravity drive_amplitude drive theta0 thetadot0",
         ["theta", "thetadot"],
@@ -187,6 +191,10 @@ STARTS += [
         "double-pendulum",
         {"masses": "1/3,2", "lengths": "2,1/2", "theta0": "-1,2", "thetadot0": "1,-3"},
     ),
+    (
+        "coupled-pendulums",
+        {"masses": "1/3,2", "lengths": "2,1/2", "theta0": "-1,2", "thetadot0": "1,-3"},
+    ),
     ("kapitza-pendulum", {"theta0": "-1/3", "thetadot0": "2", "length": "2"}),
     ("pendulum-equilibria", {}),
     ("pendulum-equilibria", {"position": "bottom", "delta": "-1/2", "length": "3"}),
@@ -247,6 +255,7 @@ REFUSED = [
     ("heavy-top", {"theta0": "0"}, "theta0"),
     ("pendulum-wheel-mass", {"wheel_radius": "-1"}, "wheel_radius"),
     ("double-pendulum", {"lengths": "1,0"}, "lengths"),
+    ("coupled-pendulums", {"theta0": "1e-8,-1e-8", "distance": "2e-8"}, "no direction"),
     ("kapitza-pendulum", {"drive": "0"}, "drive"),
     ("pendulum-equilibria", {"position": "side"}, "position"),
     ("newtons-first-law", {"member": "sphere"}, "member"),

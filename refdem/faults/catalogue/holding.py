@@ -23,6 +23,7 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 top = partial(Fault, kind="top", on=("top",))
 chain = partial(Fault, kind="chain", on=("chain",))
+coupled = partial(Fault, kind="coupled", on=("coupled",))
 hook = partial(Fault, kind="hook", on=("captured",))
 string = partial(Fault, kind="string", on=("machine",))
 equilibrium = partial(Fault, kind="equilibrium")
@@ -132,6 +133,19 @@ FAULTS = (
         sees=("error", "theta1"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.times(-2.0, force)),
+    ),
+    coupled(
+        name="coupled-without-reaction",
+        sentence="The spring between two bobs pulls one of them only.",
+        sees=("error", "theta1"),
+        levels=4,
+        inside=of_parts(reaction=lambda force: vec.ZERO),
+    ),
+    coupled(
+        name="coupled-rod-too-long",
+        sentence="The rod of the second pendulum is too long by one part in 1e10.",
+        sees=("constraint", "length"),
+        before=lambda request: _last_rod(request, HAIR),
     ),
     hook(
         name="hook-lets-out",

@@ -177,6 +177,60 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     return [vx1, vy1, ax1, ay1, vx2, vy2, ax2, ay2, thetadot1, thetadot2]
 
 
+def coupled(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Two pendulums joined by a spring, in Cartesian coordinates, each bob relative to its pivot.
+
+    The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
+    so they are continuous.
+    """
+    lengths = [arb_of(x) for x in vector(p, "lengths")]
+    angles = [arb_of(x) for x in vector(p, "theta0")]
+    rates = [arb_of(x) for x in vector(p, "thetadot0")]
+    start = []
+    for length, angle, rate in zip(lengths, angles, rates, strict=True):
+        sine, cosine = angle.sin_cos()
+        start += [length * sine, -length * cosine, length * rate * cosine, length * rate * sine]
+    constants = numbers(p, "distance", "gravity", "stiffness", "spring_length")
+    field = partial(joined, [arb_of(m) for m in vector(p, "masses")], constants)
+    solution = Solution(field, [*start, *angles])
+    for t in times:
+        state = solution.at(t)
+        *_, theta1, theta2 = state
+        *_, thetadot1, thetadot2 = field(t, state)
+        yield (
+            t,
+            {"theta1": theta1, "theta2": theta2, "thetadot1": thetadot1, "thetadot2": thetadot2},
+        )
+
+
+def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence[Any]) -> list[Any]:
+    """The field of two pendulums on a spring: d1, d2 with their rates, and the angles.
+
+    With D = (distance, 0) + d2 - d1 and its length s, the spring pulls bob 1 by f = k (1 - s0/s) D
+    and bob 2 by -f. A rod adds -L d to m d'' = m g +- f, and a constant length asks for d . d'' =
+    -|d'|^2, so that L |d|^2/m = |d'|^2 + d . (g +- f/m).
+    """
+    x1, y1, _, _, x2, y2, _, _ = s[:8]
+    spring_x = x2 - x1 + arb_of(e["distance"])
+    spring_y = y2 - y1
+    force = arb_of(e["stiffness"])
+    if e["spring_length"]:
+        length = (spring_x * spring_x + spring_y * spring_y).sqrt()
+        force = force - arb_of(e["stiffness"] * e["spring_length"]) / length
+    rates: list[Any] = []
+    turning: list[Any] = []
+    for bob, sign in ((0, 1), (1, -1)):
+        x, y, vx, vy = s[4 * bob : 4 * bob + 4]
+        mass = masses[bob]
+        ax = force * spring_x * sign / mass
+        ay = force * spring_y * sign / mass - arb_of(e["gravity"])
+        square = x * x + y * y
+        rod = (vx * vx + vy * vy + x * ax + y * ay) / square
+        rates += [vx, vy, ax - rod * x, ay - rod * y]
+        turning.append((x * vy - y * vx) / square)
+    return rates + turning
+
+
 def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Pendulum, wheel and mass, in the state (r, theta, u, m r^2 theta') with u = r' - R theta'."""
     names = (
@@ -309,6 +363,7 @@ WITNESSES = {
     "pendulum-equilibria": Witness(METHOD, standing),
     "kapitza-pendulum": Witness(METHOD, kapitza),
     "double-pendulum": Witness(METHOD, double),
+    "coupled-pendulums": Witness(METHOD, coupled),
     "pendulum-wheel-mass": Witness(METHOD, over_wheel),
     "rigid-cluster": Witness(METHOD, cluster),
 }

@@ -1,0 +1,152 @@
+"""Two pendulums whose bobs a spring joins: two modes, whose beats carry the energy to and fro."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.errors import UsageError
+from refdem.scene import Body, Scene
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+Array = NDArray[np.float64]
+DURATION = 30.0
+"""Duration in tau: at the default parameters the energy passes to the other pendulum within it."""
+
+
+class CoupledPendulums(Case):
+    """Planar, gravity along -y; the first pivot at the origin, the second at (d, 0)."""
+
+    id = "coupled-pendulums"
+    title = "Coupled pendulums"
+    statement = (
+        "Two bobs on rods swing side by side, joined by a spring. Alike, they have two modes: in"
+        " step, where the spring never stretches, and against each other, where it makes them"
+        " faster. A swing that begins in one pendulum is both modes at once: it passes to the other"
+        " pendulum and back. The rods are constraints and the spring is a force: a code must have"
+        " both right at the same body."
+    )
+    latex = (
+        r"m_1l_1\ddot\theta_1=-m_1g\sin\theta_1+F\,\mathbf n\cdot\mathbf t_1,\quad"
+        r" m_2l_2\ddot\theta_2=-m_2g\sin\theta_2-F\,\mathbf n\cdot\mathbf t_2,\quad"
+        r" F=k(|\mathbf r_2-\mathbf r_1|-s),\quad\mathbf n=\frac{\mathbf r_2-\mathbf"
+        r" r_1}{|\mathbf r_2-\mathbf r_1|},\quad\mathbf t_i=(\cos\theta_i,\sin\theta_i)"
+    )
+    source = "Landau and Lifshitz, Mechanics, section 23; French, Vibrations and Waves, chapter 5"
+    parameters = (
+        Parameter(name="masses", default="1,1", unit="kg", doc="of the bobs", shape=(2,), above=0),
+        Parameter(name="lengths", default="1,1", unit="m", doc="of the rods", shape=(2,), above=0),
+        Parameter(
+            name="distance", default="3/4", unit="m", doc="between the pivots, along x", above=0
+        ),
+        Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -y", above=0),
+        Parameter(name="stiffness", default="2", unit="N/m", doc="of the spring", above=0),
+        Parameter(
+            name="spring_length",
+            default="3/4",
+            unit="m",
+            doc="of the spring without force",
+            at_least=0,
+        ),
+        Parameter(
+            name="theta0", default="3/4,0", unit="rad", doc="angles at the start", shape=(2,)
+        ),
+        Parameter(
+            name="thetadot0", default="0,0", unit="rad/s", doc="rates at the start", shape=(2,)
+        ),
+    )
+
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError if the bobs start in one place, where the spring has no direction."""
+        if not np.linalg.norm(self._spring_vector(p)) > 0:
+            raise UsageError(
+                "coupled-pendulums: both bobs start in one place, where the spring has no"
+                " direction; change theta0, lengths or distance"
+            )
+
+    def _spring_vector(self, p: Parameters) -> Array:
+        """The vector (2,) [m] from the first bob to the second at the start."""
+        first, second = _positions(p)
+        difference: Array = second[:2] - first[:2]
+        return difference
+
+    def scene(self, p: Parameters) -> Scene:
+        """The two bobs on their rods, and the spring between them."""
+        # A bob moves with l theta' along the tangent (cos theta, sin theta).
+        tangential = np.stack([np.cos(p.theta0), np.sin(p.theta0), 0 * p.theta0], axis=1)
+        velocities = (p.lengths * p.thetadot0)[:, None] * tangential
+        columns = zip(p.masses, _positions(p).tolist(), velocities.tolist(), strict=True)
+        bobs = [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in columns]
+        rods = [
+            Rod(a=0, length=p.lengths[0]),
+            Rod(a=1, length=p.lengths[1], anchor_b=(p.distance, 0.0, 0.0)),
+        ]
+        spring = Spring(a=0, b=1, stiffness=p.stiffness, length=p.spring_length)
+        return Scene.of(bobs, [*rods, spring, UniformGravity(g=(0.0, -p.gravity, 0.0))])
+
+    def scales(self, p: Parameters) -> Scales:
+        """L = l1 + l2, and 1/tau^2 = g/l1 + g/l2 + k/m1 + k/m2 + 2 E/I.
+
+        The first four terms are the sum of the squared rates of the two modes near the bottom. E is
+        the energy above rods that hang and a spring without force, I = m1 l1^2 + m2 l2^2, so that 2
+        E/I is of the size of the squared rate at which all of the energy turns both rods.
+        """
+        inertia = float(p.masses @ p.lengths**2)
+        kinetic = 0.5 * float(p.masses @ (p.lengths * p.thetadot0) ** 2)
+        heights = p.lengths * (1 - np.cos(p.theta0))
+        stretch = float(np.linalg.norm(self._spring_vector(p))) - p.spring_length
+        potential = p.gravity * float(p.masses @ heights) + 0.5 * p.stiffness * stretch**2
+        modes = p.gravity * float(np.sum(1 / p.lengths)) + p.stiffness * float(np.sum(1 / p.masses))
+        tau = 1.0 / float(np.sqrt(modes + 2 * (kinetic + potential) / inertia))
+        return Scales(
+            length=float(p.lengths.sum()),
+            tau=tau,
+            duration=DURATION * tau,
+            mass=float(p.masses.sum()),
+        )
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """The quantities that are judged: angles [rad] and rates [rad/s]."""
+        fastest = 1.0 / self.scales(p).tau
+        angles = [Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2)]
+        rates = [Quantity(f"thetadot{i}", "rad/s", fastest) for i in (1, 2)]
+        return (*angles, *rates)
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Angles and their rates of the two rods, each from its pivot to its bob."""
+        pivots = np.array([[0.0, 0.0, 0.0], [p.distance, 0.0, 0.0]])
+        # Vectors r along the rods and their rates v, (T, 2, 3).
+        r = trajectory.position - pivots
+        v = trajectory.velocity
+        theta = np.arctan2(r[..., 0], -r[..., 1])
+        # theta' = (r x v)_z/r^2.
+        cross = r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0]
+        thetadot = cross / np.sum(r[..., :2] ** 2, axis=-1)
+        return {
+            "theta1": theta[:, 0],
+            "theta2": theta[:, 1],
+            "thetadot1": thetadot[:, 0],
+            "thetadot2": thetadot[:, 1],
+        }
+
+    def truth(self, p: Parameters) -> Truth:
+        """The certified motion, by validated integration of the angles."""
+        from refdem.truth.closed_forms.coupled_pendulums import truth
+
+        return truth(p, {q.name: q.scale for q in self.quantities(p)})
+
+
+def _positions(p: Parameters) -> Array:
+    """The places (2, 3) [m] of the bobs at the start: r = pivot + l (sin theta, -cos theta)."""
+    pivots = np.array([[0.0, 0.0, 0.0], [p.distance, 0.0, 0.0]])
+    radial = np.stack([np.sin(p.theta0), -np.cos(p.theta0), 0 * p.theta0], axis=1)
+    positions: Array = pivots + p.lengths[:, None] * radial
+    return positions
+
+
+CASE = CoupledPendulums()
