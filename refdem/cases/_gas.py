@@ -21,6 +21,13 @@ PARAMETERS = (
     ),
     Parameter(name="diameter", default="1", unit="m", doc="of every sphere", above=0),
     Parameter(
+        name="contact",
+        default="soft",
+        unit="1",
+        doc="a spring and a dashpot that take time, or rigid impacts that take none",
+        choices=("soft", "rigid"),
+    ),
+    Parameter(
         name="restitution",
         default="9/10",
         unit="1",
@@ -88,6 +95,13 @@ def bounds(edge_length: float, *, periodic: bool) -> list[Element]:
             point = (coordinate, coordinate, coordinate)
             walls.append(Plane(point=point, normal=(x, y, z)))
     return walls
+
+
+def rigid_law(restitution: float, friction: float = 0.0) -> Contact:
+    """Rigid impacts that return the part `restitution` of the normal velocity; friction stops the
+    slip, or takes the coefficient `friction` times the normal impulse.
+    """
+    return Contact(law="rigid", restitution=restitution, friction=friction)
 
 
 IN_TUNE = 2 / 7

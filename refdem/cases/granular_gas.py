@@ -42,7 +42,7 @@ class GranularGas(Case):
     title = "Granular gas"
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"
-        " dashpot give back the same part e of the normal velocity. An elastic gas keeps its"
+        " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic gas keeps its"
         " temperature and Maxwell's velocities; with e < 1, dilute and before clusters form, it"
         " cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is"
         " kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
@@ -68,7 +68,9 @@ class GranularGas(Case):
         _gas.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """Spheres, what bounds them, and the law by which contacts last pi tau and give back e."""
+        """Spheres, what bounds them, and the law by which contacts give back e: soft ones last pi
+        tau.
+        """
         rng = np.random.Generator(np.random.PCG64(int(p.seed)))
         n = int(p.n)
         edge = _gas.edge(p)
@@ -77,17 +79,22 @@ class GranularGas(Case):
         position = _gas_start.places(rng, n, p.diameter, edge, periodic=periodic)
         velocity = _gas_start.velocities(rng, n, p.t0 / MASS)
         bodies = _gas_start.bodies(position, velocity, MASS, p.diameter)
-        contact_time = np.pi * self.scales(p).tau
-        law = _gas.law(MASS, contact_time, p.restitution, p.friction)
+        if p.contact == "rigid":
+            law = _gas.rigid_law(p.restitution, p.friction)
+        else:
+            contact_time = np.pi * self.scales(p).tau
+            law = _gas.law(MASS, contact_time, p.restitution, p.friction)
         return Scene(bodies, (*_gas.bounds(edge, periodic=periodic), law))
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = contact duration/pi; L is the way at thermal speed in tau.
-
-        Both follow from the time of flight D/sqrt(T0/m) over one diameter.
+        """tau = contact duration/pi, or without one the time of flight D/sqrt(T0/m) over a diameter;
+        L is the way at thermal speed in tau.
         """
         time_of_flight = p.diameter * np.sqrt(MASS / p.t0)
-        tau = float(HARD * time_of_flight / np.pi)
+        if p.contact == "rigid":
+            tau = float(time_of_flight)
+        else:
+            tau = float(HARD * time_of_flight / np.pi)
         length = float(tau * np.sqrt(p.t0 / MASS))
         duration = float(FLIGHT * time_of_flight)
         return Scales(length=length, tau=tau, duration=duration, mass=MASS)

@@ -45,6 +45,10 @@ UNIFORM = 2.0
 """Time, in units of tau, up to which the gas stays uniform: fluctuations of the flow decay more
 slowly than thermal velocities, by 1 + t/tau, and end in clusters.
 """
+ROUNDINGS = 20.0
+"""Relative round-off of a temperature over that of a state: twice as much as a square has, and a
+factor of ten for other orders of the sum over all spheres.
+"""
 FEWEST = 30
 """Smallest number of collisions from which a mean is taken."""
 
@@ -100,16 +104,16 @@ class Cooling(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Equal frictionless spheres with a linear contact law in a periodic box."""
+        """Equal frictionless spheres with a linear or a rigid contact law in a periodic box."""
         scene = subject.instance.scene
         laws = subject.instance.scene.all(Contact)
         if "temperature" not in subject.instance.quantities or not scene.all(PeriodicBox):
             return "the scene is not a gas in a periodic box"
         if not are_alike(scene):
             return "the spheres differ, and kinetic theory is for equal ones"
-        if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction:
+        if len(laws) == 1 and laws[0].law in ("linear", "rigid") and not laws[0].friction:
             return None
-        return "the contact law is not linear and frictionless"
+        return "the contact law is not linear or rigid, without friction"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run at the finest level."""
@@ -130,7 +134,8 @@ class Cooling(Check):
         # Samples while the gas is still uniform.
         count = int(np.searchsorted(run.t - run.t[0], UNIFORM * haff, side="right"))
         elapsed = run.t[:count] - run.t[0]
-        findings = [self._temperature(gas, elapsed, temperature[:count], haff)]
+        rounding = ROUNDINGS * subject.round_off(subject.levels[-1])
+        findings = [self._temperature(gas, elapsed, temperature[:count], haff, rounding)]
         if gas.restitution == 1:
             findings.append(self._distribution(gas, run))
         contact_times = [event.time for event in run.events if event.kind == "contact"]
@@ -138,7 +143,9 @@ class Cooling(Check):
             return findings
         return findings + self._collision_findings(gas, run, temperature, len(contact_times))
 
-    def _temperature(self, gas: Gas, t: Array, temperature: Array, haff: float) -> Finding:
+    def _temperature(
+        self, gas: Gas, t: Array, temperature: Array, haff: float, rounding: float
+    ) -> Finding:
         """ln T against Haff's law.
 
         ln T is a sum of the losses in all collisions so far, so its scatter is `loss_error` of
@@ -146,7 +153,8 @@ class Cooling(Check):
 
           d ln T / d ln tau = 2 (t/tau)/(1 + t/tau).
 
-        Contacts in progress store a part w_c t_c of the energy, which also scatters.
+        Contacts in progress store a part w_c t_c of the energy, which also scatters. An elastic gas
+        of rigid spheres has neither: `rounding`, the relative round-off of T, is left.
         """
         law = haff_temperature(t, temperature[0], haff)
         n_collisions = collisions(t, law, gas.frequency / np.sqrt(temperature[0]), gas.n)
@@ -156,6 +164,7 @@ class Cooling(Check):
             ERRORS * loss_error(gas.restitution, gas.n, n_collisions)
             + THEORY * tau_sensitivity
             + stored
+            + rounding
         )
         if np.isinf(haff):
             compared = "its initial value"
@@ -171,7 +180,7 @@ class Cooling(Check):
             unit="1",
             basis=(
                 f"{ERRORS:g} standard errors of the energy lost in the collisions so far,"
-                f" {THEORY:.0%} of tau, and the energy held in contacts"
+                f" {THEORY:.0%} of tau, the energy held in contacts, and round-off"
             ),
             what=f"The logarithm of the ratio of the temperature to {compared}",
         )
@@ -250,29 +259,32 @@ def are_alike(scene: Scene) -> bool:
 
 
 def _gas(scene: Scene, frequency: float) -> Gas:
-    """Parameters of a gas of equal spheres under the linear law.
+    """Parameters of a gas of equal spheres.
 
-    For two equal masses m the overlap d obeys d'' + 2 b d' + (2 k/m) d = 0 with b = c/m, so that
+    A rigid contact takes no time and has its restitution in its law. Under the linear law, for two
+    equal masses m the overlap d obeys d'' + 2 b d' + (2 k/m) d = 0 with b = c/m, so that
 
       w^2 = 2 k/m - b^2,   contact time = pi/w,   restitution = exp(-pi b/w).
     """
-    law = scene.all(Contact)[0]
-    mass = float(scene.bodies.mass[0])
     n = len(scene.bodies)
+    law = scene.all(Contact)[0]
+    # The volume of the spheres over that of the box.
+    volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
+    (box,) = scene.all(PeriodicBox)
+    packing = float(volume / box.size**3)
+    if law.law == "rigid":
+        return Gas(n, law.restitution, 0.0, packing, frequency)
+    mass = float(scene.bodies.mass[0])
     b = law.damping / mass
     w = float(np.sqrt(max(2 * law.stiffness / mass - b**2, 0.0)))
     if w:
         duration = np.pi / w
     else:
         duration = np.inf
-    # The volume of the spheres over that of the box.
-    volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
-    (box,) = scene.all(PeriodicBox)
-    packing = volume / box.size**3
     restitution = 1.0
     if b:
         restitution = float(np.exp(-b * duration))
-    return Gas(n, restitution, float(duration), float(packing), frequency)
+    return Gas(n, restitution, float(duration), packing, frequency)
 
 
 CHECK = Cooling()

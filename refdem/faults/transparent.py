@@ -204,6 +204,10 @@ def _refused(element: Element) -> str | None:
         if sum(x != 0 for x in element.anchor_a) <= 1:
             return None
         return "a joint off the principal axes"
+    if isinstance(element, Spring) and element.b >= 0:
+        if any(element.anchor_a) or any(element.anchor_b):
+            return "a spring between points of bodies other than their centres"
+        return None
     if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (
         any(element.anchor_a) or element.b >= 0
     ):

@@ -22,6 +22,9 @@ from refdem.truth.sampled import sampled
 
 CHECK = discovery.check("cooling")
 LARGE = {"n": "4000", "duration": "16", "restitution": "4/5", "samples": "8"}
+RIGID = {**LARGE, "contact": "rigid"}
+METHODS = {"soft": "gas", "rigid": "impacts"}
+"""The reference's method for a gas by the kind of its contacts."""
 
 
 def slimmer(request: Request) -> Request:
@@ -47,6 +50,10 @@ FAULTS = {
         fault("restitution", of_elements(Contact, damping=scaled(1.2))),
         {"temperature", "loss"},
     ),
+    "restitution of impacts": (
+        fault("restitution of impacts", of_elements(Contact, restitution=scaled(1.1))),
+        {"temperature", "loss"},
+    ),
     "missed contacts": (fault("missed", slimmer), {"collisions"}),
     "box": (fault("box", of_elements(PeriodicBox, size=scaled(1.05))), {"collisions"}),
 }
@@ -57,7 +64,7 @@ def findings(engine_fault: str = "", **given: str):
     """What the check finds of the reference, or of the reference with a fault."""
     instance = discovery.case("granular-gas").at(**given)
     step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
-    method = ENGINE.method("gas")
+    method = ENGINE.method(METHODS[instance.p.contact])
     subject = Subject(instance, method, (step,), sampled(instance.truth(), instance.times.tolist()))
     if (reason := CHECK.applies(subject)) is not None:
         return reason
@@ -65,34 +72,52 @@ def findings(engine_fault: str = "", **given: str):
         engine = Carrier(ENGINE, FAULTS[engine_fault][0])
     else:
         engine = ENGINE
-    run, _ = engine.run(Request(problem=instance.motion, method="gas", step=step))
+    run, _ = engine.run(Request(problem=instance.motion, method=method.name, step=step))
     return {
         f.quantity: f
         for f in CHECK.judge(subject, {subject.finest: CompletedRun(run, Cost(seconds=0.0))})
     }
 
 
+@pytest.mark.parametrize("contact", METHODS)
 @pytest.mark.parametrize("seed", ["1", "2", "3"])
-def test_a_right_gas_passes(seed):
-    found = findings(**LARGE, seed=seed)
+def test_a_right_gas_passes(seed, contact):
+    found = findings(**LARGE, seed=seed, contact=contact)
     assert set(found) == {"temperature", "collisions", "loss"}
     assert {f.outcome for f in found.values()} == {"pass"}
     assert max(f.bound for f in found.values()) < 0.1
 
 
-@pytest.mark.parametrize("name", list(FAULTS))
-def test_a_wrong_gas_fails_where_it_should(name):
-    found = findings(name, **LARGE)
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("restitution", LARGE),
+        ("restitution of impacts", RIGID),
+        ("missed contacts", LARGE),
+        ("missed contacts", RIGID),
+        ("box", LARGE),
+        ("box", RIGID),
+    ],
+)
+def test_a_wrong_gas_fails_where_it_should(name, given):
+    found = findings(name, **given)
     assert FAULTS[name][1] <= {quantity for quantity, f in found.items() if f.outcome == "fail"}
 
 
-def test_an_elastic_gas_keeps_its_temperature_and_maxwells_velocities():
-    found = findings(n="1000", restitution="1", duration="8")
+@pytest.mark.parametrize("contact", METHODS)
+def test_an_elastic_gas_keeps_its_temperature_and_maxwells_velocities(contact):
+    found = findings(n="1000", restitution="1", duration="8", contact=contact)
     assert {name: f.outcome for name, f in found.items()} == {
         "temperature": "pass",
         "kurtosis": "pass",
         "collisions": "pass",
     }
+
+
+def test_an_elastic_gas_of_rigid_spheres_keeps_its_temperature_to_round_off():
+    found = findings(n="1000", restitution="1", duration="8", contact="rigid")
+    assert found["temperature"].bound < 1e-12
+    assert found["temperature"].value < found["temperature"].bound / 10
 
 
 def test_velocities_that_are_not_maxwells_are_seen():

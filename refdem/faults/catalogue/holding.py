@@ -137,7 +137,7 @@ FAULTS = (
     coupled(
         name="coupled-without-reaction",
         sentence="The spring between two bobs pulls one of them only.",
-        sees=("error", "theta1"),
+        sees=("error", "theta2"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.ZERO),
     ),
