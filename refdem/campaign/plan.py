@@ -337,6 +337,8 @@ def request(
         return plain
     if variant.change == "repeated":
         return replace(plain, repeat=1)
+    if variant.change == "threads":
+        return replace(plain, threads=variant.amount)
     if variant.change == "perturbed":
         return replace(plain, problem=problem.perturbed(variant.amount))
     if not isinstance(problem, Motion):

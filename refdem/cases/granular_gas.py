@@ -42,8 +42,8 @@ class GranularGas(Case):
     title = "Granular gas"
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"
-        " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic gas keeps its"
-        " temperature and Maxwell's velocities; with e < 1, dilute and before clusters form, it"
+        " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic"
+        " gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before clusters form, it"
         " cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is"
         " kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
         " freedom, for the centre of mass is at rest; Boltzmann's constant is 1. The start follows"
@@ -87,8 +87,9 @@ class GranularGas(Case):
         return Scene(bodies, (*_gas.bounds(edge, periodic=periodic), law))
 
     def scales(self, p: Parameters) -> Scales:
-        """tau = contact duration/pi, or without one the time of flight D/sqrt(T0/m) over a diameter;
-        L is the way at thermal speed in tau.
+        """tau = contact duration/pi; L is the way at thermal speed in tau.
+
+        Where contacts take no time, tau is the time of flight D/sqrt(T0/m) over a diameter.
         """
         time_of_flight = p.diameter * np.sqrt(MASS / p.t0)
         if p.contact == "rigid":

@@ -1,5 +1,5 @@
-"""Determinism: the same request twice gives the same bits, and asking for more output changes
-nothing.
+"""Determinism: the same request twice gives the same bits, and neither more output nor another
+number of threads changes anything.
 """
 
 from collections.abc import Mapping
@@ -15,6 +15,10 @@ from refdem.core.variant import Variant
 
 DENSER = 4
 """Factor of the number of samples in the run with denser output."""
+THREADS = 2
+"""Threads of the run that is compared with that on one: the fewest that can disturb each other, and
+as many as any machine has.
+"""
 
 
 class Determinism(Check):
@@ -25,7 +29,7 @@ class Determinism(Check):
     judges = (Problem,)
     kills = (
         "state left over from an earlier run, uninitialised memory, output that"
-        " changes the trajectory"
+        " changes the trajectory, sums whose order depends on the number of threads"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -35,14 +39,16 @@ class Determinism(Check):
         return "the method does not claim to be deterministic"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level whose steps fit the denser output; the same request again; and the
-        same with denser output.
+        """The coarsest level whose steps fit the denser output; the same request again; the same
+        with denser output; and, if the method claims it, the same on more threads.
         """
         level = self._level(subject)
-        variants = (Variant(level), Variant(level, "repeated"))
-        if not isinstance(subject.instance.problem, Motion):
-            return variants
-        return (*variants, Variant(level, "denser_output", DENSER))
+        variants = [Variant(level), Variant(level, "repeated")]
+        if isinstance(subject.instance.problem, Motion):
+            variants.append(Variant(level, "denser_output", DENSER))
+            if subject.method.threads:
+                variants.append(Variant(level, "threads", THREADS))
+        return tuple(variants)
 
     def _level(self, subject: Subject) -> float:
         """The coarsest level with at least DENSER steps a sample, or the finest if none has so
@@ -59,16 +65,17 @@ class Determinism(Check):
         return subject.levels[-1]
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest difference of any number between runs of one request, and between outputs of
-        different density.
+        """The largest difference of any number between runs of one request, between outputs of
+        different density, and between numbers of threads.
         """
-        base, again, *denser = (runs[variant].trajectory for variant in self.needs(subject))
+        by_change = {variant.change: runs[variant].trajectory for variant in self.needs(subject)}
+        base = by_change["none"]
         is_fixed_step = subject.method.control == "step"
         findings = [
             judged(
                 check=self.name,
                 quantity="repeated",
-                value=_difference(base, again, 1),
+                value=_difference(base, by_change["repeated"], 1),
                 bound=0.0,
                 unit="1",
                 basis="identical requests must give identical results, bit for bit",
@@ -76,7 +83,7 @@ class Determinism(Check):
             )
         ]
         if (
-            denser
+            "denser_output" in by_change
             and is_fixed_step
             and subject.levels[-1] <= subject.instance.problem.interval / DENSER
         ):
@@ -84,11 +91,23 @@ class Determinism(Check):
                 judged(
                     check=self.name,
                     quantity="output-rate",
-                    value=_difference(base, denser[0], DENSER),
+                    value=_difference(base, by_change["denser_output"], DENSER),
                     bound=0.0,
                     unit="1",
                     basis="writing output must not change the trajectory, bit for bit",
                     what=f"The largest difference at {DENSER} times as many samples",
+                )
+            )
+        if "threads" in by_change:
+            findings.append(
+                judged(
+                    check=self.name,
+                    quantity="threads",
+                    value=_difference(base, by_change["threads"], 1),
+                    bound=0.0,
+                    unit="1",
+                    basis="the method claims the same bits for any number of threads",
+                    what=f"The largest difference between one thread and {THREADS}",
                 )
             )
         return findings

@@ -35,6 +35,7 @@ class Method:
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step that sees them.
     answers: the kind of questions that the method is for.
+    threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
     as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
     and no more. It runs where a campaign asks for it (`as_shipped = true`), or by its name.
     knows: for questions without time, the features that it can answer; it leaves out others.
@@ -63,6 +64,7 @@ class Method:
     summed_clock: bool = False
     locates_events: bool = False
     deterministic: bool = True
+    threads: bool = False
     as_shipped: bool = False
     cost_rank: int = 0
     answers: str = "motion"

@@ -106,6 +106,19 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         ),
     ]
     scene: SceneDocument
+    threads: (
+        Annotated[
+            int,
+            Meta(
+                ge=1,
+                description=(
+                    "threads on which to run, 1 if it is not there; more are asked for only of a"
+                    " method that claims `threads`"
+                ),
+            ),
+        ]
+        | msgspec.UnsetType
+    ) = msgspec.UNSET
 
 
 class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -134,7 +147,8 @@ def _refuse_format(version: int) -> None:
 class Request:
     """One run: a problem, the name of the method, and its step [s] (size only) or tolerance.
 
-    Exact methods have neither. `repeat` numbers requests that are otherwise equal.
+    Exact methods have neither. `repeat` numbers requests that are otherwise equal; `threads` are
+    asked for of methods that claim the same bits for any number of them.
     """
 
     problem: Problem
@@ -142,8 +156,11 @@ class Request:
     step: float | None = None
     tolerance: float | None = None
     repeat: int = 0
+    threads: int = 1
 
     def __post_init__(self) -> None:
+        if self.threads < 1:
+            raise UsageError(f"threads is {self.threads}; expected a whole number of at least 1")
         if self.step is not None and not 0 < self.step < float("inf"):
             raise UsageError(f"step is {self.step}; expected a finite number > 0")
         if self.tolerance is not None and not 0 < self.tolerance < 1:
@@ -177,6 +194,7 @@ class Request:
             method=document.method,
             step=document.step,
             tolerance=document.tolerance,
+            threads=document.threads or 1,
         )
         if document.stride is not None and document.stride != request._told_stride:
             raise UsageError(
@@ -280,6 +298,9 @@ class Request:
             return OtherRequestDocument(
                 method=self.method, problem=self.problem.document(), **control
             )
+        threads: int | msgspec.UnsetType = msgspec.UNSET
+        if self.threads > 1:
+            threads = self.threads
         return RequestDocument(
             method=self.method,
             step=self.step,
@@ -287,6 +308,7 @@ class Request:
             tolerance=self.tolerance,
             times=self.problem.times.tolist(),
             scene=self.problem.document(),
+            threads=threads,
         )
 
     def key(self, *fingerprints: str) -> str:

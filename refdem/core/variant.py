@@ -6,6 +6,7 @@ from typing import Literal
 Change = Literal[
     "none",
     "repeated",
+    "threads",
     "reversed",
     "backward",
     "perturbed",
@@ -24,9 +25,10 @@ Change = Literal[
 class Variant:
     """A refinement level (step [s] or tolerance; 0 for exact methods) and at most one change of it.
 
-    repeated: the same request again. reversed: on from the end with velocities flipped. backward:
-    on from the end with negative steps. perturbed: the start moved by `amount` units in the last
-    place. denser_output: `amount` times the samples. The others are symmetries (core/symmetry.py).
+    repeated: the same request again. threads: the same on `amount` threads. reversed: on from the
+    end with velocities flipped. backward: on from the end with negative steps. perturbed: the start
+    moved by `amount` units in the last place. denser_output: `amount` times the samples. The others
+    are symmetries (core/symmetry.py).
     """
 
     level: float

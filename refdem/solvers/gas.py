@@ -1,8 +1,8 @@
 """Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity
 Verlet with a neighbour list (kernels/gas.c).
 
-The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set, since
-worker processes already share the cores. No bit of the result depends on it.
+A run has the threads of its request, one if it says none: worker processes already share the cores.
+The environment variable REFDEM_THREADS asks for more. No bit of the result depends on it.
 """
 
 import os
@@ -85,6 +85,7 @@ class Gas(KernelSolver):
             " 0.2) of T/tau (h/tau)^2"
         ),
         conserves=frozenset({"momentum", "angular-momentum"}),
+        threads=True,
         cost_rank=20,
     )
     kernels = ("gas",)
@@ -112,7 +113,7 @@ class Gas(KernelSolver):
         count = len(request.problem.times)
         fields = _fields(scene)
         struct = Struct("gas", "refdem_gas", fields)
-        n_threads = min(threads(), len(scene.bodies))
+        n_threads = min(max(request.threads, threads()), len(scene.bodies))
         n_bytes = load("gas").lib.refdem_gas_room(struct.address, n_threads)
         work_space = np.empty(n_bytes, np.uint8)
         event_counts = np.zeros(n_threads, np.int64)
@@ -135,7 +136,8 @@ class Gas(KernelSolver):
         _, event_counts, event_rows, channel_rows, *states = call.outputs
         if status == NO_THREADS:
             raise EngineError(
-                f"gas: {len(event_counts)} threads asked for by {THREADS} could not be had"
+                f"gas: {len(event_counts)} threads, asked for by the request or {THREADS}, could"
+                " not be had"
             )
         if status == ASTRAY:
             raise EngineError(

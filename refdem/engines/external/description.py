@@ -56,6 +56,13 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         bool, said("a run can go on from positions, velocities, attitudes and omegas alone")
     ] = True
     deterministic: Annotated[bool, said("the same request gives the same bits")] = True
+    threads: Annotated[
+        bool,
+        said(
+            "a request may have `threads` above 1, and any number of them gives the same bits;"
+            " one run on two threads is then compared with that on one"
+        ),
+    ] = False
 
     def method(self, engine: "EngineTable") -> Method:
         """The method as the checks know it; a staggered one cannot go on from its end state, and
