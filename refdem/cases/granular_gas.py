@@ -43,9 +43,9 @@ class GranularGas(Case):
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"
         " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic"
-        " gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before clusters form, it"
-        " cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is"
-        " kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
+        " gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before"
+        " clusters form, it cools as Haff's law says. Friction, by a tangential spring where"
+        " contacts are soft, makes them spin. Momentum is kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
         " freedom, for the centre of mass is at rest; Boltzmann's constant is 1. The start follows"
         " from the seed by numpy's PCG64."
     )
