@@ -45,9 +45,9 @@ class GranularGas(Case):
         " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic"
         " gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before"
         " clusters form, it cools as Haff's law says. Friction, by a tangential spring where"
-        " contacts are soft, makes them spin. Momentum is kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
-        " freedom, for the centre of mass is at rest; Boltzmann's constant is 1. The start follows"
-        " from the seed by numpy's PCG64."
+        " contacts are soft, makes them spin. Momentum is kept in a periodic box. The temperature"
+        " is that of flight and counts 3 (n - 1) degrees of freedom, for the centre of mass is at"
+        " rest; Boltzmann's constant is 1. The start follows from the seed by numpy's PCG64."
     )
     latex = (
         r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},"
