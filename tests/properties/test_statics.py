@@ -14,6 +14,7 @@ from refdem.core import discovery
 from refdem.mechanics import rotation
 from refdem.mechanics.mass_properties import of_polyhedron
 from refdem.scene import box
+from tests.rationals import hamilton
 
 STATICS = {
     "moments-of-inertia": [
@@ -324,18 +325,6 @@ def test_limits_of_the_table():
     )
 
 
-def hamilton(p, q):
-    """Hamilton's rules, component by component."""
-    (a, b, c, d) = p
-    (e, f, g, h) = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
-
-
 def test_truth_of_quaternions_is_hamiltons():
     truth = discovery.case("quaternions").at().truth().scalars()
     p = [Fraction(1), Fraction(-2), Fraction(1, 2), Fraction(3)]
@@ -351,7 +340,8 @@ def test_truth_of_quaternions_is_hamiltons():
         [
             x / square
             for x in hamilton(
-                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]), star
+                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]),
+                star,
             )[1:]
         ]
         for k in range(3)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from refdem.engines.mujoco import shapes, solver
-from refdem.scene import Point, Polyhedron, Scene, Sphere
+from refdem.scene import Point, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.shapes import extent
 
 TORSION_AND_ROLLING = (0.005, 0.0001)
 """MuJoCo's default coefficients [m], which count where condim is above its default of 3."""
@@ -73,14 +74,5 @@ def impedance_of(scene: Scene, law: Contact) -> float:
 def _size(scene: Scene) -> float:
     """How far from the origin [m] anything of a body is."""
     return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(
-        _extent(shape) for shape in scene.bodies.shape
+        extent(shape) for shape in scene.bodies.shape
     )
-
-
-def _extent(shape: Any) -> float:
-    """Largest distance [m] of a shape from its centre."""
-    if isinstance(shape, Polyhedron):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Sphere):
-        return shape.radius
-    return 0.0
