@@ -12,6 +12,14 @@ from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
 FACTORS = "J = f m R^2: 2/5 solid, 2/3 hollow sphere; 1/2 disc, 1 ring in its plane"
+INERTIA_FACTOR = Parameter(
+    name="inertia_factor",
+    default="2/5",
+    unit="1",
+    doc=FACTORS,
+    above=0,
+    at_most=1,
+)
 LAW = (
     Parameter(
         name="restitution",
@@ -31,6 +39,15 @@ LAW = (
     ),
     Parameter(name="friction", default="0", unit="1", doc="Coulomb's coefficient", at_least=0),
 )
+
+
+def one_sphere(noun: str) -> tuple[Parameter, ...]:
+    """Mass, radius and inertia factor of the only sphere of a case, which its page calls `noun`."""
+    return (
+        Parameter(name="mass", default="1", unit="kg", doc=f"of the {noun}", above=0),
+        Parameter(name="radius", default="1/2", unit="m", doc=f"of the {noun}", above=0),
+        INERTIA_FACTOR,
+    )
 
 
 def contact(p: Parameters) -> Contact:

@@ -47,16 +47,7 @@ class BouncingBall(Case):
         " Fauve and Coste 1998, Eur. Phys. J. B 3"
     )
     parameters = (
-        Parameter(name="mass", default="1", unit="kg", doc="of the ball", above=0),
-        Parameter(name="radius", default="1/2", unit="m", doc="of the ball", above=0),
-        Parameter(
-            name="inertia_factor",
-            default="2/5",
-            unit="1",
-            doc=_rigid.FACTORS,
-            above=0,
-            at_most=1,
-        ),
+        *_rigid.one_sphere("ball"),
         Parameter(
             name="height",
             default="2",

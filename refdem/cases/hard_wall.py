@@ -36,16 +36,7 @@ class HardWall(Case):
     )
     source = "Walton 1993, in Particulate two-phase flow, chapter 25; Garwin 1969, Am. J. Phys. 37"
     parameters = (
-        Parameter(name="mass", default="1", unit="kg", doc="of the sphere", above=0),
-        Parameter(name="radius", default="1/2", unit="m", doc="of the sphere", above=0),
-        Parameter(
-            name="inertia_factor",
-            default="2/5",
-            unit="1",
-            doc=_rigid.FACTORS,
-            above=0,
-            at_most=1,
-        ),
+        *_rigid.one_sphere("sphere"),
         Parameter(
             name="normal",
             default="0,1,0",

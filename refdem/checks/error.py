@@ -132,6 +132,10 @@ class Error(Check):
             for level, error in errors_by_level.items()
         ]
         has_settled = bool(allowed[point] < subject.bound(worst_level)[point])
+        basis = _basis(subject, worst_level, settled=has_settled)
+        sentence_subject = _what(subject, quantity, worst_level, point, count)
+        sharpest_sight = min(sights.values(), key=_bound_over_signal)
+        errors_in_time = curve(subject.instance.times[:count], error, allowed)
         order_claimed = None
         if subject.method.control == "step":
             order_claimed = float(subject.order)
@@ -141,11 +145,11 @@ class Error(Check):
             value=float(error[point]),
             bound=float(allowed[point]),
             unit="1",
-            basis=_basis(subject, worst_level, settled=has_settled),
-            what=_what(subject, quantity, worst_level, point, count),
-            sight=min(sights.values(), key=_bound_over_signal),
+            basis=basis,
+            what=sentence_subject,
+            sight=sharpest_sight,
             levels=tuple(levels),
-            series=curve(subject.instance.times[:count], error, allowed),
+            series=errors_in_time,
             order_seen=_order_seen(subject, levels),
             order_claimed=order_claimed,
             constant_seen=_constant_seen(subject, levels),

@@ -23,8 +23,8 @@ DIGITS = 24
 def pages(folder: Path) -> Iterator[ManualPage]:
     """A page for every case with a truth of its own; `folder` is the store's."""
     sets: dict[str, list[CertifiedSet]] = {}
-    for one in load(folder=folder / "certified"):
-        sets.setdefault(one.case, []).append(one)
+    for certified in load(folder=folder / "certified"):
+        sets.setdefault(certified.case, []).append(certified)
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if not isinstance(case, Selection):
@@ -41,7 +41,9 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
     quantities = [
         QuantityLine(name=q.name, unit=q.unit, scale=q.scale) for q in instance.quantities.values()
     ]
+    # The docstring of the case on one line.
     convention = " ".join((type(case).__doc__ or "").split())
+    features = tuple(sorted(instance.problem.features))
     return ManualPage(
         case=case.id,
         title=case.title,
@@ -50,7 +52,7 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
         source=case.source,
         convention=convention,
         kind=instance.problem.words,
-        features=tuple(sorted(instance.problem.features)),
+        features=features,
         parameters=tuple(parameters),
         quantities=tuple(quantities),
         scalars=scalars(instance),

@@ -6,17 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from refdem.core.outside import markdown_text
 from refdem.report.chart_data import ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
 from refdem.report.html import environment
-from refdem.report.markdown import table
+from refdem.report.markdown import Cells, titled_table
 from refdem.report.numbers import rounded
 from refdem.report.palette import ENGINES, REFERENCE, SHAPES
-
-Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
-"""A title, a header, and rows."""
 
 
 @dataclass(frozen=True)
@@ -77,20 +73,13 @@ def markdown(
     title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str = ""
 ) -> str:
     """The report as Markdown; `pictures` is the folder of its SVG figures, none if empty."""
-    parts = [f"# {title}", words, *map(_markdown, tables)]
+    parts = [f"# {title}", words, *map(titled_table, tables)]
     for number, section in enumerate(sections, 1):
         parts.append(f"## {section.label}")
         if pictures and section.points:
             parts.append(f"![error against seconds]({pictures}/bench-{number}.svg)")
-        parts += map(_markdown, section.tables)
+        parts += map(titled_table, section.tables)
     return "\n\n".join(parts) + "\n"
-
-
-def _markdown(cells: Cells) -> str:
-    """A title, and its table with every cell escaped."""
-    title, header, rows = cells
-    escaped = [list(map(markdown_text, row)) for row in rows]
-    return f"{title}:\n\n{table(list(header), escaped)}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:

@@ -54,13 +54,8 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
 
 def markdown(page: ManualPage) -> str:
     """The page of one case as Markdown."""
-    features = markdown_text(", ".join(page.features))
-    parts = [
-        f"# {markdown_text(page.title)} (`{page.case}`)",
-        markdown_text(page.statement),
-        f"$$\n{page.latex}\n$$",
-        f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}",
-        f"Kind of problem: {markdown_text(page.kind)}: {features}.",
+    parts = _statement(page)
+    parts += [
         "## Parameters",
         "Truth uses the exact values; engines run with values rounded to binary64.",
         table(*parameters(page)),
@@ -81,6 +76,21 @@ def markdown(page: ManualPage) -> str:
     commands = "\n".join(page.reproduce)
     parts += ["## Again", f"```\n{commands}\n```"]
     return "\n\n".join(parts) + "\n"
+
+
+def _statement(page: ManualPage) -> list[str]:
+    """Title, statement, equation, source and kind of the problem of a case, a paragraph each."""
+    source = markdown_text(page.source)
+    convention = markdown_text(page.convention)
+    kind = markdown_text(page.kind)
+    features = markdown_text(", ".join(page.features))
+    return [
+        f"# {markdown_text(page.title)} (`{page.case}`)",
+        markdown_text(page.statement),
+        f"$$\n{page.latex}\n$$",
+        f"Source: {source}. Convention: {convention}",
+        f"Kind of problem: {kind}: {features}.",
+    ]
 
 
 def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:

@@ -1,6 +1,7 @@
 """validation.md: what is committed, so no times, dates or hosts, and two significant digits."""
 
 import math
+from collections.abc import Sequence
 
 from refdem.core.finding import WORST_FIRST, EngineSheet, Record
 from refdem.core.outside import markdown_text
@@ -9,6 +10,8 @@ from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
 
+Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
+"""A table as it is before it is escaped: title, header, rows."""
 MOST_PLACES = 8
 """Places that are listed for one reason; the pages have them all."""
 
@@ -184,3 +187,10 @@ def table(head: list[str], lines: list[list[str]]) -> str:
     """A Markdown table of cells that are escaped already."""
     rule = ["---"] * len(head)
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, rule, *lines))
+
+
+def titled_table(cells: Cells) -> str:
+    """A title, and below it the table with every cell escaped."""
+    title, header, rows = cells
+    escaped = [list(map(markdown_text, row)) for row in rows]
+    return f"{title}:\n\n{table(list(header), escaped)}"

@@ -13,12 +13,10 @@ from refdem.report.chart_data import ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
 from refdem.report.html import environment
-from refdem.report.markdown import table
+from refdem.report.markdown import Cells, titled_table
 from refdem.report.numbers import rounded
 from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
-Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
-"""A title, a header, and rows."""
 LOW = 1e-4
 """Least ratio of error to bound that is drawn; what is below stands at the edge."""
 HIGH = 1e4
@@ -130,20 +128,13 @@ def markdown(
     title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str
 ) -> str:
     """The report as Markdown; `pictures` is the folder of its figures, none if empty."""
-    parts = [f"# {title}", words, *map(_markdown, tables)]
+    parts = [f"# {title}", words, *map(titled_table, tables)]
     for section in sections:
         parts += [f"## {section.title}", markdown_text(section.question)]
         if pictures and section.points:
             parts.append(f"![{CAPTION}]({pictures}/stress-{section.id}.svg)")
-        parts += map(_markdown, section.tables)
+        parts += map(titled_table, section.tables)
     return "\n\n".join(parts) + "\n"
-
-
-def _markdown(cells: Cells) -> str:
-    """A title, and its table with every cell escaped."""
-    title, header, rows = cells
-    escaped = [list(map(markdown_text, row)) for row in rows]
-    return f"{title}:\n\n{table(list(header), escaped)}"
 
 
 def page(

@@ -3,6 +3,7 @@
 from itertools import product
 
 import msgspec
+import numpy as np
 
 from refdem.scene.dimension import Length, Position
 
@@ -41,6 +42,15 @@ class Polyhedron(
 
 
 Shape = Point | Sphere | Polyhedron
+
+
+def extent(shape: Shape) -> float:
+    """The largest distance [m] of a shape from its body's centre; 0 of a point."""
+    if isinstance(shape, Polyhedron):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
+    if isinstance(shape, Sphere):
+        return shape.radius
+    return 0.0
 
 
 def box(x: float, y: float, z: float) -> Polyhedron:

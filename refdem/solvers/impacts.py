@@ -76,30 +76,7 @@ class Impacts(KernelSolver):
     def prepare(self, request: Request) -> KernelCall:
         """Bodies, planes, law and clock; the start is in its row."""
         problem = request.problem
-        scene = problem.scene
-        bodies = scene.bodies
-        law = scene.all(Contact)[0]
-        planes = [[*plane.point, *plane.normal] for plane in scene.all(Plane)]
-        gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
-        held = bodies.fixed | (bodies.inertia[:, 0] == 0)
-        struct = Struct(
-            FAMILY,
-            "refdem_impacts",
-            {
-                "bodies": len(bodies),
-                "planes": len(planes),
-                "few": FEW,
-                "mass": np.where(bodies.fixed, np.inf, bodies.mass),
-                "inertia": np.where(held, np.inf, bodies.inertia[:, 0]),
-                "radius": bodies.radius,
-                "plane": np.array(planes).reshape(-1, 6),
-                "restitution": law.restitution,
-                "tangential_restitution": law.slip_restitution,
-                "friction": law.friction,
-                "gravity": gravity.tolist(),
-                "period": _period(scene),
-            },
-        )
+        bodies = problem.scene.bodies
         count = len(problem.times)
         states = []
         for name in ("position", "velocity", "omega", "attitude"):
@@ -107,14 +84,16 @@ class Impacts(KernelSolver):
             rows = np.empty((count, *start.shape))
             rows[0] = start
             states.append(rows)
-        room = np.empty(load(FAMILY).lib.refdem_impacts_room(len(bodies)))
+        workspace = np.empty(load(FAMILY).lib.refdem_impacts_room(len(bodies)))
         events = np.empty((MOST_EVENTS, 3))
+        work = np.empty(count)
+        # Counted from the start: impacts are as exact whenever that is.
+        since_start = problem.times - problem.times[0]
         return KernelCall(
             function="refdem_impacts_run",
-            inputs=(struct,),
-            # Counted from the start: impacts are as exact whenever that is.
-            clock=(*samples(problem.times - problem.times[0]), MOST_EVENTS, LONGEST),
-            outputs=(room, events, np.empty(count), *states),
+            inputs=(_struct(problem.scene),),
+            clock=(*samples(since_start), MOST_EVENTS, LONGEST),
+            outputs=(workspace, events, work, *states),
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
@@ -135,10 +114,11 @@ class Impacts(KernelSolver):
                 " bodies, or a shorter run"
             )
         start = request.problem.times[0]
-        told = []
+        # A run of more impacts than the table holds reports none of them.
+        events = []
         if status <= MOST_EVENTS:
             for time, body, _ in table[:status]:
-                told.append(Event(time=float(start + time), kind="contact", body=int(body)))
+                events.append(Event(time=float(start + time), kind="contact", body=int(body)))
         return Trajectory(
             t=request.problem.times,
             position=position,
@@ -146,8 +126,39 @@ class Impacts(KernelSolver):
             attitude=attitude,
             omega=omega,
             channels={"dissipated_work": work},
-            events=tuple(told),
+            events=tuple(events),
         )
+
+
+def _struct(scene: Scene) -> Struct:
+    """Bodies, planes and law as the kernel has them."""
+    bodies = scene.bodies
+    law = scene.all(Contact)[0]
+    planes = [[*plane.point, *plane.normal] for plane in scene.all(Plane)]
+    gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
+    # What no impulse moves has infinite mass; a point, which has no surface, never turns.
+    mass = np.where(bodies.fixed, np.inf, bodies.mass)
+    moment = bodies.inertia[:, 0]
+    never_turns = bodies.fixed | (moment == 0)
+    inertia = np.where(never_turns, np.inf, moment)
+    return Struct(
+        FAMILY,
+        "refdem_impacts",
+        {
+            "bodies": len(bodies),
+            "planes": len(planes),
+            "few": FEW,
+            "mass": mass,
+            "inertia": inertia,
+            "radius": bodies.radius,
+            "plane": np.array(planes).reshape(-1, 6),
+            "restitution": law.restitution,
+            "tangential_restitution": law.slip_restitution,
+            "friction": law.friction,
+            "gravity": gravity.tolist(),
+            "period": _period(scene),
+        },
+    )
 
 
 def _period(scene: Scene) -> float:

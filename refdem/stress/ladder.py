@@ -13,6 +13,10 @@ from refdem.stress.measures.measure import Measure
 
 ELASTIC_SPHERES = "two-spheres[damping=0 angle=1/2]"
 """An oblique impact without a dashpot, which all engines can run."""
+SIX_DECADES = ("1", "1e1", "1e2", "1e4", "1e6")
+"""Rungs of a number that grows from 1 to a million."""
+TWELVE_DECADES = (*SIX_DECADES, "1e9", "1e12")
+"""Rungs of a number that grows from 1 to a million million; binary64 resolves 1 part in 1e16."""
 
 
 def scene_words(case: str) -> str:

@@ -34,9 +34,10 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.refiner import Refiner, Size
-from refdem.truth.rigid_impact import Impact, Motion, dot
+from refdem.truth.rigid_impact import Impact, Motion
 from refdem.truth.slopes import parameters
 from refdem.truth.surds import Number, sign
+from refdem.truth.vectors import dot
 
 TOLD_APART = Fraction(1, 2**40)
 """Part of the time of impact within which a sample counts as at the impact: binary64 tells times

@@ -21,7 +21,8 @@ from refdem.truth.impact_sequence import (
     work_lost,
 )
 from refdem.truth.refiner import Size
-from refdem.truth.rigid_impact import ImpactLaw, RoundBody, dot, impact_of
+from refdem.truth.rigid_impact import ImpactLaw, RoundBody, impact_of
+from refdem.truth.vectors import dot
 
 METHOD = (
     "time of impact by the quadratic, impulses in closed form; friction is decided in exact"

@@ -21,8 +21,7 @@ from fractions import Fraction
 from typing import Any
 
 from refdem.truth.surds import Number, sign
-
-Vector = Sequence[Any]
+from refdem.truth.vectors import Vector, cross, dot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,16 +152,16 @@ class Impact:
         p = self.normal_impulse(closing)
         k = self.tangential_factor(closing, slip, is_cut=is_cut)
         impulse = [-(n * p) - s * k for n, s in zip(normal, slip, strict=True)]
-        turning = cross(normal, impulse)
-        sides = (1, -1)
-        found = []
+        moment = cross(normal, impulse)
+        signs = (1, -1)
+        parted_states = []
         for number, state in enumerate(states):
-            ease = self.inverse_masses[number] * sides[number]
-            spin = self.spin_factors[number]
-            velocity = [v + part * ease for v, part in zip(state.v, impulse, strict=True)]
-            omega = [w + part * spin for w, part in zip(state.omega, turning, strict=True)]
-            found.append(Motion(state.r, velocity, omega))
-        return found
+            inverse_mass = self.inverse_masses[number] * signs[number]
+            spin_factor = self.spin_factors[number]
+            velocity = [v + x * inverse_mass for v, x in zip(state.v, impulse, strict=True)]
+            omega = [w + x * spin_factor for w, x in zip(state.omega, moment, strict=True)]
+            parted_states.append(Motion(state.r, velocity, omega))
+        return parted_states
 
 
 def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
@@ -172,15 +171,20 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
     turning = [1 / (body.inertia_factor * body.mass) for body in bodies]
     normal_mass = 1 / sum(inverse_masses, Fraction(0))
     tangential_mass = 1 / sum([*inverse_masses, *turning], Fraction(0))
+    # The impulses that reverse their shares e and b: (1 + e) m_n and (1 + b) m_t.
+    normal_factor = (1 + law.restitution) * normal_mass
+    stopping = (1 + law.tangential_restitution) * tangential_mass
+    # R/J = 1/(f m R).
+    spin_factors = [1 / (body.inertia_factor * body.mass * body.radius) for body in bodies]
     return Impact(
         restitution=law.restitution,
         tangential_restitution=law.tangential_restitution,
-        normal_factor=(1 + law.restitution) * normal_mass,
-        stopping=(1 + law.tangential_restitution) * tangential_mass,
+        normal_factor=normal_factor,
+        stopping=stopping,
         friction=law.friction,
         inverse_masses=inverse_masses,
         radii=[body.radius for body in bodies],
-        spin_factors=[1 / (body.inertia_factor * body.mass * body.radius) for body in bodies],
+        spin_factors=spin_factors,
         is_smooth=law.friction == 0,
     )
 
@@ -189,21 +193,7 @@ def length(a: Vector) -> Any:
     """The length of a vector (3,) in balls; an exact vector must lie along one of the axes."""
     if not isinstance(a[0], Number):
         return dot(a, a).sqrt()
-    parts = [x * sign(x) for x in a if sign(x) != 0]
-    if len(parts) != 1:
+    absolute_values = [x * sign(x) for x in a if sign(x) != 0]
+    if len(absolute_values) != 1:
         raise TypeError("an exact length asks for a vector along one of the axes")
-    return parts[0]
-
-
-def dot(a: Vector, b: Vector) -> Any:
-    """The scalar product a.b of two vectors (3,)."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> list[Any]:
-    """The vector product a x b of two vectors (3,)."""
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return absolute_values[0]

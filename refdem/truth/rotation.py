@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from refdem.truth.balls import UndecidedError
+from refdem.truth.vectors import cross as cross
 
 Vector = Sequence[arb]
 Matrix = Sequence[Sequence[arb]]
@@ -13,11 +14,6 @@ Matrix = Sequence[Sequence[arb]]
 def dot(a: Vector, b: Vector) -> arb:
     """The dot product a . b of two vectors."""
     return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
-
-
-def cross(a: Vector, b: Vector) -> list[arb]:
-    """The cross product a x b of two vectors (3)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def times(p: Vector, q: Vector) -> list[arb]:

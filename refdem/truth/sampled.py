@@ -18,9 +18,8 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
 
     `delays` [s] asks for the values so much before each sample too.
     """
-    values: dict[str, list[float]] = {}
-    radii: dict[str, list[float]] = {}
     certified: list[Fraction] = []
+    states: list[Mapping[str, Ball]] = []
     reason = ""
     for sample in times:
         # The exact number that the double is.
@@ -33,11 +32,11 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
             reason = str(error)
             break
         certified.append(t)
-        for name, ball in balls.items():
-            value, radius = ball.rounded()
-            values.setdefault(name, []).append(value)
-            radii.setdefault(name, []).append(radius)
+        states.append(balls)
+    values, radii = _columns(states)
     scalars = certified_scalars(truth)
+    rounded = {name: ball.rounded() for name, ball in scalars.items()}
+    printed = {name: ball.decimals(PRINTED) for name, ball in scalars.items()}
     earlier = {}
     if certified:
         earlier = {delay: _earlier(truth, certified, Fraction(delay)) for delay in delays}
@@ -46,14 +45,28 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
         values=values,
         radii=radii,
         sensitivity=truth.sensitivities(certified),
-        scalars={name: ball.rounded() for name, ball in scalars.items()},
+        scalars=rounded,
         method=truth.method,
         witness=truth.witness,
         until=len(certified),
         reason=reason,
-        printed={name: ball.decimals(PRINTED) for name, ball in scalars.items()},
+        printed=printed,
         earlier=earlier,
     )
+
+
+def _columns(
+    states: Sequence[Mapping[str, Ball]],
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """The values and radii of each quantity, rounded to doubles, one a state."""
+    values: dict[str, list[float]] = {}
+    radii: dict[str, list[float]] = {}
+    for balls in states:
+        for name, ball in balls.items():
+            value, radius = ball.rounded()
+            values.setdefault(name, []).append(value)
+            radii.setdefault(name, []).append(radius)
+    return values, radii
 
 
 def _earlier(
@@ -63,16 +76,10 @@ def _earlier(
 
     Before the first sample nothing is known: 0 with an infinite radius.
     """
-    samples = [truth.at(t - delay) for t in certified[1:]]
-    values: dict[str, list[float]] = {}
-    radii: dict[str, list[float]] = {}
-    for name in truth.at(certified[0]):
-        values[name] = [0.0]
-        radii[name] = [math.inf]
-        for balls in samples:
-            value, radius = balls[name].rounded()
-            values[name].append(value)
-            radii[name].append(radius)
+    names = truth.at(certified[0])
+    later_values, later_radii = _columns([truth.at(t - delay) for t in certified[1:]])
+    values = {name: [0.0, *later_values.get(name, [])] for name in names}
+    radii = {name: [math.inf, *later_radii.get(name, [])] for name in names}
     return values, radii
 
 

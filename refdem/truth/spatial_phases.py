@@ -16,7 +16,7 @@ begins. `singular` is said where the motion is proved to begin at such a point; 
 to one it is followed until FAINT, and ends as `grazing`: whether it meets that point is not proved.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -28,12 +28,12 @@ from refdem.truth.contact_phases import LinearContact, State, ball
 from refdem.truth.events.crossing import SwitchError, sign
 from refdem.truth.events.system import Entry, Guard, Mode
 from refdem.truth.sphere_pair import TouchingPair
+from refdem.truth.vectors import Vector, cross, dot
 
 FAINT = Fraction(1, 2**8)
 """Of the speed, or of the force of a unit of overlap: how near a singular end the motion is
 followed.
 """
-Vector = Sequence[Any]
 
 
 class SpatialPhases(LinearContact):
@@ -313,13 +313,3 @@ def pointed(y: State) -> list[Any]:
     """The state with the direction e = s/|s| in place of the stretch s of the spring."""
     length = dot(y[12:15], y[12:15]).sqrt()
     return [*y[:12], *(x / length for x in y[12:15]), y[15]]
-
-
-def dot(a: Vector, b: Vector) -> Any:
-    """a . b of three numbers each."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> list[Any]:
-    """The cross product a x b of two vectors (3)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -8,7 +8,7 @@ corner with arm s = R c has the gap g = z + s_z and the velocity u = v + w x s; 
 zero_force).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -17,6 +17,7 @@ from typing import Any
 from refdem.truth.events.system import Entry, Guard, Mode, State, along
 from refdem.truth.reals import root
 from refdem.truth.traced_field import Field, Node, Program, Trace
+from refdem.truth.vectors import Vector, cross, dot
 
 PRESSES = "p"
 """The mark of a corner that presses, in the name of a mode."""
@@ -24,7 +25,6 @@ IDLES = "i"
 """The mark of a corner that is below the plane and does not press, as its dashpot would pull."""
 SIGNS = tuple((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
 """The corners of the box, by the signs of their coordinates in body axes."""
-Vector = Sequence[Any]
 
 
 @dataclass(frozen=True)
@@ -107,12 +107,11 @@ class BodyState:
         w, x, y, z = self.y[:4]
         a, b, c = self.omega_body
         # (w, r)(0, o) = (-r . o, w o + r x o) for r = (x, y, z) and o = omega_body = (a, b, c).
-        return [
-            (-x * a - y * b - z * c) / 2,
-            (w * a + y * c - z * b) / 2,
-            (w * b + z * a - x * c) / 2,
-            (w * c + x * b - y * a) / 2,
-        ]
+        w_rate = (-x * a - y * b - z * c) / 2
+        x_rate = (w * a + y * c - z * b) / 2
+        y_rate = (w * b + z * a - x * c) / 2
+        z_rate = (w * c + x * b - y * a) / 2
+        return [w_rate, x_rate, y_rate, z_rate]
 
     def velocity(self, corner: int) -> list[Any]:
         """The velocity u = v + omega x s (3) of a corner, in the axes of the slope."""
@@ -219,16 +218,6 @@ def rotation(q: Vector) -> list[list[Any]]:
     second = [(x * y + w * z) * 2, w * w - x * x + y * y - z * z, (y * z - w * x) * 2]
     third = [(x * z - w * y) * 2, (y * z + w * x) * 2, w * w - x * x - y * y + z * z]
     return [first, second, third]
-
-
-def dot(a: Vector, b: Vector) -> Any:
-    """a . b of three numbers each."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Vector, b: Vector) -> list[Any]:
-    """The cross product a x b of two vectors (3)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def lean_rates(guard: Guard, mode: Mode, size: int) -> list[Program]:

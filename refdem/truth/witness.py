@@ -109,12 +109,11 @@ def body_flow(
     y = 5
     z = 6
     # q' = q (0, omega)/2: a row an unknown, an entry the coefficient and a product of two unknowns.
-    attitude_rate = [
-        [(-half, x, 0), (-half, y, 1), (-half, z, 2)],
-        [(half, w, 0), (half, y, 2), (-half, z, 1)],
-        [(half, w, 1), (half, z, 0), (-half, x, 2)],
-        [(half, w, 2), (half, x, 1), (-half, y, 0)],
-    ]
+    w_rate = [(-half, x, 0), (-half, y, 1), (-half, z, 2)]
+    x_rate = [(half, w, 0), (half, y, 2), (-half, z, 1)]
+    y_rate = [(half, w, 1), (half, z, 0), (-half, x, 2)]
+    z_rate = [(half, w, 2), (half, x, 1), (-half, y, 0)]
+    attitude_rate = [w_rate, x_rate, y_rate, z_rate]
     length_squared = sum((v * v for v in attitude), Fraction(0))
     unit_attitude = [arb_of(v) / arb_of(length_squared).sqrt() for v in attitude]
     start = [arb_of(v) for v in omega] + unit_attitude

@@ -15,6 +15,7 @@ from refdem.core.problem import Request
 from refdem.mechanics import rotation
 from refdem.mechanics.mass_properties import of_polyhedron
 from refdem.scene import box
+from tests.rationals import hamilton
 
 STATICS = {
     "moments-of-inertia": [
@@ -344,18 +345,6 @@ def test_limits_of_the_table():
     )
 
 
-def hamilton(p, q):
-    """Hamilton's rules, component by component."""
-    (a, b, c, d) = p
-    (e, f, g, h) = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
-
-
 def test_truth_of_quaternions_is_hamiltons():
     truth = discovery.case("quaternions").at().truth().scalars()
     p = [Fraction(1), Fraction(-2), Fraction(1, 2), Fraction(3)]
@@ -371,7 +360,8 @@ def test_truth_of_quaternions_is_hamiltons():
         [
             x / square
             for x in hamilton(
-                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]), star
+                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]),
+                star,
             )[1:]
         ]
         for k in range(3)

@@ -101,6 +101,9 @@ class Program:
                 raise type(error)(sentence) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
+        """Writes the request into the folder, yields the command to be run there, and reads its
+        answer.
+        """
         paths = {name: folder / file for name, file in FILES.items()}
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
@@ -118,21 +121,23 @@ class Program:
         return trajectory, Cost(seconds=seconds, steps=steps)
 
     def _memory(self) -> int:
-        """Bytes that a process of a run may take: what its author says, else most of what the
-        machine has.
+        """The largest memory [bytes] that a process of a run may take: what the author of the
+        program states, else most of what the machine has.
         """
         if self.table.memory is None:
             return most_memory()
         return int(self.table.memory * GIGABYTE)
 
     def _filled(self, word: str, paths: dict[str, Path]) -> str:
-        """A word of the command with its placeholders filled in and its relative path resolved."""
+        """The word of the command, each `{name}` in it replaced by the path of that file, and a
+        relative path made a full one.
+        """
         for name, path in paths.items():
             word = word.replace("{" + name + "}", str(path))
         return self._placed(word)
 
     def _placed(self, word: str) -> str:
-        """A word that names a file below `home` as a full path, any other as it is."""
+        """The word as a full path if it names a file below `home`, else the word as it is."""
         path = self.home / word
         if not Path(word).is_absolute() and path.is_file():
             return str(path)

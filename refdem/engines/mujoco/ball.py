@@ -35,16 +35,16 @@ class BallFreedom(Freedom):
         """The vector (3,) [m] from the joint to the centre of mass, in body axes."""
         return -np.array(self.joint.anchor_a)
 
-    def say(self, mujoco: Any, world: Any) -> Any:
-        own = {
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        inertial = {
             "mass": self.body.mass,
             "inertia": self.body.inertia,
             "ipos": tuple(self.arm),
             "explicitinertial": True,
         }
-        said = world.add_body(pos=self.joint.anchor_b, **own)
-        said.add_joint(type=mujoco.mjtJoint.mjJNT_BALL)
-        return said
+        mj_body = parent.add_body(pos=self.joint.anchor_b, **inertial)
+        mj_body.add_joint(type=mujoco.mjtJoint.mjJNT_BALL)
+        return mj_body
 
     def start(self) -> tuple[Array, Array]:
         attitude = np.array(self.body.attitude, float)

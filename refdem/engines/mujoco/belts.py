@@ -17,14 +17,14 @@ def belts(scene: Scene) -> list[Slider]:
     return [slider for slider in scene.all(Slider) if slider.belt_velocity]
 
 
-def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> None:
+def add(mujoco: Any, spec: Any, scene: Scene, mj_bodies: list[Any], step: float) -> None:
     """A sphere on the body of each such slider, the plane under it, and their contact; no other
     geoms touch these.
     """
     alone = {"contype": 0, "conaffinity": 0}
     for number, slider in enumerate(belts(scene)):
         names = (f"on belt {number}", f"belt {number}")
-        said[slider.a].add_geom(
+        mj_bodies[slider.a].add_geom(
             name=names[0], type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(RADIUS, 0, 0), **alone
         )
         plane = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 1), "pos": (0, 0, -RADIUS)}

@@ -1,6 +1,4 @@
-"""Contact between the scene's shapes: geoms, planes, and what each pair of them is told of the
-law.
-"""
+"""Contact between the scene's shapes: geoms, planes, and the parameters of the law of each pair."""
 
 from itertools import chain, combinations, product
 from typing import Any
@@ -8,37 +6,42 @@ from typing import Any
 import numpy as np
 
 from refdem.engines.mujoco import shapes, solver
-from refdem.scene import Point, Polyhedron, Scene, Sphere
+from refdem.scene import Point, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.shapes import extent
 
 TORSION_AND_ROLLING = (0.005, 0.0001)
 """MuJoCo's default coefficients [m], which count where condim is above its default of 3."""
 
 
-def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float, *, tuned: bool) -> None:
-    """Gives the bodies of MuJoCo their geoms, the world its planes, and both the scene's contact
-    law, if it has one; as shipped, its coefficient of friction and no more.
+def add(
+    mujoco: Any, spec: Any, scene: Scene, mj_bodies: list[Any], step: float, *, tuned: bool
+) -> None:
+    """Gives the bodies of MuJoCo (MjsBody) their geoms, the world its planes, and both the scene's
+    contact law, if it has one; unless tuned, its coefficient of friction and no more.
+
+    A law with friction belongs to pairs of geoms, any other one to the geoms themselves.
     """
     for law in scene.all(Contact):
-        friction = tuned and rubs(scene, law)
+        by_pairs = tuned and rubs(scene, law)
         if not tuned:
-            words = {"friction": (law.friction, *TORSION_AND_ROLLING)}
-        elif friction:
-            words = {}
+            parameters = {"friction": (law.friction, *TORSION_AND_ROLLING)}
+        elif by_pairs:
+            parameters = {}
         else:
-            words = solver.contact(scene, law, step, _size(scene))
-        geoms = [
-            shapes.add_shape(mujoco, body, shape, words | {"name": f"shape {number}"})
-            for number, (body, shape) in enumerate(zip(said, scene.bodies.shape, strict=True))
-            if not isinstance(shape, Point)
-        ]
-        planes = [
-            shapes.add_plane(mujoco, spec.worldbody, plane, words | {"name": f"plane {number}"})
-            for number, plane in enumerate(scene.all(Plane))
-        ]
-        if not friction:
+            parameters = solver.contact(scene, law, step, _size(scene))
+        geoms = []
+        for number, shape in enumerate(scene.bodies.shape):
+            if not isinstance(shape, Point):
+                attributes = parameters | {"name": f"shape {number}"}
+                geoms.append(shapes.add_shape(mujoco, mj_bodies[number], shape, attributes))
+        planes = []
+        for number, plane in enumerate(scene.all(Plane)):
+            attributes = parameters | {"name": f"plane {number}"}
+            planes.append(shapes.add_plane(mujoco, spec.worldbody, plane, attributes))
+        if not by_pairs:
             continue
         if law.law == "linear":
             pair = solver.linear_rubbing(scene, law, step)
@@ -49,16 +52,18 @@ def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float, *, t
 
 
 def rubs(scene: Scene, law: Contact) -> bool:
-    """Shapes may slide on one another: something moves, or gravity acts along a plane."""
+    """True if shapes may slide on one another: something moves, or gravity acts along a plane."""
     if not law.friction > 0 or not scene.has_shapes():
         return False
-    pulls = [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
-    along = [
-        np.linalg.norm(np.cross(plane.normal, g)) > solver.ROUNDING * np.linalg.norm(g)
-        for plane in scene.all(Plane)
-        for g in pulls
-    ]
-    return any(along) or bool(scene.bodies.velocity.any() or scene.bodies.omega.any())
+    if scene.bodies.velocity.any() or scene.bodies.omega.any():
+        return True
+    for field in scene.all(UniformGravity):
+        g = np.array(field.g)
+        for plane in scene.all(Plane):
+            # |n x g| is the part of gravity along the plane.
+            if np.linalg.norm(np.cross(plane.normal, g)) > solver.ROUNDING * np.linalg.norm(g):
+                return True
+    return False
 
 
 def impedance_of(scene: Scene, law: Contact) -> float:
@@ -71,16 +76,6 @@ def impedance_of(scene: Scene, law: Contact) -> float:
 
 
 def _size(scene: Scene) -> float:
-    """How far from the origin [m] anything of a body is."""
-    return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(
-        _extent(shape) for shape in scene.bodies.shape
-    )
-
-
-def _extent(shape: Any) -> float:
-    """Largest distance [m] of a shape from its centre."""
-    if isinstance(shape, Polyhedron):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Sphere):
-        return shape.radius
-    return 0.0
+    """A distance from the origin [m] beyond which no part of any body is."""
+    farthest = float(np.linalg.norm(scene.bodies.position, axis=1).max())
+    return farthest + max(extent(shape) for shape in scene.bodies.shape)

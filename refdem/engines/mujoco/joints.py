@@ -40,9 +40,9 @@ class Freedom(ABC):
         return (self,)
 
     @abstractmethod
-    def say(self, mujoco: Any, world: Any) -> Any:
-        """The body of MuJoCo, added to the world or to the body from which it hangs, with its
-        joints.
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        """Adds the body with its joints to `parent`, the world or the body from which it hangs, and
+        returns it (MjsBody).
         """
 
     @abstractmethod
@@ -75,15 +75,17 @@ class Fixed(Freedom):
     def turns(self) -> bool:
         return True
 
-    def say(self, mujoco: Any, world: Any) -> Any:
-        return world.add_body(pos=self.body.position, quat=self.body.attitude)
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        return parent.add_body(pos=self.body.position, quat=self.body.attitude)
 
     def start(self) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
 
     def read(self, q: Array, v: Array) -> Columns:
-        place = np.tile(np.array(self.body.position, float), (len(q), 1))
-        return Columns(place, np.zeros((len(q), 3)), *self.still(len(q)))
+        count = len(q)
+        position = np.tile(np.array(self.body.position, float), (count, 1))
+        attitude, omega = self.still(count)
+        return Columns(position, np.zeros((count, 3)), attitude, omega)
 
 
 @dataclass(frozen=True)
@@ -107,23 +109,26 @@ class Slides(Freedom):
         object.__setattr__(self, "nq", self.dimension)
         object.__setattr__(self, "nv", self.dimension)
 
-    def say(self, mujoco: Any, world: Any) -> Any:
-        said = world.add_body(mass=self.body.mass, inertia=(1.0, 1.0, 1.0), explicitinertial=True)
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        # The body cannot turn, so that any inertia will do.
+        mass = self.body.mass
+        mj_body = parent.add_body(mass=mass, inertia=(1.0, 1.0, 1.0), explicitinertial=True)
         for k in range(self.dimension):
-            own = {
+            forces = {
                 "damping": (self.damping, 0.0, 0.0),
                 "stiffness": self.stiffness,
                 "springref": self.reference[k],
                 "frictionloss": self.friction[k],
             }
-            said.add_joint(
-                type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[k], **own, **self.solver
-            )
-        return said
+            slide = mujoco.mjtJoint.mjJNT_SLIDE
+            mj_body.add_joint(type=slide, axis=np.eye(3)[k], **forces, **self.solver)
+        return mj_body
 
     def start(self) -> tuple[Array, Array]:
         return np.array(self.body.position[: self.nq]), np.array(self.body.velocity[: self.nv])
 
     def read(self, q: Array, v: Array) -> Columns:
-        rest = ((0, 0), (0, 3 - self.dimension))
-        return Columns(np.pad(q, rest), np.pad(v, rest), *self.still(len(q)))
+        # Along axes without a joint the body is at 0 for good.
+        missing_axes = ((0, 0), (0, 3 - self.dimension))
+        attitude, omega = self.still(len(q))
+        return Columns(np.pad(q, missing_axes), np.pad(v, missing_axes), attitude, omega)

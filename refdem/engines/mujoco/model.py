@@ -1,4 +1,8 @@
-"""A scene in MuJoCo's words: an MjSpec with nothing in it that the scene does not say, compiled."""
+"""A scene as a compiled model of MuJoCo, by an MjSpec that holds nothing that is not in the scene.
+
+MuJoCo moves bodies by joints. `Freedom` is the joint, or joints, of one body: fixed, on slides,
+free, or about a hinge or ball. A body of the MjSpec (MjsBody) is called `mj_body` here.
+"""
 
 from typing import Any
 
@@ -19,11 +23,11 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
-STILL = (0.0, 0.0, 0.0)
+ZEROS = (0.0, 0.0, 0.0)
 
 
 def compiled(request: Request) -> tuple[Any, list[Freedom]]:
-    """The compiled model and, body by body, how it moves."""
+    """The compiled model (MjModel), and the joints of each body in the scene's order."""
     import mujoco
 
     scene = request.problem.scene
@@ -33,12 +37,12 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     options.set_compiler(mujoco, spec)
     options.set_options(mujoco, spec, scene, request.method, step)
     freedoms = [_freedom(scene, number, step, tuned=tuned) for number in range(len(scene.bodies))]
-    said = _said(mujoco, spec, freedoms)
-    contacts.add(mujoco, spec, scene, said, step, tuned=tuned)
-    belts.add(mujoco, spec, scene, said, step)
+    mj_bodies = _bodies(mujoco, spec, freedoms)
+    contacts.add(mujoco, spec, scene, mj_bodies, step, tuned=tuned)
+    belts.add(mujoco, spec, scene, mj_bodies, step)
     for number, spring in enumerate(scene.all(Spring)):
         if not _is_of_joints(scene, spring) and not is_passive(spring, scene):
-            _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
+            _add_tendon(spec, scene, freedoms, mj_bodies, spring, f"spring {number}")
     for rod in scene.all(Rod):
         spec.add_sensor(
             type=mujoco.mjtSensor.mjSENS_FORCE,
@@ -48,32 +52,44 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     return spec.compile(), freedoms
 
 
-def _said(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:
-    """The bodies of MuJoCo in the scene's order, each said after that from which it hangs."""
-    said: dict[int, Any] = {}
-    for number, freedom in sorted(enumerate(freedoms), key=lambda pair: len(pair[1].lineage)):
-        above = next(
-            (said[i] for i, other in enumerate(freedoms) if freedom.lineage[-2:-1] == (other,)),
-            spec.worldbody,
-        )
-        said[number] = freedom.say(mujoco, above)
-        said[number].name = f"body {number}"
-    return [said[number] for number in range(len(freedoms))]
+def _bodies(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:
+    """Adds the bodies to the MjSpec, and returns them (MjsBody) in the scene's order.
+
+    A body that hangs from another one is a child of it in MuJoCo's tree, so that it is added after
+    it; the lineage of its joints, from the world down to its own, is longer by one.
+    """
+    mj_bodies: dict[int, Any] = {}
+    from_the_world_down = sorted(
+        range(len(freedoms)), key=lambda number: len(freedoms[number].lineage)
+    )
+    for number in from_the_world_down:
+        freedom = freedoms[number]
+        parent = spec.worldbody
+        if len(freedom.lineage) > 1:
+            parent = mj_bodies[freedoms.index(freedom.lineage[-2])]
+        mj_bodies[number] = freedom.add_body(mujoco, parent)
+        mj_bodies[number].name = f"body {number}"
+    return [mj_bodies[number] for number in range(len(freedoms))]
 
 
 def _turns(scene: Scene, number: int) -> bool:
-    """True if the body needs a free joint."""
+    """True if the scene has rotation and the body moments of inertia: it needs a free joint."""
     return "rotation" in scene.features and bool(scene.bodies.inertia[number].any())
 
 
 def _hinge(scene: Scene, rod: Rod) -> Hinge:
-    """The lower end of a rod, and what it hangs from."""
-    above = next((_hinge(scene, other) for other in scene.all(Rod) if other.a == rod.b), None)
+    """The hinge of the body at the lower end of a rod, with that of the rod from which it hangs."""
+    above = None
+    for other in scene.all(Rod):
+        if other.a == rod.b:
+            above = _hinge(scene, other)
     return Hinge(scene.bodies.single()[rod.a], rod, above)
 
 
 def _freedom(scene: Scene, number: int, step: float, *, tuned: bool) -> Freedom:
-    """The degrees of freedom of body `number` in the model."""
+    """The joints of body `number`: those of the element that holds it, or a free joint if it turns,
+    or else slides along the axes of the scene.
+    """
     body = scene.bodies.single()[number]
     if body.fixed:
         return Fixed(body)
@@ -85,21 +101,8 @@ def _freedom(scene: Scene, number: int, step: float, *, tuned: bool) -> Freedom:
             return BallFreedom(body, joint)
     if _turns(scene, number):
         return Free(body)
-    rubbed = any(belt.a == number for belt in belts.belts(scene))
-    dimension = 3
-    if not rubbed:
-        dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
-    springs = [
-        spring
-        for spring in scene.all(Spring)
-        if spring.a == number and _is_of_joints(scene, spring)
-    ]
-    stiffness = STILL
-    reference = STILL
-    if springs:
-        stiffness = (springs[0].stiffness, 0.0, 0.0)
-        reference = springs[0].anchor_b
-    friction, words = _dry_friction(scene, number, step, tuned=tuned)
+    stiffness, reference = _joint_spring(scene, number)
+    friction, solver_parameters = _dry_friction(scene, number, step, tuned=tuned)
     damping = sum(
         dashpot.damping
         for dashpot in scene.all(Dashpot)
@@ -107,13 +110,34 @@ def _freedom(scene: Scene, number: int, step: float, *, tuned: bool) -> Freedom:
     )
     return Slides(
         body,
-        dimension,
+        _dimension(scene, number),
         stiffness,
         reference,
         friction,
-        words,
+        solver_parameters,
         damping,
     )
+
+
+def _dimension(scene: Scene, number: int) -> int:
+    """The number of axes along which a body may slide."""
+    # A belt presses the body on a plane, so that it needs the axis across, too.
+    is_on_belt = any(belt.a == number for belt in belts.belts(scene))
+    if is_on_belt:
+        return 3
+    return next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+
+
+def _joint_spring(
+    scene: Scene, number: int
+) -> tuple[tuple[float, float, float], tuple[float, ...]]:
+    """The spring of the joints of a body: its stiffness in the first, second and third power of the
+    coordinate, and the position (3,) [m] at which it is at rest; zeros without one.
+    """
+    for spring in scene.all(Spring):
+        if spring.a == number and _is_of_joints(scene, spring):
+            return (spring.stiffness, 0.0, 0.0), spring.anchor_b
+    return ZEROS, ZEROS
 
 
 def _dry_friction(
@@ -128,38 +152,39 @@ def _dry_friction(
     friction = np.zeros(3)
     for slider in sliders:
         friction += np.abs(slider.axis) * slider.friction * slider.normal_force
-    words = {}
+    solver_parameters = {}
     if sliders and tuned:
-        words = solver.friction(step)
-    return tuple(friction), words
+        solver_parameters = solver.friction(step)
+    return tuple(friction), solver_parameters
 
 
 def _is_of_joints(scene: Scene, spring: Spring) -> bool:
-    """A linear spring of no length to the world is the same along every axis: the joints' own
-    stiffness. One a body.
+    """True if the spring is the stiffness of the body's slide joints.
+
+    A linear spring of no length to the world has the force -k (x - anchor), the same along every
+    axis. The joints have one stiffness, so that only the first such spring of a body is theirs.
     """
-    plain = [
-        s
-        for s in scene.all(Spring)
-        if s.a == spring.a
-        and s.b < 0
-        and s.length == 0
-        and s.exponent == 1
-        and not s.cubic
-        and not s.quadratic
-    ]
-    return (
-        spring in plain
-        and not any(spring.anchor_a)
-        and not _turns(scene, spring.a)
-        and plain[0] is spring
-    )
+    if any(spring.anchor_a) or _turns(scene, spring.a):
+        return False
+    candidates = [s for s in scene.all(Spring) if s.a == spring.a and _is_isotropic(s)]
+    return bool(candidates) and candidates[0] is spring
+
+
+def _is_isotropic(spring: Spring) -> bool:
+    """True of a linear spring of no length between a body and the world."""
+    is_linear = spring.exponent == 1 and not spring.cubic and not spring.quadratic
+    return is_linear and spring.b < 0 and spring.length == 0
 
 
 def _add_tendon(
-    spec: Any, scene: Scene, freedoms: list[Freedom], said: list[Any], spring: Spring, name: str
+    spec: Any,
+    scene: Scene,
+    freedoms: list[Freedom],
+    mj_bodies: list[Any],
+    spring: Spring,
+    name: str,
 ) -> None:
-    """A spring as a spatial tendon between two sites."""
+    """Adds a spring as a spatial tendon between two sites, its ends, which `name` is a part of."""
     tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
     # F = linear s + cubic s^3 in the stretch s; the callback has other exponents.
     if spring.exponent == 1:
@@ -170,13 +195,13 @@ def _add_tendon(
         cubic = spring.stiffness + spring.cubic
     tendon.stiffness = (linear, 0.0, cubic)
     for end, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b)):
-        place: Any = anchor
-        if end >= 0 and not freedoms[end].turns:
-            place = rotated(scene.bodies.attitude[end], np.array(anchor, float))
-        if end < 0:
-            body = spec.worldbody
-        else:
-            body = said[end]
+        position: Any = anchor
+        mj_body = spec.worldbody
+        if end >= 0:
+            mj_body = mj_bodies[end]
+            # A body on slides has axes of space: the anchor is turned as the body stands for good.
+            if not freedoms[end].turns:
+                position = rotated(scene.bodies.attitude[end], np.array(anchor, float))
         site = f"{name} at {end}"
-        body.add_site(name=site, pos=place)
+        mj_body.add_site(name=site, pos=position)
         tendon.wrap_site(site)

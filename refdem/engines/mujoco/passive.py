@@ -26,14 +26,16 @@ FAMILY = "mujoco_forces"
 NUMBERS = 10
 """Columns of a force in the table that the compiled callback reads."""
 Places = tuple[list[int], list[int]]
-"""Where the coordinates of a body and its velocities lie in MuJoCo's state; a missing third or
-second one is 0."""
+"""The indices of a body's coordinates in MuJoCo's qpos, and of its velocities in qvel; along an
+axis that has none the body is at rest at 0."""
 
 
 @dataclass(frozen=True)
 class Push:
-    """A force on body `a`, and with the opposite sign on body `b` unless that is the world (-1);
-    the numbers of its kind are as the compiled callback has them (mujoco_forces_kernel.h).
+    """A force on body `a`, and its opposite on body `b` unless that is the world (-1).
+
+    `kind` is one of DRIVE to PIECEWISE; `numbers` are the parameters of that kind in the order of
+    the compiled callback (mujoco_forces_kernel.h).
     """
 
     a: int
@@ -46,24 +48,25 @@ class Push:
 def acting(
     mujoco: Any, scene: Scene, places: Sequence[Places], data: Any, clock: int
 ) -> Iterator[None]:
-    """While a run of `data` lasts the scene's forces act on its bodies, whose coordinates are at
-    `places`; `clock` is the address of its time.
+    """Within this context the forces of the scene act on the bodies of `data` (MjData).
 
-    The callback is the process's, not a model's.
+    `places` has the indices of each body's coordinates; `clock` is the address of the time. MuJoCo
+    has one callback for the whole process, not one a model, so that it is put back at the end.
     """
     pushes = list(_pushes(scene))
     if not pushes:
         yield
         return
     library = kernels.load(FAMILY)
-    (struct, *_kept_alive) = _told(pushes, places, data, clock)
-    kept = mujoco.get_mjcb_passive()
+    # The arrays live as long as their names: the struct only points to them.
+    (struct, *_arrays) = _struct(pushes, places, data, clock)
+    callback_before = mujoco.get_mjcb_passive()
     library.lib.refdem_mujoco_forces_set(struct)
     mujoco.set_mjcb_passive(_callback())
     try:
         yield
     finally:
-        mujoco.set_mjcb_passive(kept)
+        mujoco.set_mjcb_passive(callback_before)
         library.lib.refdem_mujoco_forces_set(library.ffi.NULL)
 
 
@@ -75,9 +78,10 @@ def _callback() -> Any:
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
 
 
-def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: int) -> list[Any]:
-    """The struct of the compiled callback, and the arrays that it points to."""
+def _struct(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: int) -> list[Any]:
+    """The struct of the compiled callback, and after it the arrays that it points to."""
     ffi = kernels.load(FAMILY).ffi
+    kind = np.array([push.kind for push in pushes], np.int64)
     number = np.zeros((len(pushes), NUMBERS))
     column = np.full((len(pushes), 12), -1, np.int64)
     for row, push in enumerate(pushes):
@@ -85,7 +89,7 @@ def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: in
         column[row, :6] = _columns(places, push.a)
         column[row, 6:] = _columns(places, push.b)
     arrays = {
-        "kind": ffi.from_buffer("int64_t[]", np.array([push.kind for push in pushes], np.int64)),
+        "kind": ffi.from_buffer("int64_t[]", kind),
         "column": ffi.from_buffer("int64_t[]", column),
         "number": ffi.from_buffer("double[]", number),
     }
@@ -101,37 +105,38 @@ def _told(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: in
 
 
 def _columns(places: Sequence[Places], body: int) -> list[int]:
-    """The numbers (6) of the coordinates that are the place (3) of a body, and of those that are
-    its velocity (3), in mjData; -1 for an axis along which it cannot move, and for the world.
+    """The indices in MuJoCo's qpos of the position (3) of a body, and those in its qvel of the
+    velocity (3); -1 for an axis along which it cannot move, and for the world.
     """
     if body < 0:
         return [-1] * 6
     columns: list[int] = []
-    for numbers in places[body]:
-        # Further numbers are those of its rotation.
-        along_axes = numbers[:3]
+    for indices in places[body]:
+        # Further indices are those of its rotation.
+        along_axes = indices[:3]
         missing = 3 - len(along_axes)
         columns += [*along_axes, *[-1] * missing]
     return columns
 
 
 def is_passive(element: Any, scene: Scene) -> bool:
-    """True if the callback says the element, for MuJoCo has none that does."""
+    """True if the callback makes the force of the element, since no element of MuJoCo does."""
     if isinstance(element, Force | CentralField | PiecewiseField):
         return True
     if isinstance(element, Spring):
         # MuJoCo's spring is a polynomial, linear or odd and cubic.
         return element.exponent not in (1, 3) or bool(element.quadratic)
     if isinstance(element, Dashpot):
-        depends = bool(element.van_der_pol) or element.damping < 0
+        # A joint has a constant damping >= 0 against the world, along axes that do not turn.
+        varies = bool(element.van_der_pol) or element.damping < 0
         turns = "rotation" in scene.features and bool(scene.bodies.inertia[element.a].any())
-        return depends or element.b >= 0 or turns
+        return varies or element.b >= 0 or turns
     return False
 
 
 def of_passive(scene: Scene) -> str | None:
     """None if every force of the callback acts at the centre of a body that moves along the axes of
-    space; else why not.
+    space, else the reason why the scene is refused.
     """
     elements = [element for element in scene.elements if is_passive(element, scene)]
     linked = [element for element in elements if isinstance(element, Force | Spring | Dashpot)]

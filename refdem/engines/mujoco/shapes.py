@@ -1,7 +1,7 @@
-"""Shapes that meet: spheres, boxes and planes as geoms, and which pairs of them there are."""
+"""Spheres, boxes and planes as geoms of MuJoCo, and the effective masses of pairs that may meet."""
 
 from collections.abc import Iterator
-from itertools import chain, combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -18,58 +18,70 @@ def box_sides(shape: Polyhedron) -> Array | None:
     polyhedron.
     """
     vertices = np.array(shape.vertices)
-    half = np.abs(vertices[0])
-    corners = {tuple(corner) for corner in np.sign(vertices)}
+    # A box has the eight vertices (+-a/2, +-b/2, +-c/2), each choice of signs once.
+    half_sides = np.abs(vertices[0])
+    octants = {tuple(signs) for signs in np.sign(vertices)}
     is_box = (
-        len(vertices) == len(corners) == 8
-        and bool(half.all())
-        and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
+        len(vertices) == len(octants) == 8
+        and bool(half_sides.all())
+        and np.array_equal(np.abs(vertices), np.tile(half_sides, (8, 1)))
     )
-    if is_box:
-        sides: Array = 2 * half
-        return sides
-    return None
+    if not is_box:
+        return None
+    sides: Array = 2 * half_sides
+    return sides
 
 
-def pairs(scene: Scene) -> Iterator[float]:
-    """The effective mass [kg] of each pair of shapes that may meet, planes included."""
+def effective_masses(scene: Scene) -> Iterator[float]:
+    """The effective masses 1/(1/m_i + 1/m_j) [kg] of all pairs of shapes that may meet, one by one:
+    of two bodies, and of a body and a plane, whose mass is infinite.
+
+    Pairs of which nothing can move are left out.
+    """
     bodies = scene.bodies
-    inverse = np.where(bodies.fixed, 0.0, 1 / bodies.mass)
+    inverse_mass = np.where(bodies.fixed, 0.0, 1 / bodies.mass)
     shaped = [n for n, shape in enumerate(bodies.shape) if not isinstance(shape, Point)]
-    with_planes = (inverse[i] for i in shaped for _ in scene.all(Plane))
-    for total in chain((inverse[i] + inverse[j] for i, j in combinations(shaped, 2)), with_planes):
-        if total > 0:
-            yield 1 / total
+    for i, j in combinations(shaped, 2):
+        if inverse_mass[i] + inverse_mass[j] > 0:
+            yield 1 / (inverse_mass[i] + inverse_mass[j])
+    for i, _ in product(shaped, scene.all(Plane)):
+        if inverse_mass[i] > 0:
+            yield 1 / inverse_mass[i]
 
 
-def add_shape(mujoco: Any, said: Any, shape: Any, words: dict[str, Any]) -> Any:
-    """The geom of a body of MuJoCo, with its name and contact parameters."""
+def add_shape(mujoco: Any, mj_body: Any, shape: Any, attributes: dict[str, Any]) -> Any:
+    """Adds the geom of a shape to a body of MuJoCo (MjsBody), and returns it.
+
+    `attributes` are its name and its contact parameters, as MuJoCo names them.
+    """
     if isinstance(shape, Sphere):
-        return said.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(shape.radius, 0, 0), **words)
+        sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+        return mj_body.add_geom(type=sphere, size=(shape.radius, 0, 0), **attributes)
     sides = box_sides(shape)
     assert sides is not None, "refused before"
-    return said.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=sides / 2, **words)
+    return mj_body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=sides / 2, **attributes)
 
 
-def add_plane(mujoco: Any, world: Any, plane: Plane, words: dict[str, Any]) -> Any:
-    """The geom of a plane, added to the world; its z axis is the normal."""
+def add_plane(mujoco: Any, world: Any, plane: Plane, attributes: dict[str, Any]) -> Any:
+    """Adds the geom of a plane to the world, its z axis along the normal, and returns it."""
     return world.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=(0, 0, 1),
         pos=plane.point,
         quat=_turned_up(plane.normal),
-        **words,
+        **attributes,
     )
 
 
 def _turned_up(normal: tuple[float, float, float]) -> Array:
     """The quaternion of the shortest turn that takes the z axis to `normal`."""
     x, y, z = normal
-    if (
-        z < -0.5
-    ):  # the shortest turn is ill-conditioned near half a turn: go by way of the opposite normal
+    # The shortest turn is ill-conditioned near half a turn: turn to (x, -y, -z) first, then half a
+    # turn about x, whose quaternion is (0, 1, 0, 0).
+    if z < -0.5:
         w, a, b, c = _turned_up((x, -y, -z))
         return np.array([-a, w, -c, b])
-    half = np.array([1 + z, -y, x, 0.0])
-    attitude: Array = half / np.linalg.norm(half)
+    # q = (1 + z . n, z x n)/|...| turns z to n by the angle between them.
+    unnormalised = np.array([1 + z, -y, x, 0.0])
+    attitude: Array = unnormalised / np.linalg.norm(unnormalised)
     return attitude

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.engines.mujoco.shapes import pairs
+from refdem.engines.mujoco.shapes import effective_masses
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 
@@ -51,7 +51,7 @@ def linear_law(scene: Scene, law: Contact) -> list[float]:
     parameters"). With a_free = 0 the d cancels: `m_eff a = -(m_eff damping) v - (m_eff stiffness)
     r`.
     """
-    (effective_mass,) = pairs(scene)
+    (effective_mass,) = effective_masses(scene)
     return [-law.stiffness / effective_mass, -law.damping / effective_mass]
 
 

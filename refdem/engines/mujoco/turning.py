@@ -30,10 +30,11 @@ class Free(Freedom):
     def turns(self) -> bool:
         return True
 
-    def say(self, mujoco: Any, world: Any) -> Any:
-        said = world.add_body(mass=self.body.mass, inertia=self.body.inertia, explicitinertial=True)
-        said.add_freejoint()
-        return said
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        body = self.body
+        mj_body = parent.add_body(mass=body.mass, inertia=body.inertia, explicitinertial=True)
+        mj_body.add_freejoint()
+        return mj_body
 
     def start(self) -> tuple[Array, Array]:
         body = self.body
@@ -69,27 +70,28 @@ class Hinge(Freedom):
             return (*self.above.lineage, self)
         return (self,)
 
-    def say(self, mujoco: Any, world: Any) -> Any:
-        """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the
-        point's own.
+    def add_body(self, mujoco: Any, parent: Any) -> Any:
+        """The body of MuJoCo below the hinge, whose mass and arm make up for its inertia SPECK.
+
+        With the arm a and the mass M = m l/a, M a is m l, and M a^2 + SPECK is m l^2, so that the
+        weight's torque and the inertia about the hinge are those of the point.
         """
         mass = self.body.mass
         length = self.rod.length
         arm = length - SPECK / (mass * length)
+        hinge: Any = self.rod.anchor_b
         if self.above:
-            place = (0.0, -self.above.rod.length, 0.0)
-        else:
-            place = self.rod.anchor_b
-        bob = {
+            hinge = (0.0, -self.above.rod.length, 0.0)
+        inertial = {
             "mass": mass * (length / arm),
             "inertia": (SPECK,) * 3,
             "ipos": (0.0, -arm, 0.0),
             "explicitinertial": True,
         }
-        said = world.add_body(pos=place, **bob)
-        said.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
-        said.add_site(name=self.site)
-        return said
+        mj_body = parent.add_body(pos=hinge, **inertial)
+        mj_body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
+        mj_body.add_site(name=self.site)
+        return mj_body
 
     @property
     def site(self) -> str:
@@ -99,36 +101,40 @@ class Hinge(Freedom):
         return f"rod on {self.rod.a}"
 
     def hanging(self) -> tuple[float, float]:
-        """Angle from straight down and its rate at the start."""
-        place: Any = self.rod.anchor_b
-        speed: Any = (0.0, 0.0, 0.0)
+        """Angle from straight down [rad] and its rate [rad/s] at the start."""
+        hinge_position: Any = self.rod.anchor_b
+        hinge_velocity: Any = (0.0, 0.0, 0.0)
         if self.above:
-            place = self.above.body.position
-            speed = self.above.body.velocity
-        x, y, _ = np.subtract(self.body.position, place)
-        u, v, _ = np.subtract(self.body.velocity, speed)
-        return float(np.arctan2(x, -y)), float((x * v - y * u) / self.rod.length**2)
+            hinge_position = self.above.body.position
+            hinge_velocity = self.above.body.velocity
+        x, y, _ = np.subtract(self.body.position, hinge_position)
+        u, v, _ = np.subtract(self.body.velocity, hinge_velocity)
+        # (x, y) = l (sin theta, -cos theta), and l^2 theta' = x y' - y x'.
+        angle = float(np.arctan2(x, -y))
+        rate = float((x * v - y * u) / self.rod.length**2)
+        return angle, rate
 
     def start(self) -> tuple[Array, Array]:
         angle, rate = self.hanging()
+        # The joint's coordinate is the angle from the rod above.
+        angle_above = 0.0
+        rate_above = 0.0
         if self.above:
-            before = self.above.hanging()
-        else:
-            before = (0.0, 0.0)
-        return np.array([angle - before[0]]), np.array([rate - before[1]])
+            angle_above, rate_above = self.above.hanging()
+        return np.array([angle - angle_above]), np.array([rate - rate_above])
 
     def read(self, q: Array, v: Array) -> Columns:
         """The state of the body from the coordinates of the lineage, (T, its length) each."""
+        # Each coordinate is the angle from the rod above: angles from straight down are their sums.
         angle = np.cumsum(q, axis=1)
         rate = np.cumsum(v, axis=1)
         length = np.array([hinge.rod.length for hinge in self.lineage])
         sine = np.sin(angle)
         cosine = np.cos(angle)
-        nothing = np.zeros_like(angle)
-        outward = np.stack([sine, -cosine, nothing], axis=-1) * length[:, None]
-        sideways = np.stack([cosine, sine, nothing], axis=-1) * (length * rate)[..., None]
-        return Columns(
-            outward.sum(axis=1) + np.array(self.lineage[0].rod.anchor_b),
-            sideways.sum(axis=1),
-            *self.still(len(q)),
-        )
+        zero = np.zeros_like(angle)
+        # r = anchor + sum of l (sin, -cos), v = sum of l theta' (cos, sin), over the rods above.
+        arms = np.stack([sine, -cosine, zero], axis=-1) * length[:, None]
+        velocities = np.stack([cosine, sine, zero], axis=-1) * (length * rate)[..., None]
+        anchor = np.array(self.lineage[0].rod.anchor_b)
+        attitude, omega = self.still(len(q))
+        return Columns(arms.sum(axis=1) + anchor, velocities.sum(axis=1), attitude, omega)

@@ -13,7 +13,7 @@ from refdem.engines.mujoco.ball import of_ball_joints
 from refdem.engines.mujoco.belts import belts
 from refdem.engines.mujoco.claims import is_tuned
 from refdem.engines.mujoco.passive import of_passive
-from refdem.engines.mujoco.shapes import box_sides, pairs
+from refdem.engines.mujoco.shapes import box_sides, effective_masses
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
@@ -160,7 +160,7 @@ def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
         return engine_cannot(
             "an attractive contact force: MuJoCo's force ends before the overlap does"
         )
-    if len(list(islice(pairs(scene), 2))) > 1:
+    if len(list(islice(effective_masses(scene), 2))) > 1:
         return engine_cannot(
             "a linear contact law for more than one pair: contacts that share a body"
             " change each other"
@@ -181,7 +181,7 @@ def _of_soft_constraints(scene: Scene) -> str | None:
         softened.append((impedance, scene.bodies.mass[slider.a]))
     for law in scene.all(Contact):
         impedance = contacts.impedance_of(scene, law)
-        softened += [(impedance, effective_mass) for effective_mass in pairs(scene)]
+        softened += [(impedance, effective_mass) for effective_mass in effective_masses(scene)]
     for impedance, mass in softened:
         if mass > heaviest(impedance):
             return engine_cannot(

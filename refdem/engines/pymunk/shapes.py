@@ -1,7 +1,6 @@
 """A scene's shapes and planes in Chipmunk's words, and what each brings to a contact."""
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 import pymunk
@@ -10,6 +9,7 @@ from refdem.engines.pymunk.unsupported import outline
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.scene.shapes import extent
 
 WALL = 1e3
 """Half the length and the depth of a wall, in units of the scene's size: nothing gets around it."""
@@ -28,7 +28,7 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
             shapes.append(pymunk.Poly(body, outline(shape) or []))
     size = WALL * max(
         float(np.abs(scene.bodies.position).max()),
-        *(_extent(shape) for shape in scene.bodies.shape),
+        *(extent(shape) for shape in scene.bodies.shape),
     )
     walls = [_wall(space, plane, size) for plane in scene.all(Plane)]
     for name, value in (("friction", law.friction), ("elasticity", law.restitution)):
@@ -55,15 +55,6 @@ def shares(value: float, *, alone: bool) -> tuple[float, float]:
     if not own:
         return own, 0.0
     return own, value / own
-
-
-def _extent(shape: Any) -> float:
-    """Largest distance [m] of a shape from its centre."""
-    if isinstance(shape, Polyhedron):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Sphere):
-        return shape.radius
-    return 0.0
 
 
 def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:

@@ -1,32 +1,12 @@
 """Impacts of rigid spheres: every number of the law and of the bodies to its ends."""
 
-from collections.abc import Callable
-from fractions import Fraction
+from functools import partial
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.ladder import SIX_DECADES, TWELVE_DECADES, Battery
+from refdem.stress.measures.parameters import parameter_ladder
 
 BASIS = "an impulse is a product and a quotient of numbers that are each rounded once"
-
-
-def ladder(
-    name: str,
-    along: str,
-    rungs: tuple[str, ...],
-    given: Callable[[Fraction], dict[str, str]],
-    promised: str,
-) -> Ladder:
-    """A ladder of the case hard-spheres."""
-    return Ladder(
-        name=name,
-        case="hard-spheres",
-        along=along,
-        rungs=rungs,
-        measure=Parameters(given, samples=8),
-        promised=promised,
-        basis=BASIS,
-    )
-
+ladder = partial(parameter_ladder, case="hard-spheres", basis=BASIS, samples=8)
 
 BATTERY = Battery(
     id="impacts",
@@ -50,21 +30,21 @@ BATTERY = Battery(
         ladder(
             "slower and slower impact",
             "1/speed [s/m]",
-            ("1", "1e1", "1e2", "1e4", "1e6"),
+            SIX_DECADES,
             lambda x: {"closing_speed": f"{1 / x}"},
             "1e6",
         ),
         ladder(
             "faster and faster impact",
             "speed [m/s]",
-            ("1", "1e1", "1e2", "1e4", "1e6"),
+            SIX_DECADES,
             lambda x: {"closing_speed": f"{x}"},
             "1e6",
         ),
         ladder(
             "impact on a heavier and heavier sphere",
             "m2/m1",
-            ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12"),
+            TWELVE_DECADES,
             lambda x: {"masses": f"1,{x}"},
             "1e6",
         ),

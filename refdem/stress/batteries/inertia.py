@@ -2,8 +2,10 @@
 needles.
 """
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from functools import partial
+
+from refdem.stress.ladder import Battery
+from refdem.stress.measures.parameters import parameter_ladder
 
 RUNGS = tuple(f"1/{2**k}" for k in (3, 7, 10, 13, 20, 27, 33, 40, 46, 50))
 """Powers of two: moments that are rounded would be those of another body, and a needle shows it."""
@@ -11,20 +13,9 @@ BASIS = (
     "differences of moments are exact in binary64 (Sterbenz 1974), so only"
     " the rounding of the moments counts, and S measures it"
 )
-
-
-def ladder(name: str, along: str, measure: Parameters, promised: str = RUNGS[-3]) -> Ladder:
-    """A ladder of free rigid bodies."""
-    return Ladder(
-        name=name,
-        case="free-rigid-body",
-        along=along,
-        rungs=RUNGS,
-        measure=measure,
-        promised=promised,
-        basis=BASIS,
-    )
-
+ladder = partial(
+    parameter_ladder, rungs=RUNGS, promised=RUNGS[-3], case="free-rigid-body", basis=BASIS
+)
 
 BATTERY = Battery(
     id="inertia",
@@ -36,20 +27,20 @@ BATTERY = Battery(
     ladders=(
         ladder(
             "two moments nearly equal",
-            "J2/J1 - 1",
-            Parameters(lambda x: {"inertia": f"1,{1 + x},3/2"}),
+            along="J2/J1 - 1",
+            given=lambda x: {"inertia": f"1,{1 + x},3/2"},
         ),
         ladder(
             "the two large moments nearly equal",
-            "J3/J2 - 1",
-            Parameters(lambda x: {"inertia": f"1,2,{2 * (1 + x)}"}),
+            along="J3/J2 - 1",
+            given=lambda x: {"inertia": f"1,2,{2 * (1 + x)}"},
         ),
         ladder(
             "all moments nearly equal",
-            "J2/J1 - 1",
-            Parameters(lambda x: {"inertia": f"1,{1 + x},{1 + 2 * x}"}),
+            along="J2/J1 - 1",
+            given=lambda x: {"inertia": f"1,{1 + x},{1 + 2 * x}"},
         ),
-        ladder("flat", "(J1 + J2 - J3)/J1", Parameters(lambda x: {"inertia": f"1,2,{3 - x}"})),
-        ladder("needle", "J1/J3", Parameters(lambda x: {"inertia": f"{x},1,{1 + x / 2}"})),
+        ladder("flat", along="(J1 + J2 - J3)/J1", given=lambda x: {"inertia": f"1,2,{3 - x}"}),
+        ladder("needle", along="J1/J3", given=lambda x: {"inertia": f"{x},1,{1 + x / 2}"}),
     ),
 )

@@ -2,22 +2,17 @@
 numbers.
 """
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from functools import partial
 
-RUNGS = ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12")
+from refdem.stress.ladder import TWELVE_DECADES, Battery
+from refdem.stress.measures.parameters import parameter_ladder
+
 BASIS = (
     "both masses enter by their sum and their product, which are rounded"
     " once; the promised range is that of grains in a drum, 1e6"
 )
 
-
-def ladder(name: str, case: str, along: str, measure: Parameters) -> Ladder:
-    """A ladder of mass ratios, promised to 1e6."""
-    return Ladder(
-        name=name, case=case, along=along, rungs=RUNGS, measure=measure, promised="1e6", basis=BASIS
-    )
-
+ladder = partial(parameter_ladder, rungs=TWELVE_DECADES, promised="1e6", basis=BASIS)
 
 BATTERY = Battery(
     id="mass-ratio",
@@ -26,33 +21,36 @@ BATTERY = Battery(
     ladders=(
         ladder(
             "second sphere heavier",
-            "two-spheres",
-            "m2/m1",
-            Parameters(lambda x: {"masses": f"1,{x}"}, samples=8),
+            case="two-spheres",
+            along="m2/m1",
+            given=lambda x: {"masses": f"1,{x}"},
+            samples=8,
         ),
         ladder(
             "first sphere heavier",
-            "two-spheres",
-            "m1/m2",
-            Parameters(lambda x: {"masses": f"{x},1"}, samples=8),
+            case="two-spheres",
+            along="m1/m2",
+            given=lambda x: {"masses": f"{x},1"},
+            samples=8,
         ),
         ladder(
             "one point of a cluster heavier",
-            "rigid-cluster",
-            "m4/m1",
-            Parameters(lambda x: {"masses": f"1,2,1,{x}"}),
+            case="rigid-cluster",
+            along="m4/m1",
+            given=lambda x: {"masses": f"1,2,1,{x}"},
         ),
         ladder(
             "one point of a cluster lighter",
-            "rigid-cluster",
-            "m1/m4",
-            Parameters(lambda x: {"masses": f"1,2,1,{1 / x}"}),
+            case="rigid-cluster",
+            along="m1/m4",
+            given=lambda x: {"masses": f"1,2,1,{1 / x}"},
         ),
         ladder(
             "light weight on a heavy pendulum's string",
-            "pendulum-wheel-mass",
-            "m/M",
-            Parameters(lambda x: {"counter_mass": f"{1 / x}", "duration": "1/2"}, samples=8),
+            case="pendulum-wheel-mass",
+            along="m/M",
+            given=lambda x: {"counter_mass": f"{1 / x}", "duration": "1/2"},
+            samples=8,
         ),
     ),
 )

@@ -4,12 +4,12 @@ Without a dashpot the force of the contact ends where the overlap does, so that 
 REBOUND, which know no attractive contact force, climb the same ladders as the reference.
 """
 
-from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 
-from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder
+from refdem.stress.ladder import ELASTIC_SPHERES, SIX_DECADES, TWELVE_DECADES, Battery, Ladder
 from refdem.stress.measures.contact_step import ContactStep
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.measures.parameters import parameter_ladder
 
 BASIS = "the overlap is half a sine whose frequency and height are each rounded once"
 RIGHT_ANGLE = Fraction("1.57079632679489661923")
@@ -18,26 +18,7 @@ EDGES = (
     "the step that holds the end of the contact pushes for a part of a step too long or too short,"
     " which is at most (omega h)^2 of the energy: 2.5 per cent with 20 steps"
 )
-
-
-def ladder(
-    name: str,
-    along: str,
-    rungs: tuple[str, ...],
-    given: Callable[[Fraction], dict[str, str]],
-    promised: str,
-) -> Ladder:
-    """A ladder of oblique impacts of two soft spheres."""
-    return Ladder(
-        name=name,
-        case=ELASTIC_SPHERES,
-        along=along,
-        rungs=rungs,
-        measure=Parameters(given, samples=8),
-        promised=promised,
-        basis=BASIS,
-    )
-
+ladder = partial(parameter_ladder, case=ELASTIC_SPHERES, basis=BASIS, samples=8)
 
 BATTERY = Battery(
     id="soft-contacts",
@@ -47,21 +28,21 @@ BATTERY = Battery(
         ladder(
             "elastic spheres, the second one heavier",
             "m2/m1",
-            ("1", "1e1", "1e2", "1e4", "1e6", "1e9", "1e12"),
+            TWELVE_DECADES,
             lambda x: {"masses": f"1,{x}"},
             "1e6",
         ),
         ladder(
             "elastic spheres, harder and harder",
             "stiffness [N/m]",
-            ("1e2", "1e4", "1e6", "1e9", "1e12"),
+            TWELVE_DECADES[2:],
             lambda x: {"stiffness": f"{x}"},
             "1e12",
         ),
         ladder(
             "elastic spheres, slower and slower",
             "1/speed [s/m]",
-            ("1", "1e1", "1e2", "1e4", "1e6", "1e9"),
+            TWELVE_DECADES[:-1],
             lambda x: {"closing_speed": f"{1 / x}"},
             "1e6",
         ),
@@ -69,7 +50,7 @@ BATTERY = Battery(
         ladder(
             "elastic spheres, faster and as much harder",
             "speed [m/s]",
-            ("1", "1e1", "1e2", "1e4", "1e6"),
+            SIX_DECADES,
             lambda x: {"closing_speed": f"{x}", "stiffness": f"{128 * x * x}"},
             "1e6",
         ),

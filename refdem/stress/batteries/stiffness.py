@@ -1,9 +1,9 @@
 """Stiffness over twelve decades: no scale of force, length or time is built in."""
 
-from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.ladder import TWELVE_DECADES, Battery, Ladder
 from refdem.stress.measures.parameters import Parameters
 
-HARDER = ("1e2", "1e4", "1e6", "1e9", "1e12")
+HARDER = TWELVE_DECADES[2:]
 SOFTER = ("1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
 STIFF = ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6", "1e8")
 BASIS = "the stiffness only sets the unit of time, and steps are taken in that unit"

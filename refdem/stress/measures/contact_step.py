@@ -7,15 +7,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from refdem.campaign.plan import Task
-from refdem.core.case import Canonical, Instance
+from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
-from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion
 from refdem.core.variant import Variant
-from refdem.stress.measures.measure import Measure
+from refdem.stress.measures.fixed_step import FixedStep
 
 GAINED = 0.1
 """The largest part of the kinetic energy that an impact without loss may gain or lose: with more, a
@@ -28,51 +26,21 @@ at its end.
 
 
 @dataclass(frozen=True)
-class ContactStep(Measure):
+class ContactStep(FixedStep):
     """The rung is the step as a part of the time pi/omega = pi tau that the contact lasts."""
 
-    needs_truth: bool = False
-
-    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as given: the rung changes only the step."""
-        return case.at(**parameters)
-
-    def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The one level, the step [s] of the rung."""
-        return (_step(instance, x),)
-
-    def unsupported(
-        self, engine: Engine, method: Method, instance: Instance, x: Fraction
-    ) -> str | None:
-        """None if the method has a fixed step and supports the motion, else the reason."""
-        if method.control != "step":
-            return "the method does not have a fixed step"
-        if not isinstance(instance.problem, Motion):
-            return f"{instance.problem.words} does not have a step"
-        return engine.unsupported(_impact(instance, x), method)
-
-    def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """A request in which each step is a sample."""
-        return Request(
-            problem=_impact(task.subject.instance, x), method=task.method.name, step=variant.level
-        )
+    def motion(self, instance: Instance, x: Fraction) -> Motion:
+        """The impact from its first touch until well after it, a sample a step."""
+        # Step h = x T, with the duration T = pi tau of the contact.
+        step = float(x) * math.pi * instance.scales.tau
+        # AFTERWARDS T / h = AFTERWARDS / x, and one step more.
+        steps = math.ceil(AFTERWARDS / x) + 1
+        times = np.arange(steps + 1, dtype=np.float64) * step
+        return replace(instance.motion, times=times)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check of the energy that comes back."""
         return (GivesBack(),)
-
-
-def _step(instance: Instance, x: Fraction) -> float:
-    """The step [s]: x times the duration of the contact."""
-    return float(x) * math.pi * instance.scales.tau
-
-
-def _impact(instance: Instance, x: Fraction) -> Motion:
-    """The impact from its first touch until well after it, a sample a step."""
-    steps = math.ceil(AFTERWARDS / x) + 1
-    return replace(
-        instance.motion, times=np.arange(steps + 1, dtype=np.float64) * _step(instance, x)
-    )
 
 
 class GivesBack(Check):

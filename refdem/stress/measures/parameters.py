@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from refdem.core.case import Canonical, Instance
 from refdem.core.check import Check, Subject
+from refdem.stress.ladder import Ladder
 from refdem.stress.measures.measure import Measure, plain_checks, with_samples
 
 SAMPLES = 16
@@ -33,3 +34,33 @@ class Parameters(Measure):
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The checks of `refdem run` that need one run only."""
         return plain_checks(subject)
+
+
+def parameter_ladder(
+    name: str,
+    along: str,
+    rungs: tuple[str, ...],
+    given: Callable[[Fraction], Mapping[str, str]],
+    promised: str,
+    *,
+    case: str,
+    basis: str,
+    samples: int = SAMPLES,
+    needs_truth: bool = True,
+    costly: bool = False,
+) -> Ladder:
+    """A ladder whose rungs are parameters of one case.
+
+    `given` and `samples` are those of `Parameters`, all other arguments those of `Ladder`. A
+    battery fixes by `functools.partial` what its ladders have in common.
+    """
+    return Ladder(
+        name=name,
+        case=case,
+        along=along,
+        rungs=rungs,
+        measure=Parameters(given, samples=samples, needs_truth=needs_truth),
+        promised=promised,
+        basis=basis,
+        costly=costly,
+    )

@@ -4,49 +4,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from refdem.campaign.plan import Task
 from refdem.core import stability
-from refdem.core.case import Canonical, Instance
+from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
-from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion
 from refdem.core.variant import Variant
-from refdem.stress.measures.measure import Measure
+from refdem.stress.measures.fixed_step import FixedStep
 
 
 @dataclass(frozen=True)
-class StepLimit(Measure):
+class StepLimit(FixedStep):
     """The rung is the step in units of 2/omega = 2 tau, the stability limit of Verlet's method."""
 
-    needs_truth: bool = False
-
-    def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as given: the rung changes only the step."""
-        return case.at(**parameters)
-
-    def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The one level, the step [s] of the rung."""
-        return (stability.probe(instance, float(x)).interval,)
-
-    def unsupported(
-        self, engine: Engine, method: Method, instance: Instance, x: Fraction
-    ) -> str | None:
-        """None if the method has a fixed step and supports the motion, else the reason."""
-        if method.control != "step":
-            return "the method does not have a fixed step"
-        if not isinstance(instance.problem, Motion):
-            return f"{instance.problem.words} does not have a step"
-        return engine.unsupported(stability.probe(instance, float(x)), method)
-
-    def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """A request of many steps, each of which is a sample."""
-        return Request(
-            problem=stability.probe(task.subject.instance, float(x)),
-            method=task.method.name,
-            step=variant.level,
-        )
+    def motion(self, instance: Instance, x: Fraction) -> Motion:
+        """Many steps of 2 tau x, a sample a step."""
+        return stability.probe(instance, float(x))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check that the motion stays bounded."""

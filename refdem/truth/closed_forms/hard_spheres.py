@@ -15,8 +15,9 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError
 from refdem.truth.exact import number, vector
 from refdem.truth.rigid_collision import rigid_collision
-from refdem.truth.rigid_impact import ImpactLaw, Motion, RoundBody, dot
+from refdem.truth.rigid_impact import ImpactLaw, Motion, RoundBody
 from refdem.truth.surds import Surd, surd
+from refdem.truth.vectors import dot
 
 
 @dataclass(frozen=True)

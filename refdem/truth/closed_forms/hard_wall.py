@@ -17,8 +17,9 @@ from refdem.truth.balls import UndecidedError
 from refdem.truth.closed_forms.hard_spheres import law_of
 from refdem.truth.exact import number, vector
 from refdem.truth.rigid_collision import rigid_collision
-from refdem.truth.rigid_impact import Motion, RoundBody, dot
+from refdem.truth.rigid_impact import Motion, RoundBody
 from refdem.truth.surds import Surd, surd
+from refdem.truth.vectors import dot
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,8 @@ from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.refiner import Size
 from refdem.truth.rotation import rotated, times, upright
-from refdem.truth.tumbling_contact import BodyState, Modes, Slope, dot, lean_rates, rotation
+from refdem.truth.tumbling_contact import BodyState, Modes, Slope, lean_rates, rotation
+from refdem.truth.vectors import dot
 
 PLACE = ("x", "y", "z")
 DIGITS = 32

@@ -41,6 +41,7 @@ from refdem.truth.free_body import (
 )
 from refdem.truth.growth import CLOSED_BITS, Grows, Times
 from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity, Size
+from refdem.truth.vectors import cross
 
 WITNESS = (
     "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal"
@@ -318,11 +319,6 @@ def inertia_tensor(
     for i in AXES:
         tensor[i][i] += trace_term
     return tensor
-
-
-def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-    """The cross product a x b of exact vectors (3)."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:

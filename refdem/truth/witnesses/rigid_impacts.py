@@ -93,9 +93,11 @@ class Equations:
         self.impulse = 6 * len(spheres)
 
     def blank(self) -> list[arb]:
+        """A row of zeros."""
         return [arb(0)] * self.count
 
     def add(self, row: list[arb], side: arb) -> None:
+        """Appends an equation: the row of coefficients times the unknowns is `side`."""
         self.rows.append(row)
         self.sides.append(side)
 
@@ -142,8 +144,8 @@ class Equations:
     def solved(self) -> list[arb]:
         """The unknowns, by elimination."""
         column = arb_mat([[side] for side in self.sides])
-        found = arb_mat(self.rows).solve(column)
-        return [found[row, 0] for row in range(self.count)]
+        unknowns = arb_mat(self.rows).solve(column)
+        return [unknowns[row, 0] for row in range(self.count)]
 
 
 def sticking(spheres: Sequence[Sphere], normal: Triple, e: arb, b: arb) -> list[arb]:
@@ -166,8 +168,8 @@ def sliding(spheres: Sequence[Sphere], normal: Triple, e: arb, mu: arb) -> list[
     first, second = tangents(normal)
     parts = [system.contact_speed(t) / along(t, t) for t in (first, second)]
     slip = [parts[0] * x + parts[1] * y for x, y in zip(first, second, strict=True)]
-    size = along(slip, slip).sqrt()
-    against = [x / size for x in slip]
+    slip_speed = along(slip, slip).sqrt()
+    against = [x / slip_speed for x in slip]
     across = product(normal, against)
     row = system.blank()
     row[system.impulse :] = across
@@ -184,14 +186,14 @@ def struck(
 ) -> tuple[list[arb], Triple]:
     """The velocities after the impact, and the impulse on the first sphere."""
     e = law["restitution"]
-    found = sticking(spheres, normal, e, law["tangential_restitution"])
-    impulse = found[-3:]
+    unknowns = sticking(spheres, normal, e, law["tangential_restitution"])
+    impulse = unknowns[-3:]
     pressing = -along(impulse, normal)
     rubbing = [p + pressing * n for p, n in zip(impulse, normal, strict=True)]
     mu = law["friction"]
     if along(rubbing, rubbing) > mu * mu * pressing * pressing:
-        found = sliding(spheres, normal, e, mu)
-    return found[:-3], found[-3:]
+        unknowns = sliding(spheres, normal, e, mu)
+    return unknowns[:-3], unknowns[-3:]
 
 
 def meeting(gap: Callable[[arb], arb], late: arb) -> arb:
@@ -209,17 +211,17 @@ def meeting(gap: Callable[[arb], arb], late: arb) -> arb:
 
 def energy(spheres: Sequence[Sphere], velocities: Sequence[arb]) -> arb:
     """The kinetic energy with these velocities [J]."""
-    found = arb(0)
+    total = arb(0)
     for body, sphere in enumerate(spheres):
         v = velocities[6 * body : 6 * body + 3]
         omega = velocities[6 * body + 3 : 6 * body + 6]
-        found += sphere.mass * along(v, v) / 2 + sphere.moment * along(omega, omega) / 2
-    return found
+        total += sphere.mass * along(v, v) / 2 + sphere.moment * along(omega, omega) / 2
+    return total
 
 
 def said(
     spheres: Sequence[Sphere],
-    moment: arb,
+    impact_time: arb,
     normal: Triple,
     law: Mapping[str, arb],
     times: Sequence[Fraction],
@@ -234,14 +236,14 @@ def said(
     yield (
         None,
         {
-            "impact_time": moment,
+            "impact_time": impact_time,
             "normal_impulse": pressing,
             "tangential_impulse": length(rubbing),
             "energy_lost": energy(spheres, before) - energy(spheres, after),
         },
     )
     for t in times:
-        since = arb_of(t) - moment
+        since = arb_of(t) - impact_time
         values: dict[str, arb] = {}
         for body, sphere in enumerate(spheres):
             v = sphere.v
@@ -250,7 +252,7 @@ def said(
             if since > 0:
                 v = after[6 * body : 6 * body + 3]
                 omega = after[6 * body + 3 : 6 * body + 6]
-                met = sphere.at(moment)
+                met = sphere.at(impact_time)
                 place = [r + speed * since for r, speed in zip(met, v, strict=True)]
             for kind, triple in (("r", place), ("v", v), ("omega", omega)):
                 for axis, name in enumerate("xyz"):
@@ -266,36 +268,36 @@ def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
     spins = [arb_of(x) for x in vector(p, "spins")]
     speed = arb_of(number(p, "closing_speed"))
     reach = radii[0] + radii[1]
-    apart = [reach * arb_of(x) for x in (number(p, "distance"), *vector(p, "offset"))]
+    # Distance and offset are in units of the sum of the radii.
+    relative = (number(p, "distance"), *vector(p, "offset"))
+    branch_at_start = [reach * arb_of(x) for x in relative]
     spheres = []
     for this, other, sign in ((0, 1, -1), (1, 0, 1)):
+        # About the centre of mass: r1 = -m2/(m1 + m2) r, r2 = m1/(m1 + m2) r with r = r2 - r1.
         share = sign * masses[other] / (masses[0] + masses[1])
-        spheres.append(
-            Sphere(
-                masses[this],
-                factors[this] * masses[this] * radii[this] * radii[this],
-                radii[this],
-                [share * x for x in apart],
-                [-share * speed, arb(0), arb(0)],
-                spins[3 * this : 3 * this + 3],
-            )
-        )
+        moment_of_inertia = factors[this] * masses[this] * radii[this] * radii[this]
+        place = [share * x for x in branch_at_start]
+        velocity = [-share * speed, arb(0), arb(0)]
+        spin = spins[3 * this : 3 * this + 3]
+        spheres.append(Sphere(masses[this], moment_of_inertia, radii[this], place, velocity, spin))
 
-    def line(t: arb) -> Triple:
+    def branch(t: arb) -> Triple:
+        """The branch vector r2 - r1 of the centres at t."""
         return [b - a for a, b in zip(spheres[0].at(t), spheres[1].at(t), strict=True)]
 
     # At x = 0 the centres are closer than they ever may be.
-    moment = meeting(lambda t: along(line(t), line(t)) - reach * reach, apart[0] / speed)
-    normal = [x / reach for x in line(moment)]
+    too_late = branch_at_start[0] / speed
+    impact_time = meeting(lambda t: along(branch(t), branch(t)) - reach * reach, too_late)
+    normal = [x / reach for x in branch(impact_time)]
     law = {name: arb_of(number(p, name)) for name in LAW}
-    yield from said(spheres, moment, normal, law, times)
+    yield from said(spheres, impact_time, normal, law, times)
 
 
 def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """One sphere and a wall through the origin."""
     normal = [arb_of(x) for x in vector(p, "normal")]
-    size = length(normal)
-    into = [-x / size for x in normal]
+    norm = length(normal)
+    into = [-x / norm for x in normal]
     mass = arb_of(number(p, "mass"))
     radius = arb_of(number(p, "radius"))
     sphere = Sphere(
@@ -308,9 +310,9 @@ def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     )
     # The centre would be in the wall by the time at which it has come as far as it was away.
     through = -along(sphere.r, into) / along(sphere.v, into)
-    moment = meeting(lambda t: -along(sphere.at(t), into) - radius, through)
+    impact_time = meeting(lambda t: -along(sphere.at(t), into) - radius, through)
     law = {name: arb_of(number(p, name)) for name in LAW}
-    for t, values in said([sphere], moment, into, law, times):
+    for t, values in said([sphere], impact_time, into, law, times):
         if t is None:
             yield t, values
         else:

@@ -250,7 +250,7 @@ def _frequency(free):
 kept_start = Free.start
 FAULTS = {
     "inertia about the wrong axes": (
-        "say",
+        "add_body",
         _wrong_axis,
         "wobble about x: omega_body",
         "order of the inertia axes",

@@ -3,7 +3,6 @@ corrected at once.
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,13 +14,9 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from tests.engines.accuracy import agm, orders
 
 STEPS = [2.0**-k for k in (6, 7, 8, 9)]
-
-
-def orders(errors: list[float]) -> list[float]:
-    """Observed order of each pair of neighbours whose step halves."""
-    return [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
 
 
 def test_the_oscillator_is_first_order(run):
@@ -41,13 +36,6 @@ def bob(theta: float, rate: float) -> Body:
     s = math.sin(theta)
     c = math.cos(theta)
     return Body(mass=1.0, position=(s, -c, 0.0), velocity=(rate * c, rate * s, 0.0))
-
-
-def agm(a: float, b: float) -> float:
-    """Arithmetic-geometric mean; pi/(2 agm(1, k')) is the complete elliptic integral K(k)."""
-    while abs(a - b) > 1e-15 * a:
-        a, b = (a + b) / 2, math.sqrt(a * b)
-    return a
 
 
 def test_the_pendulum_is_first_order_an_eighth_after_one_period(run):

@@ -2,20 +2,18 @@
 `force_func`, fields and dashpots by `velocity_func`.
 """
 
-from fractions import Fraction
-
 import numpy as np
 import pymunk
 import pytest
 
-from refdem.core import discovery
 from refdem.core.balance import angular, linear
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion
 from refdem.engines.pymunk import ENGINE, callbacks, springs
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.plane import Plane
+from tests.engines.accuracy import largest_error
 
 METHOD = ENGINE.methods[0]
 OBLIQUE = {"damping": "0", "angle": "1/2", "masses": "1,3", "radii": "1/2,3/4"}
@@ -39,30 +37,13 @@ SETTINGS = [
 ]
 
 
-def error(case, given, steps):
-    """The largest error of any quantity in units of its scale, with this many steps a sample."""
-    instance = discovery.case(case).at(samples="8", **given)
-    assert ENGINE.unsupported_motion(instance.problem, METHOD) is None
-    step = instance.problem.interval / steps
-    run, _ = ENGINE.run(Request(problem=instance.problem, method=METHOD.name, step=step))
-    seen = instance.observe(run)
-    truth = instance.truth()
-    largest = 0.0
-    for row, t in enumerate(instance.problem.times):
-        certified = truth.at(Fraction(float(t)))
-        for name, quantity in instance.quantities.items():
-            departure = abs(seen[name][row] - float(certified[name].mid)) / quantity.scale
-            largest = max(largest, departure)
-    return largest
-
-
 @pytest.mark.parametrize(("case", "given"), SETTINGS, ids=str)
 def test_a_force_by_callback_is_that_of_certified_truth_at_first_order(case, given):
     """A jump of the force between two steps scatters the observed order, so that two halvings are
     looked at together.
     """
-    coarse = error(case, given, 256)
-    fine = error(case, given, 1024)
+    coarse = largest_error(ENGINE, METHOD, case, given, 256)
+    fine = largest_error(ENGINE, METHOD, case, given, 1024)
     assert fine < 1e-2
     assert np.log2(coarse / fine) / 2 == pytest.approx(1, abs=0.35)
 
@@ -93,7 +74,7 @@ def _times(factor, make):
 @pytest.mark.parametrize("factor", [-1.0, 0.5])
 def test_a_wrong_sign_or_factor_of_a_force_shows(monkeypatch, maker, case, given, factor):
     monkeypatch.setattr(callbacks, maker, _times(factor, getattr(callbacks, maker)))
-    assert error(case, given, 1024) > 3e-2
+    assert largest_error(ENGINE, METHOD, case, given, 1024) > 3e-2
 
 
 @pytest.mark.parametrize(
@@ -109,7 +90,7 @@ def test_a_wrong_factor_of_a_spring_s_force_shows(monkeypatch, case, given):
                 super().__setattr__(name, value)
 
     monkeypatch.setattr("pymunk.DampedSpring", Weak)
-    assert error(case, given, 1024) > 2e-2
+    assert largest_error(ENGINE, METHOD, case, given, 1024) > 2e-2
 
 
 def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
@@ -117,14 +98,14 @@ def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
         damping = property(lambda self: 0.0, lambda self, value: None)
 
     monkeypatch.setattr("pymunk.DampedSpring", Undamped)
-    assert error("two-spheres", {}, 1024) > 3e-2
+    assert largest_error(ENGINE, METHOD, "two-spheres", {}, 1024) > 3e-2
 
 
 def test_the_force_that_must_not_pull_asks_how_fast_the_discs_close(monkeypatch):
     given = {"cutoff": "zero_force", "damping": "8"}
     right = springs._closing
     monkeypatch.setattr(springs, "_closing", lambda joint: -right(joint))
-    assert error("two-spheres", given, 1024) > 3e-2
+    assert largest_error(ENGINE, METHOD, "two-spheres", given, 1024) > 3e-2
 
 
 def meeting(count, **law):

@@ -3,7 +3,6 @@ tumbling body.
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,13 +12,9 @@ from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from tests.engines.accuracy import agm, orders
 
 OSCILLATOR = Scene.of([Body(mass=2.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=2.0)])
-
-
-def orders(errors: list[float]) -> list[float]:
-    """Observed order of each pair of neighbours whose step halves."""
-    return [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
 
 
 def orbit(eccentricity: float) -> Scene:
@@ -89,13 +84,6 @@ def test_whfast_and_ias15_follow_the_orbit_to_round_off(run, eccentricity, bound
     for method in ("whfast", "ias15"):
         turn = run(orbit(eccentricity), 20.0, 64, method)
         assert np.abs(turn.position[:, 0, :2] - kepler(turn.t, eccentricity)).max() < bound
-
-
-def agm(a: float, b: float) -> float:
-    """Arithmetic-geometric mean; pi/(2 agm(1, k')) is the complete elliptic integral K(k)."""
-    while abs(a - b) > 1e-15 * a:
-        a, b = (a + b) / 2, math.sqrt(a * b)
-    return a
 
 
 @pytest.mark.parametrize(

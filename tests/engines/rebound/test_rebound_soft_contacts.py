@@ -3,18 +3,17 @@ certified truth, and why only leapfrog runs them.
 """
 
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 import pytest
 import rebound
 
-from refdem.core import discovery
 from refdem.core.balance import angular, linear
 from refdem.core.problem import Motion, Request
 from refdem.engines.rebound import ENGINE, fields
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from tests.engines.accuracy import largest_error
 
 METHOD = ENGINE.method("leapfrog")
 UNDAMPED = {"damping": "0"}
@@ -30,31 +29,14 @@ SETTINGS = [
 ]
 
 
-def error(case, given, steps):
-    """The largest error of any quantity in units of its scale, with this many steps a sample."""
-    instance = discovery.case(case).at(samples="8", **given)
-    assert ENGINE.unsupported_motion(instance.problem, METHOD) is None
-    step = instance.problem.interval / steps
-    run, _ = ENGINE.run(Request(problem=instance.problem, method=METHOD.name, step=step))
-    seen = instance.observe(run)
-    truth = instance.truth()
-    largest = 0.0
-    for row, t in enumerate(instance.problem.times):
-        certified = truth.at(Fraction(float(t)))
-        for name, quantity in instance.quantities.items():
-            departure = abs(seen[name][row] - float(certified[name].mid)) / quantity.scale
-            largest = max(largest, departure)
-    return largest
-
-
 @pytest.mark.parametrize(("case", "given"), SETTINGS, ids=str)
 def test_a_force_in_the_callback_is_that_of_certified_truth_at_second_order(case, given):
     """Where an edge lies within a step scatters the error: the largest of some steps is looked at,
     and of those that are 16 times finer.
     """
     counts = (27, 32, 37, 43)
-    coarse = max(error(case, given, count) for count in counts)
-    fine = max(error(case, given, 16 * count) for count in counts)
+    coarse = max(largest_error(ENGINE, METHOD, case, given, count) for count in counts)
+    fine = max(largest_error(ENGINE, METHOD, case, given, 16 * count) for count in counts)
     assert fine < 1e-4
     assert np.log2(coarse / fine) / 4 == pytest.approx(2, abs=0.35)
 
@@ -72,7 +54,7 @@ def test_a_wrong_sign_or_factor_of_a_contact_shows(monkeypatch, case, given, fac
         return touches
 
     monkeypatch.setattr(fields, "_touches", wrong)
-    assert error(case, given, 128) > 2e-2
+    assert largest_error(ENGINE, METHOD, case, given, 128) > 2e-2
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.75])
@@ -83,7 +65,7 @@ def test_a_wrong_sign_or_factor_of_a_field_shows(monkeypatch, factor):
         return [(factor * k1, factor * k2, *more) for k1, k2, *more in right(scene)]
 
     monkeypatch.setattr(fields, "_piecewise_rows", wrong)
-    assert error("asymmetric-field", {}, 128) > 2e-2
+    assert largest_error(ENGINE, METHOD, "asymmetric-field", {}, 128) > 2e-2
 
 
 def test_forces_between_many_spheres_keep_momentum_and_angular_momentum_to_round_off():

@@ -290,26 +290,30 @@ def outline():
 def turning(j, omega, q, t, torque=lambda q, w: (0, 0, 0)):
     """omega in body axes and attitude of a body with principal moments `j` under a torque."""
 
-    def rates(s, y):
-        w = y[:3]
-        m = torque(y[3:], y[:3])
+    def rates(s, state):
+        w = state[:3]
+        attitude = state[3:]
+        m = torque(attitude, w)
         # Euler: J_i w_i' = (J_k - J_l) w_k w_l + m_i for cyclic i, k, l.
-        spun = []
+        omega_rates = []
         for i in range(3):
             k = (i + 1) % 3
             l_ = (i + 2) % 3
-            spun.append(((j[k] - j[l_]) * w[k] * w[l_] + m[i]) / j[i])
-        # q' = q (0, w)/2.
-        a, x, y_, z = y[3:]
-        turn = [
-            -x * w[0] - y_ * w[1] - z * w[2],
-            a * w[0] + y_ * w[2] - z * w[1],
-            a * w[1] + z * w[0] - x * w[2],
-            a * w[2] + x * w[1] - y_ * w[0],
-        ]
-        return [*spun, *(part / 2 for part in turn)]
+            omega_rates.append(((j[k] - j[l_]) * w[k] * w[l_] + m[i]) / j[i])
+        return [*omega_rates, *attitude_rates(attitude, w)]
 
     return ode(rates, [*omega, *q], t)
+
+
+def attitude_rates(q, omega):
+    """The rates q' = q (0, omega)/2 of an attitude q = (w, x, y, z), with omega in body axes."""
+    w, x, y, z = q
+    o1, o2, o3 = omega
+    w_rate = -x * o1 - y * o2 - z * o3
+    x_rate = w * o1 + y * o3 - z * o2
+    y_rate = w * o2 + z * o1 - x * o3
+    z_rate = w * o3 + x * o2 - y * o1
+    return [w_rate / 2, x_rate / 2, y_rate / 2, z_rate / 2]
 
 
 def up(q):
@@ -319,7 +323,7 @@ def up(q):
 
 
 def bodies():
-    """Rigid ones."""
+    """Free rigid bodies."""
     for name, given, j, w, t in (
         (
             "free-rigid-body",
@@ -343,18 +347,17 @@ def bodies():
             "3/8",
         ),
     ):
-        found = turning([mpf(x) for x in j], w, (1, 0, 0, 0), f(t))
-        if found[3] >= 0:
-            sense = 1
-        else:
-            sense = -1
-        case(
-            name,
-            given,
-            t,
-            **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found[:3], strict=True)},
-            **{f"attitude_o_{axis}": sense * x for axis, x in zip("wxyz", found[3:], strict=True)},
-        )
+        end = turning([mpf(x) for x in j], w, (1, 0, 0, 0), f(t))
+        # Of q and -q, which are one attitude, the one with w >= 0.
+        sign = 1
+        if end[3] < 0:
+            sign = -1
+        values = {}
+        for axis, x in zip("xyz", end[:3], strict=True):
+            values[f"omega_body_o_{axis}"] = x
+        for axis, x in zip("wxyz", end[3:], strict=True):
+            values[f"attitude_o_{axis}"] = sign * x
+        case(name, given, t, **values)
     turn = f("3/2") * f("5/4") / 2
     case(
         "newtons-first-law",
@@ -373,39 +376,50 @@ def torqued():
     j = (mpf(1), mpf(2), f("5/2"))
     c = f("1/5")
 
-    def rubs(s, w):
-        mom = [a * b for a, b in zip(j, w, strict=True)]
-        cross = lambda a, b: [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]  # noqa: E731
-        loss = cross(mom, [a + c * b for a, b in zip(w, cross(mom, w), strict=True)])
-        return [a / b for a, b in zip(loss, j, strict=True)]
+    def rates(s, w):
+        # J w' = L x (w + c L x w) with L = J w.
+        momentum = [a * b for a, b in zip(j, w, strict=True)]
+        free_torque = vector_product(momentum, w)
+        damped = [a + c * b for a, b in zip(w, free_torque, strict=True)]
+        torque = vector_product(momentum, damped)
+        return [a / b for a, b in zip(torque, j, strict=True)]
 
-    found = ode(rubs, (1, f("1/2"), f("1/3")), f("3/4"))
+    omega = ode(rates, (1, f("1/2"), f("1/3")), f("3/4"))
     case(
         "dissipating-body",
         {"inertia": "1,2,5/2", "omega_body": "1,1/2,1/3", "damping": "1/5"},
         "3/4",
-        **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found, strict=True)},
+        **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", omega, strict=True)},
     )
     th = f("3/4")
     j1 = f("2/3")
     j3 = f("1/4")
     weight = f("9.8125") / 2
-    found = turning(
-        (j1, j1, j3),
-        (0, sin(th) / 2, 8),
-        (cos(th / 2), sin(th / 2), 0, 0),
-        f("1/4"),
-        lambda q, w: (weight * up(q)[1], -weight * up(q)[0], 0),
-    )
-    a, x, y, z = found[3:]
+
+    def torque_of_weight(q, w):
+        up_x, up_y, _ = up(q)
+        return weight * up_y, -weight * up_x, 0
+
+    # phi' = 1/2 about the vertical, which lies at th from the body's third axis, and a spin of 8.
+    start_omega = (0, sin(th) / 2, 8)
+    start_attitude = (cos(th / 2), sin(th / 2), 0, 0)
+    end = turning((j1, j1, j3), start_omega, start_attitude, f("1/4"), torque_of_weight)
+    attitude = end[3:]
+    a, x, y, z = attitude
+    up_x, up_y, up_z = up(attitude)
     case(
         "heavy-top",
         {"inertia": "2/3,1/4", "theta0": "3/4", "phidot0": "1/2", "spin": "8"},
         "1/4",
-        theta=acos(up(found[3:])[2]),
+        theta=acos(up_z),
         phi=atan2(2 * (x * z + a * y), -2 * (y * z - a * x)),
-        psi=atan2(up(found[3:])[0], up(found[3:])[1]),
+        psi=atan2(up_x, up_y),
     )
+
+
+def vector_product(a, b):
+    """The vector product a x b."""
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
 
 def cluster():

@@ -13,6 +13,8 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError, UsageError
 from refdem.truth.impact_sequence import ImpactSequence
 from refdem.truth.surds import Surd, surd
+from tests.rationals import RandomFractions, cross, dot, text
+from tests.truth.displaced_starts import growth, largest_growth
 
 CASE = discovery.case("hard-spheres")
 KINDS = ("r", "v", "omega")
@@ -20,41 +22,24 @@ AXES = "xyz"
 TRIPLES = ((3, 4, 5), (5, 12, 13), (8, 15, 17), (20, 21, 29), (7, 24, 25))
 
 
-def text(values):
-    return ",".join(str(x) for x in values)
-
-
-def cross(a, b):
-    x = a[1] * b[2] - a[2] * b[1]
-    y = a[2] * b[0] - a[0] * b[2]
-    z = a[0] * b[1] - a[1] * b[0]
-    return [x, y, z]
-
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b, strict=True))
-
-
-def drawn(seed: int) -> dict[str, str]:
+def random_impact(seed: int) -> dict[str, str]:
     """An impact whose normal is rational: the offset is the sine of a Pythagorean angle, or, turned
     out of its plane by another, two coordinates of a rational point of the sphere.
     """
     rng = random.Random(seed)
-
-    def part(low, high):
-        return Fraction(rng.randint(low, high), rng.randint(5, 13))
-
+    fractions = RandomFractions(rng)
     opposite, _, hypotenuse = rng.choice(TRIPLES)
     y, z, unit = rng.choice(TRIPLES)
     sine = Fraction(opposite, hypotenuse) * rng.choice([-1, 0, 1])
+    offset = [sine * Fraction(y, unit), sine * Fraction(z, unit)]
     return {
-        "masses": text([part(1, 30), part(1, 30)]),
-        "radii": text([part(1, 9), part(1, 9)]),
-        "inertia_factors": text([Fraction(rng.randint(1, 10), 10) for _ in range(2)]),
-        "closing_speed": str(part(1, 40)),
-        "distance": str(1 + part(1, 9)),
-        "offset": text([sine * Fraction(y, unit), sine * Fraction(z, unit)]),
-        "spins": text([part(-20, 20) for _ in range(6)]),
+        "masses": text(fractions.list_of(2, 1, 30)),
+        "radii": text(fractions.list_of(2, 1, 9)),
+        "inertia_factors": text(Fraction(rng.randint(1, 10), 10) for _ in range(2)),
+        "closing_speed": str(fractions.between(1, 40)),
+        "distance": str(1 + fractions.between(1, 9)),
+        "offset": text(offset),
+        "spins": text(fractions.list_of(6, -20, 20)),
         "restitution": str(Fraction(rng.randint(0, 8), 8)),
         "tangential_restitution": str(Fraction(rng.randint(0, 4), 4)),
         "friction": rng.choice(["0", "1000", "1e6"]),
@@ -118,7 +103,7 @@ def by_rationals(given: dict[str, str]) -> tuple[Fraction, list[dict[str, list[F
 
 @pytest.mark.parametrize("seed", range(24))
 def test_held_out_impacts_agree_with_rational_arithmetic(seed):
-    given = drawn(seed)
+    given = random_impact(seed)
     truth = CASE.at(**given).truth()
     when, bodies = by_rationals(given)
     limited = given["friction"] == "1000" and truth.side_of_limit > 0
@@ -223,32 +208,22 @@ def test_the_impact_lies_a_third_of_an_interval_after_a_sample(samples):
     assert 0.33 < past / interval < 0.34
 
 
-def grown(given, axis, amount, since):
-    """How far a displaced start is from the start, in scales, at a time; over the displacement."""
-    instance = CASE.at(**given)
-    truth = instance.truth()
-    moved = truth.displaced(axis, amount)
-    first = truth.at(since)
-    second = moved.at(since)
-    scale = {name: quantity.scale for name, quantity in instance.quantities.items()}
-    away = max(abs(float(second[n].mid - first[n].mid)) / scale[n] for n in first)
-    return away / (float(amount) / scale[truth.state[axis]])
-
-
 @pytest.mark.parametrize("axis", range(18))
 @pytest.mark.parametrize("friction", ["0", "1/8", "100"])
 def test_no_start_that_is_displaced_a_little_goes_farther_than_s(axis, friction):
     given = {"friction": friction, "spins": "1,2,3,-1,1/2,4", "offset": "1/2,1/3"}
-    since = Fraction(3)
-    seen = grown(given, axis, Fraction(1, 10**12), since)
-    assert seen <= CASE.at(**given).truth().sensitivity(since) * (1 + 1e-6)
+    instance = CASE.at(**given)
+    t = Fraction(3)
+    observed = growth(instance, axis, Fraction(1, 10**12), t)
+    assert observed <= instance.truth().sensitivity(t) * (1 + 1e-6)
 
 
 def test_s_is_reached_within_a_small_factor():
     given = {"friction": "1/8", "spins": "1,2,3,-1,1/2,4", "offset": "1/2,1/3"}
-    since = Fraction(3)
-    seen = max(grown(given, axis, Fraction(1, 10**12), since) for axis in range(18))
-    assert CASE.at(**given).truth().sensitivity(since) <= 18 * seen
+    instance = CASE.at(**given)
+    t = Fraction(3)
+    observed = largest_growth(instance, Fraction(1, 10**12), t)
+    assert instance.truth().sensitivity(t) <= 18 * observed
 
 
 def test_order_in_a_field_of_one_root_is_exact():

@@ -10,30 +10,32 @@ import pytest
 
 from refdem.core import discovery
 from refdem.errors import NotCertifiedError, UsageError
+from tests.rationals import RandomFractions, text
+from tests.truth.displaced_starts import largest_growth
 
 CASE = discovery.case("newtons-cradle")
 SEVEN = 7
 
 
-def text(values):
-    return ",".join(str(x) for x in values)
-
-
-def drawn(seed: int) -> dict[str, str]:
+def random_line(seed: int) -> dict[str, str]:
     """A line of 3 to 7 balls with any masses, radii, gaps and velocities, and a restitution at
     which they meet a finite number of times.
     """
     rng = random.Random(seed)
-
-    def part(low, high):
-        return Fraction(rng.randint(low, high), rng.randint(5, 13))
-
+    fractions = RandomFractions(rng)
+    count = rng.randint(3, SEVEN)
+    masses = fractions.list_of(SEVEN, 1, 30)
+    radii = fractions.list_of(SEVEN, 1, 9)
+    gaps = fractions.list_of(SEVEN - 1, 1, 9)
+    # The first ball is the fastest, so that some impact follows.
+    first = 20 + fractions.between(1, 9)
+    others = fractions.list_of(SEVEN - 1, -20, 20)
     return {
-        "balls": str(rng.randint(3, SEVEN)),
-        "masses": text([part(1, 30) for _ in range(SEVEN)]),
-        "radii": text([part(1, 9) for _ in range(SEVEN)]),
-        "gaps": text([part(1, 9) for _ in range(SEVEN - 1)]),
-        "velocities": text([20 + part(1, 9), *(part(-20, 20) for _ in range(SEVEN - 1))]),
+        "balls": str(count),
+        "masses": text(masses),
+        "radii": text(radii),
+        "gaps": text(gaps),
+        "velocities": text([first, *others]),
         "restitution": str(Fraction(rng.randint(5, 8), 8)),
     }
 
@@ -84,7 +86,7 @@ def by_world_lines(given: dict[str, str]):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_held_out_lines_agree_with_rational_arithmetic(seed):
-    given = drawn(seed)
+    given = random_line(seed)
     impacts, state = by_world_lines(given)
     truth = CASE.at(**given).truth()
     scalars = truth.scalars()
@@ -163,22 +165,14 @@ def test_at_an_impact_velocities_have_no_value():
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_start_that_is_displaced_a_little_goes_farther_than_s(seed):
-    given = drawn(seed)
+    given = random_line(seed)
     instance = CASE.at(**given)
     truth = instance.truth()
     t = truth.scalars()["last_impact_time"].mid + Fraction(1, 3)
-    scale = {name: quantity.scale for name, quantity in instance.quantities.items()}
-    amount = Fraction(1, 10**15)
-    grown = []
-    for axis, name in enumerate(truth.state):
-        moved = truth.displaced(axis, amount)
-        first = truth.at(t)
-        second = moved.at(t)
-        away = max(abs(float(second[n].mid - first[n].mid)) / scale[n] for n in first)
-        grown.append(away / (float(amount) / scale[name]))
+    observed = largest_growth(instance, Fraction(1, 10**15), t)
     s = truth.sensitivity(t)
-    assert max(grown) <= s * (1 + 1e-6)
-    assert s <= 2 * int(given["balls"]) * max(grown) * len(truth.state)
+    assert observed <= s * (1 + 1e-6)
+    assert s <= 2 * int(given["balls"]) * observed * len(truth.state)
 
 
 def test_errors_between_impacts_grow_no_more_than_s():

@@ -8,21 +8,10 @@ import pytest
 
 from refdem.errors import UsageError
 from refdem.truth.closed_forms.newtons_first_law import free, resting
+from tests.rationals import hamilton
 
 OMEGA = (Fraction(1, 2), Fraction(-1), Fraction(3, 4))
 ATTITUDE = (Fraction(3, 5), Fraction(0), Fraction(4, 5), Fraction(0))
-
-
-def product(p, q):
-    """The quaternion p q."""
-    (a, b, c, d) = p
-    (w, x, y, z) = q
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    )
 
 
 def attitude_series(t):
@@ -30,7 +19,7 @@ def attitude_series(t):
     term = ATTITUDE
     total = ATTITUDE
     for n in range(1, 80):
-        term = tuple(part * t / (2 * n) for part in product((0, *OMEGA), term))
+        term = tuple(part * t / (2 * n) for part in hamilton((0, *OMEGA), term))
         total = tuple(a + b for a, b in zip(total, term, strict=True))
     return total
 

@@ -7,23 +7,12 @@ from fractions import Fraction
 import pytest
 
 from refdem.core.discovery import truth_of
+from tests.rationals import cross, hamilton
 
 INERTIA = (Fraction(1), Fraction(2), Fraction(3))
 H = Fraction(1, 10**14)
 CLOSE = Fraction(1, 10**20)
 """Differences at 1e-14 s of values that are known to 1e-60 are rates to 1e-27."""
-
-
-def product(p, q):
-    """Hamilton's product."""
-    (a, b, c, d) = p
-    (e, f, g, h) = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
 
 
 def conjugate(q):
@@ -36,10 +25,6 @@ def half(q):
 
 def close(a, b):
     return all(abs(x - y) < CLOSE for x, y in zip(a, b, strict=True))
-
-
-def cross(a, b):
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
 
 
 def applied(rows, v):
@@ -76,14 +61,14 @@ def motion(request):
 def test_rates_of_the_attitude_are_half_the_products_with_omega_and_with_omega_body(
     motion,
 ):
-    assert close(motion["q'"], half(product([0, *motion["w"]], motion["q"])))  # (1.67)
-    assert close(motion["q'"], half(product(motion["q"], [0, *motion["wb"]])))  # (1.91)
-    assert not close(motion["q'"], half(product(motion["q"], [0, *motion["w"]])))
+    assert close(motion["q'"], half(hamilton([0, *motion["w"]], motion["q"])))  # (1.67)
+    assert close(motion["q'"], half(hamilton(motion["q"], [0, *motion["wb"]])))  # (1.91)
+    assert not close(motion["q'"], half(hamilton(motion["q"], [0, *motion["w"]])))
     second = [
         a + b
         for a, b in zip(
-            product([0, *motion["w'"]], motion["q"]),
-            product([0, *motion["w"]], motion["q'"]),
+            hamilton([0, *motion["w'"]], motion["q"]),
+            hamilton([0, *motion["w"]], motion["q'"]),
             strict=True,
         )
     ]
@@ -92,10 +77,11 @@ def test_rates_of_the_attitude_are_half_the_products_with_omega_and_with_omega_b
 
 def test_the_attitude_gives_omega_back_in_space_and_in_body_axes(motion):
     assert close(
-        product([2 * x for x in motion["q'"]], conjugate(motion["q"])), [0, *motion["w"]]
+        hamilton([2 * x for x in motion["q'"]], conjugate(motion["q"])), [0, *motion["w"]]
     )  # (1.89)
     assert close(
-        product(conjugate(motion["q"]), [2 * x for x in motion["q'"]]), [0, *motion["wb"]]
+        hamilton(conjugate(motion["q"]), [2 * x for x in motion["q'"]]),
+        [0, *motion["wb"]],
     )  # (1.90)
 
 
@@ -105,10 +91,10 @@ def test_the_attitude_stays_of_length_one_and_across_its_rate_and_does_not_commu
     assert close(
         [sum(x * x for x in q), sum(x * y for x, y in zip(q, rate, strict=True))], [1, 0]
     )  # (1.74), (1.75)
-    there = product(q, conjugate(rate))
-    back = product(rate, conjugate(q))
+    there = hamilton(q, conjugate(rate))
+    back = hamilton(rate, conjugate(q))
     assert close(there, [-x for x in back])
-    assert not close(product(q, rate), product(rate, q))  # the chapter's remark after (1.75)
+    assert not close(hamilton(q, rate), hamilton(rate, q))  # the chapter's remark after (1.75)
 
 
 def test_the_equation_of_motion_in_space_has_the_tensor_turned_by_the_matrix_from_body_to_space(
