@@ -177,6 +177,7 @@ class Runner:
             worker.run,
             (engine.address, request.packed(), self.deadlines.get(engine.name, math.inf)),
             limit,
+            computes=stages is None,
             stages=stages,
             rows=rows,
             given_up=partial(self.hangs.given_up, asked),

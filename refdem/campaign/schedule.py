@@ -28,6 +28,10 @@ READ_HERE = 25_000
 """Rows of answers that this process reads in no more CPU time than a worker takes to start."""
 RUN = 250
 """Rows that take as long to read as all else that this process does for a run."""
+SLOWER = 10.0
+"""How much longer than its CPU time a computation may take by the clock: on two processors beside
+sixteen busy processes it takes nine times as long.
+"""
 PR_SET_PDEATHSIG = 1
 """Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PAUSE = 0.02
@@ -60,8 +64,9 @@ class Job:
 
     `timeout` [s], if any, is its own; else the schedule's holds; both count `patience` times. Of
     what only `computes` CPU time counts and not the clock, so that it ends on a busy machine as it
-    does on a quiet one. What runs a program, under a time limit of the program's own, also has the
-    `stages` that do the same as the function, and the number of `rows` of the answer.
+    does on a quiet one; what waits for something instead is ended by the clock, SLOWER times later.
+    What runs a program, under a time limit of the program's own, also has the `stages` that do the
+    same as the function, and the number of `rows` of the answer.
     """
 
     key: Any
@@ -238,7 +243,9 @@ class Schedule:
         """The future of a job that is handed to a worker process."""
         limit = job.patience * (job.timeout or self._timeout)
         if job.computes:
-            return self._pool.schedule(limited, args=(limit, job.function, *job.arguments))
+            return self._pool.schedule(
+                limited, args=(limit, job.function, *job.arguments), timeout=SLOWER * limit
+            )
         return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
 
     def _result(self, future: Any, job: Job) -> bytes | Failure:
@@ -252,6 +259,8 @@ class Schedule:
             result: bytes | Failure = future.result()
             return result
         except FutureTimeout:
+            if job.computes:
+                limit *= SLOWER
             return Failure(
                 kind="hang", sentence=f"it was still running after {limit:g} s and was killed"
             )

@@ -181,7 +181,8 @@ class Stress:
                 head = f"{address}\0{request.repeat}\0".encode()
                 key = hashlib.sha256(head + body).hexdigest()
                 variants_by_key.setdefault(key, []).append((n, variant))
-                job = Job(key, quiet_run, (address, body), self._limit(attempt.engine))
+                limit = self._limit(attempt.engine)
+                job = Job(key, quiet_run, (address, body), limit, computes=limit is None)
                 jobs.setdefault(key, job)
         runs: dict[int, dict[Variant, Run]] = {}
         results = schedule.results(list(jobs.values()))

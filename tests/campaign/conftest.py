@@ -55,8 +55,8 @@ class Played(Engine):
         name, h, stride = request.method, request.signed_step, request.stride
         if name == "crash":
             os._exit(7)
-        if name == "hang":
-            time.sleep(3600)
+        while name == "hang":
+            pass
         if name == "raises":
             raise ZeroDivisionError("a bug")
         rate = spring.stiffness / bodies.mass[0] * (1.001 if name == "wrong-force" else 1.0)

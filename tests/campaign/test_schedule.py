@@ -65,6 +65,7 @@ def test_of_what_only_computes_the_clock_does_not_count(monkeypatch: pytest.Monk
         Job(0, waits, (1.5,), 1, computes=True),
         Job(1, waits, (30.0,), 1),
         Job(2, computes_for_ever, (), 1, computes=True),
+        Job(4, waits, (60.0,), 0.1, computes=True),
     ]
     with Schedule(3, 60) as schedule:
         found = {job.key: result for job, result in schedule.results([*jobs, Job(3, works, ())])}
@@ -74,6 +75,9 @@ def test_of_what_only_computes_the_clock_does_not_count(monkeypatch: pytest.Monk
     )
     assert found[2] == Failure(
         kind="hang", sentence="it had computed for 1 s of CPU time and was killed"
+    )
+    assert found[4] == Failure(
+        kind="hang", sentence="it was still running after 1 s and was killed"
     )
 
 
