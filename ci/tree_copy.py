@@ -41,6 +41,8 @@ MEMORY = 16 * 2**30
 """[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
 LAST = 12
 """Lines of what a process says that are kept."""
+GONE = "ERROR: not found: "
+"""How pytest begins the line about a test that it does not have, before the test's full path."""
 MOMENT = 0.01
 """[s] in which a process that was killed is gone."""
 NEW_SECOND = 1_000_000_000
@@ -52,12 +54,13 @@ size.
 @dataclass(frozen=True)
 class Ended:
     """How a process of tests ended: its status, None if it ran out of time, the tests that failed
-    or crashed, its last words.
+    or crashed, its last words, and the tests that it was asked for and does not have.
     """
 
     status: int | None
     failed: tuple[str, ...]
     said: str = ""
+    gone: tuple[str, ...] = ()
 
     @property
     def is_red(self) -> bool:
@@ -270,7 +273,9 @@ class TreeCopy:
             if status != 0 and not failed and current.exists():
                 failed.append(current.read_text())
         names = [name.split(" - ")[0].strip() for name in failed]
-        return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]))
+        begin = f"{GONE}{self.place}/"
+        gone = [line.removeprefix(begin).strip() for line in lines if line.startswith(begin)]
+        return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]), tuple(gone))
 
     def _finished(
         self, command: list[str], environment: dict[str, str], said: IO[str], limit: float

@@ -24,9 +24,9 @@ def copy(tmp_path):
     (place / "ci").mkdir(parents=True)
     (place / "ci" / "current_test.py").write_text((CI / "current_test.py").read_text())
 
-    def tested(text, seconds=None):
+    def tested(text, seconds=None, tests=("test_own.py",)):
         (place / "test_own.py").write_text(text)
-        return tree_copy.TreeCopy(place).tested(["test_own.py"], 60.0, seconds=seconds)
+        return tree_copy.TreeCopy(place).tested(list(tests), 60.0, seconds=seconds)
 
     return tested
 
@@ -49,6 +49,13 @@ def test_a_failure_has_the_name_of_its_test(copy):
     ended = copy("def test_good():\n    pass\n\ndef test_bad():\n    assert False\n")
     assert ended.status == 1
     assert ended.failed == ("test_own.py::test_bad",)
+
+
+def test_a_test_that_is_no_longer_there_is_told_and_blames_nothing(copy):
+    asked = ("test_own.py::test_good", "test_own.py::test_that_was[2-a]")
+    ended = copy("def test_good():\n    pass\n", tests=asked)
+    assert ended.gone == ("test_own.py::test_that_was[2-a]",)
+    assert ended.failed == ()
 
 
 def test_a_crash_has_the_name_of_its_test(copy):
