@@ -153,6 +153,8 @@ clean:
 	.venv-codes/bin/pip --disable-pip-version-check install --quiet --require-hashes --requirement $<
 	touch $@
 
+# Built in a folder as deep as that of ci/build-in-place, ccache finds there what was compiled here, and the other way round.
 .venv/refdem: .venv/for-runs build/sources.txt $(SOURCES)
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-deps --no-build-isolation --force-reinstall .
+	rm -rf build/wheel
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-deps --no-build-isolation --force-reinstall -Cbuild-dir=build/wheel .
 	touch $@

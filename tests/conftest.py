@@ -14,6 +14,7 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
+from file_times import FileTimes
 from hypothesis import HealthCheck, settings
 
 from refdem.cli import main
@@ -25,6 +26,11 @@ settings.register_profile(
 )
 settings.register_profile("another-seed", settings.get_profile("refdem"), derandomize=False)
 settings.load_profile("refdem")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Tells at the end in which files processors worked longest."""
+    config.pluginmanager.register(FileTimes(), "file-times")
 
 
 @pytest.fixture(scope="session")

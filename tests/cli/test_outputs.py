@@ -7,6 +7,8 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -48,21 +50,22 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def done(folder: Path, *words: str, before: str = "") -> "subprocess.CompletedProcess[str]":
-    """A command there, after something that a shell does."""
+Done = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture
+def done(folder: Path, command_line: Done) -> Done:
+    """A command there, in this process."""
     environment = os.environ | {"REFDEM_STORE": str(folder / "store.sqlite")}
-    command = ["sh", "-c", f'{before} exec "$@"', "sh", *REFDEM, *words]
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
+    return partial(command_line, cwd=folder, env=environment)
 
 
 @pytest.mark.parametrize("place", ["file/there", "loop/there", "/dev/full/there", "/proc/there"])
 @pytest.mark.parametrize("command", WRITING)
 def test_a_place_that_cannot_be_written_is_said_before_any_work(
-    folder: Path, command: str, place: str
+    folder: Path, done: Done, command: str, place: str
 ) -> None:
-    found = done(folder, *WRITING[command], place)
+    found = done(*WRITING[command], place)
     assert found.returncode == 2, found.stderr
     assert "cannot be written" in found.stderr
     assert found.stderr.count("\n") == 1, found.stderr
@@ -100,31 +103,33 @@ def is_mountable(folder: Path) -> bool:
     return subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode == 0
 
 
-def test_a_report_that_cannot_be_written_says_so(folder: Path) -> None:
+def test_a_report_that_cannot_be_written_says_so(folder: Path, done: Done) -> None:
     (folder / "records.jsonl").write_text("")
     (folder / "index.html").mkdir()
-    found = done(folder, "report", ".")
+    found = done("report", ".")
     assert found.returncode == 2, found.stderr
     assert "Traceback" not in found.stderr
 
 
-def test_a_baseline_that_cannot_be_read_is_said_before_any_program_runs(folder: Path) -> None:
+def test_a_baseline_that_cannot_be_read_is_said_before_any_program_runs(
+    folder: Path, done: Done
+) -> None:
     (folder / "refdem-baseline.jsonl").write_text('{"format":1,"engine":"a","version":"b"}\n')
     for words in (["gate"], ["gate", "--bless", "--why", "because"]):
-        found = done(folder, *words)
+        found = done(*words)
         assert found.returncode == 2
         assert "line 1" in found.stderr
         assert not (folder / "ran").exists()
 
 
-def test_an_unknown_figure_is_said_before_any_is_made(folder: Path) -> None:
-    found = done(folder, "gallery", "1.15", "nope", "--out", "there")
+def test_an_unknown_figure_is_said_before_any_is_made(folder: Path, done: Done) -> None:
+    found = done("gallery", "1.15", "nope", "--out", "there")
     assert found.returncode == 2
     assert "no figure 'nope'" in found.stderr
     assert list((folder / "there").iterdir()) == []
 
 
-def test_processes_that_write_one_folder_at_once_all_end_well(folder: Path) -> None:
+def test_processes_that_write_one_folder_at_once_all_end_well(folder: Path, done: Done) -> None:
     environment = os.environ | {"REFDEM_STORE": str(folder / "store.sqlite")}
     words = ["run", "harmonic-oscillator", "--engine", "reference", "--jobs", "1", "--out", "there"]
     begun = [
@@ -143,5 +148,5 @@ def test_processes_that_write_one_folder_at_once_all_end_well(folder: Path) -> N
     for text in said:
         assert "cannot be" not in text
         assert "Traceback" not in text
-    found = done(folder, "report", "there")
+    found = done("report", "there")
     assert found.returncode == 0, found.stderr

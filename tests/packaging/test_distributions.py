@@ -54,6 +54,8 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
         "wheel",
         "--no-deps",
         "--no-build-isolation",
+        # As deep as in the Makefile: ccache has compiled the kernels already.
+        "-Cbuild-dir=build/wheel",
         "--wheel-dir",
         str(folder),
     ]
