@@ -38,7 +38,7 @@ from queue import Queue
 import executed_lines
 from executed_lines import UNKNOWN, Executed
 from mutant_sites import Site, sites
-from tree_copy import ROOT, TreeCopy
+from tree_copy import NOT_FOUND, ROOT, TreeCopy
 
 EQUIVALENT = ROOT / "ci" / "equivalent_mutants.toml"
 KEPT = ROOT / "reports" / "mutants.jsonl"
@@ -241,12 +241,14 @@ class Judge:
             ended = copy.tested(names, START + SLOWER * sum(seconds.values()), seconds=seconds)
             if not ended.is_red:
                 return ""
-            left = {name: time for name, time in seconds.items() if name not in ended.gone}
-            if len(left) < len(seconds):
-                # Tests of what an engine or a method can do are fewer if the mutant takes some of
-                # it away: those that are gone cannot fail, and the others are asked again.
-                seconds = left
-                continue
+            if ended.status == NOT_FOUND:
+                # Tests of all that an engine can do are fewer if the mutant takes some of it away.
+                # Those that are gone cannot fail; the others are asked again.
+                there = copy.collected(sorted({test.file for test in lot}), START)
+                left = {name: time for name, time in seconds.items() if name in there}
+                if there and len(left) < len(seconds):
+                    seconds = left
+                    continue
             if not ended.failed:
                 raise RuntimeError(
                     f"tests of {site.path} ended with status {ended.status} and name no test that"

@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
 from pathlib import Path
@@ -41,8 +41,8 @@ MEMORY = 16 * 2**30
 """[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
 LAST = 12
 """Lines of what a process says that are kept."""
-GONE = "ERROR: not found: "
-"""How pytest begins the line about a test that it does not have, before the test's full path."""
+NOT_FOUND = 4
+"""Status of pytest if it does not have a test that it was asked for."""
 MOMENT = 0.01
 """[s] in which a process that was killed is gone."""
 NEW_SECOND = 1_000_000_000
@@ -54,13 +54,12 @@ size.
 @dataclass(frozen=True)
 class Ended:
     """How a process of tests ended: its status, None if it ran out of time, the tests that failed
-    or crashed, its last words, and the tests that it was asked for and does not have.
+    or crashed, its last words.
     """
 
     status: int | None
     failed: tuple[str, ...]
     said: str = ""
-    gone: tuple[str, ...] = ()
 
     @property
     def is_red(self) -> bool:
@@ -273,9 +272,19 @@ class TreeCopy:
             if status != 0 and not failed and current.exists():
                 failed.append(current.read_text())
         names = [name.split(" - ")[0].strip() for name in failed]
-        begin = f"{GONE}{self.place}/"
-        gone = [line.removeprefix(begin).strip() for line in lines if line.startswith(begin)]
-        return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]), tuple(gone))
+        return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]))
+
+    def collected(self, files: Iterable[str], limit: float) -> set[str]:
+        """The names of all tests that files have now; empty if they cannot be collected within
+        `limit` [s].
+        """
+        command = [sys.executable, *COMMAND, "--collect-only", *files]
+        with tempfile.TemporaryFile("w+") as said:
+            status = self._finished(command, self.environment(), said, limit)
+            said.seek(0)
+            if status != 0:
+                return set()
+            return {line.strip() for line in said if "::" in line}
 
     def _finished(
         self, command: list[str], environment: dict[str, str], said: IO[str], limit: float

@@ -51,11 +51,13 @@ def test_a_failure_has_the_name_of_its_test(copy):
     assert ended.failed == ("test_own.py::test_bad",)
 
 
-def test_a_test_that_is_no_longer_there_is_told_and_blames_nothing(copy):
+def test_a_test_that_is_no_longer_there_is_told_and_blames_nothing(copy, tmp_path):
     asked = ("test_own.py::test_good", "test_own.py::test_that_was[2-a]")
     ended = copy("def test_good():\n    pass\n", tests=asked)
-    assert ended.gone == ("test_own.py::test_that_was[2-a]",)
+    assert ended.status == tree_copy.NOT_FOUND
     assert ended.failed == ()
+    there = tree_copy.TreeCopy(tmp_path / "copy").collected(["test_own.py"], 60.0)
+    assert there == {"test_own.py::test_good"}
 
 
 def test_a_crash_has_the_name_of_its_test(copy):
