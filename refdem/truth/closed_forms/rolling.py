@@ -23,7 +23,7 @@ at once; exactly at s = 0 above the critical slope friction turns round for one 
 is the larger one of both.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
@@ -226,12 +226,12 @@ class Rolling(ClosedForm):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The state at t; at the end of a phase itself that of both, which is the same."""
         first, *later = self.phases
-        state = first.at(t)
+        state: Sequence[arb] = first.at(t)
         for phase in later:
             begin = arb_of(phase.begin)
             if t <= begin:
                 break
-            after = phase.at(t)
+            after: Sequence[arb] = phase.at(t)
             if not t > begin:
                 # Balls do not tell on which side t is: the state is what either of them says.
                 after = tuple(a.union(b) for a, b in zip(state, after, strict=True))
