@@ -25,9 +25,11 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 SLACK = 8 * 2.0**-52
-"""Relative rounding of places, of a slip, and of a slope; what is smaller counts as none."""
+"""Relative rounding of a slip, and of a slope; what is smaller counts as none."""
 ASKEW = 1e-12
-"""Largest relative component off the line of the motion: round-off of a scene that was rotated."""
+"""Largest relative component off the plane, or off the line of the motion: round-off of a scene
+that was rotated, or moved by a few ulp.
+"""
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ class ExactRolling(SceneSolver):
         summary="constant accelerations while it slides and while it rolls",
         control="exact",
         complete_state=False,
-        conserves=frozenset({"energy"}),
+        conserves=frozenset({"energy", "angular-momentum"}),
         cost_rank=1,
     )
 
@@ -133,7 +135,7 @@ class ExactRolling(SceneSolver):
             return "a body whose moments of inertia differ"
         height = float((bodies.position[0] - load.point) @ load.normal)
         size = max(float(np.abs(bodies.position).max()), float(bodies.radius[0]))
-        if abs(height - bodies.radius[0]) > SLACK * size:
+        if abs(height - bodies.radius[0]) > ASKEW * size:
             return "the sphere does not touch the plane at the start"
         speed = float(np.linalg.norm(bodies.velocity[0]))
         if abs(float(bodies.velocity[0] @ load.normal)) > ASKEW * speed:
