@@ -115,6 +115,7 @@ FAULTS = (
         name="rolling-at-the-end-of-the-step",
         sentence="The slip ends at the end of the step in which it would turn round.",
         on=("skid",),
+        levels=9,
         sees=("event-times", "stick"),
         inside=of_parts(located=lambda margin, first, last, resolution: 1.0),
     ),
