@@ -270,10 +270,13 @@ def _off_line(scene: Scene, load: _balance.Load) -> str | None:
     bodies = scene.bodies
     direction = _direction(scene, load)
     axis = np.cross(load.normal, direction)
-    for vector in (bodies.velocity[0], load.along):
-        across = abs(float(vector @ axis))
-        if across > ASKEW * (float(np.linalg.norm(vector)) + load.pressing * ASKEW):
-            return "the slip leaves the line on which it begins"
+    speed = float(np.linalg.norm(bodies.velocity[0]))
+    steep = float(np.linalg.norm(load.along))
+    moves_aside = abs(float(bodies.velocity[0] @ axis)) > ASKEW * speed
+    # Along a level plane that was rotated, gravity is a rounding of what presses.
+    is_pulled_aside = abs(float(load.along @ axis)) > ASKEW * (steep + load.pressing)
+    if moves_aside or is_pulled_aside:
+        return "the slip leaves the line on which it begins"
     omega = bodies.omega[0]
     aside = float(np.linalg.norm(omega - (omega @ axis) * axis))
     if aside > ASKEW * float(np.linalg.norm(omega)):
