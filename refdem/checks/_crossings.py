@@ -6,7 +6,7 @@ scales, the zero moves by about E/|g'|; so the check `event-times` needs |g'| an
 at each certified time. Both follow from the scene's own force laws:
 
   slip      g = mu0 N - |P|      P is the pull that friction must balance (class `Belt`)
-  stick     g = x' - belt        the velocity relative to the belt
+  stick     g = x' - belt        the velocity relative to the belt, or the slip v + R omega
   release   g = d, or k d + c d' where the contact law ends at zero force (d is the overlap)
 """
 
@@ -17,6 +17,7 @@ from math import copysign, inf, sin, sqrt
 
 import numpy as np
 
+from refdem.checks._lying import lies, slip_at_start
 from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
 from refdem.scene import Scene
@@ -66,9 +67,9 @@ Pair = tuple[float, float, float, int]
 
 def has_crossings(scene: Scene) -> bool:
     """True if truth may certify event times of the scene: of a point on a belt, of shapes in
-    contact, or of an impact.
+    contact, of an impact, or of a body that begins to roll.
     """
-    return is_belt(scene) or bool(touches(scene)) or is_impact(scene)
+    return is_belt(scene) or bool(touches(scene)) or is_impact(scene) or lies(scene)
 
 
 def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
@@ -79,6 +80,8 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
         return parting(subject, truth)
     if "impact_time" in truth.scalars:
         return meeting(subject, truth)
+    if lies(subject.instance.scene):
+        return sticking(subject, truth)
     return {}
 
 
@@ -346,6 +349,24 @@ def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
     time, radius = truth.scalars["impact_time"]
     growth = 1 / subject.instance.scales.tau
     return {"contact": [Crossing(time, radius, closing / reach, bend / reach, growth)]}
+
+
+def sticking(subject: Subject, truth: SampledTruth) -> Crossings:
+    """The time at which a body begins to roll: g is the slip v + R omega, which falls uniformly
+    and, where it is 0 at the start or falls never, is no event.
+
+    One scale of v and of omega changes the slip by V + R W.
+    """
+    if "roll_time" not in truth.scalars:
+        return {"stick": []}
+    scene = subject.instance.scene
+    quantities = subject.instance.quantities
+    _, braking = slip_at_start(scene)
+    reach = quantities["vx"].scale + float(scene.bodies.radius[0]) * quantities["omega"].scale
+    time, radius = truth.scalars["roll_time"]
+    rate = float(np.linalg.norm(braking)) / reach
+    growth = 1 / subject.instance.scales.tau
+    return {"stick": [Crossing(time, radius, rate, 0.0, growth)]}
 
 
 def parting(subject: Subject, truth: SampledTruth) -> Crossings:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdem.checks._crossings import rounding
+from refdem.checks._lying import lies
 from refdem.core.balance import energy_scale, kinetic, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -79,9 +80,9 @@ class Energy(Check):
                 "a drive does work on the system, and the method does not claim to account for it"
             )
         scene = subject.instance.scene
-        if "contact:rigid" in scene.features and not _is_impacts_alone(scene):
-            return "rigid contacts that carry a load have no potential energy"
-        return None
+        if "contact:rigid" not in scene.features or _is_impacts_alone(scene) or lies(scene):
+            return None
+        return "rigid contacts that carry a load have no potential energy"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest and the finest level; all levels where the bound at the coarsest may be too

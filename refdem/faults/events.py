@@ -2,10 +2,10 @@
 stops.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from refdem.faults import holding, impacts, positional
+from refdem.faults import holding, impacts, positional, rolling
 from refdem.faults import vectors as vec
 from refdem.faults.loads import meeting
 from refdem.faults.parts import Moving, Step
@@ -43,6 +43,8 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
     """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
     starts towards what pulls it.
     """
+    for number in m.world.lying:
+        rolling.first_mode(m, state, number)
     if m.world.is_rigid:
         return
     for number, (i, j) in enumerate(m.world.pairs):
@@ -189,6 +191,8 @@ def margins(
     A guard below 0 says that the mode of the step's begin does not fit any more.
     """
     pairs = range(len(m.world.pairs))
+    if m.world.lying:
+        return [(rolling.margin(m, after, number), ("roll", number)) for number in m.world.lying]
     if m.world.is_rigid:
         return [(impacts.margin(m, after, number, h), ("impact", number)) for number in pairs]
     margins_found: list[tuple[Number, Change]] = []
@@ -267,15 +271,20 @@ def _meet_or_part(m: Moving, state: State, number: int) -> None:
     m.events.append((state.t, kind, body))
 
 
+OF_BODIES: Mapping[str, Callable[[Moving, State, int], None]] = {
+    "contact": _meet_or_part,
+    "impact": impacts.struck,
+    "roll": rolling.ended,
+    "catch": holding.catch,
+}
+"""Changes of mode of pairs and hooks."""
+
+
 def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
     """Makes one change of mode in `state`: its kind, and the number of pair, hook or slider."""
     kind, number = change
-    if kind == "contact":
-        _meet_or_part(m, state, number)
-    elif kind == "impact":
-        impacts.struck(m, state, number)
-    elif kind == "catch":
-        holding.catch(m, state, number)
+    if kind in OF_BODIES:
+        OF_BODIES[kind](m, state, number)
     elif kind == "turn":
         positional.turned(m.world, state, m.parts, number)
     elif kind == "edge":

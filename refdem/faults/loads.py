@@ -13,6 +13,7 @@ from refdem.faults import vectors as vec
 from refdem.faults.holding import turned_at_joints
 from refdem.faults.parts import Parts
 from refdem.faults.positional import pushed_by_fields, pushed_by_walls
+from refdem.faults.rolling import carried
 from refdem.faults.state import Loads, State
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
@@ -100,6 +101,7 @@ SOURCES = {
     "fields": _fields,
     "pairs": _contacts,
     "gravity": _weights,
+    "lying": carried,
     "tents": pushed_by_fields,
     "walls": pushed_by_walls,
     "joints": turned_at_joints,

@@ -54,6 +54,17 @@ class ImpactParts:
     meets: Callable[[Number], bool]
 
 
+@dataclass(frozen=True, kw_only=True)
+class RollingParts:
+    """The parts of a rigid sphere that slides and rolls, by name."""
+
+    pressing: Callable[[Vector, Vector], Number]
+    rubbing: Callable[[Contact, Number, Vector], Vector]
+    holding: Callable[[Vector, Number, Number], Vector]
+    grips: Callable[[Contact, Number, Number], bool]
+    slips_on: Callable[[Vector, Vector], Number]
+
+
 class LoadsOfState(Protocol):
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
 
@@ -125,6 +136,7 @@ class Parts:
     positional: PositionalParts
     holding: HoldingParts
     impacts: ImpactParts
+    rolling: RollingParts
     verlet_kicks: tuple[float, float]
     suzuki: tuple[float, ...]
     rk4_nodes: tuple[float, ...]

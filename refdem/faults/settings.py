@@ -397,6 +397,37 @@ DROP: Rows = (
     ("samples", "16"),
 )
 """A ball that is thrown sideways and slides in its first bounces."""
+SKID: Rows = (
+    ("mass", between(0.75, 1.5)),
+    ("radius", between(0.375, 0.75)),
+    ("inertia_factor", either("1/4", "3/8", "1/2", "1")),
+    ("_side", either(-1, 1)),
+    ("_fast", between(2, 3)),
+    ("_turn", between(2, 4)),
+    ("speed", computed(lambda drawn: drawn["_side"] * drawn["_fast"])),
+    ("spin", computed(lambda drawn: drawn["_side"] * drawn["_turn"])),
+    ("friction", between(0.1875, 0.3125)),
+    ("gravity", between(4, 8)),
+    ("samples", "16"),
+)
+"""A round body with backspin on a level plane that slides, and rolls in the end."""
+RAMP: Rows = (
+    *SKID,
+    ("friction", between(0.375, 0.5)),
+    ("slope", between(0.625, 0.6875)),
+    ("spin", computed(lambda drawn: -drawn["_turn"])),
+    ("speed", computed(lambda drawn: -drawn["_fast"] / 4)),
+)
+"""The same on a slope that is too steep for a block, up which it is thrown, and rolls down."""
+CHUTE: Rows = (
+    *SKID,
+    ("inertia_factor", "1"),
+    ("friction", between(0.1875, 0.3125)),
+    ("slope", between(1, 1.25)),
+    ("speed", computed(lambda drawn: -drawn["_fast"])),
+    ("spin", computed(lambda drawn: -drawn["_turn"])),
+)
+"""A ring that is thrown up a slope on which it never rolls: friction turns round."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -498,6 +529,9 @@ SETTINGS: Mapping[str, Setting] = {
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
     "drop": Setting("bouncing-ball", DROP, TOUCHING),
+    "skid": Setting("rolling", SKID, TOUCHING),
+    "ramp": Setting("rolling", RAMP, TOUCHING),
+    "chute": Setting("rolling", CHUTE, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),

@@ -14,6 +14,7 @@ from refdem.faults.loads import loads
 from refdem.faults.outlines import linear_flow
 from refdem.faults.parts import Parts
 from refdem.faults.positional import SOUND_POSITIONAL
+from refdem.faults.rolling import SOUND_ROLLING
 from refdem.faults.vectors import Number, Quaternion, Vector
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
@@ -347,6 +348,7 @@ SOUND = Parts(
     positional=SOUND_POSITIONAL,
     holding=SOUND_HOLDING,
     impacts=SOUND_IMPACTS,
+    rolling=SOUND_ROLLING,
     verlet_kicks=(0.5, 0.5),
     suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4),
     rk4_nodes=(0.5, 0.5, 1.0),

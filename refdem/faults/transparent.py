@@ -16,6 +16,7 @@ from refdem.faults.events import advance, first_modes, held
 from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
+from refdem.faults.lying import leaves_its_line, lies
 from refdem.faults.outlines import carried
 from refdem.faults.parts import Moving, Parts
 from refdem.faults.sound import SOUND
@@ -226,8 +227,8 @@ precision.
 
 
 def _rigid_refused(scene: Scene) -> str | None:
-    """None without a rigid law, or for impacts of spheres that turn alike about all axes, on which
-    nothing but gravity acts.
+    """None without a rigid law, or for spheres that turn alike about all axes, on which nothing but
+    gravity acts: impacts of any number, or one that lies on a plane.
     """
     if "contact:rigid" not in scene.features:
         return None
@@ -239,6 +240,10 @@ def _rigid_refused(scene: Scene) -> str | None:
         return "rigid contacts of spheres alone"
     if scene.bodies.fixed.any():
         return "no rigid contact with a fixed body"
+    if lies(scene):
+        if leaves_its_line(scene):
+            return "a slip that turns"
+        return None
     if scene.all(UniformGravity) and _is_on_plane(scene):
         return "no rigid contact under forces"
     return None

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from refdem.faults.lying import lies
 from refdem.faults.state import State
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.scene import Scene
@@ -60,6 +61,7 @@ SOURCES = (
     "fields",
     "pairs",
     "gravity",
+    "lying",
     "tents",
     "walls",
     "joints",
@@ -71,7 +73,9 @@ SOURCES = (
 
 @dataclass(frozen=True)
 class World:
-    """What does not change: numbers of bodies and elements, all of precision `number`."""
+    """What does not change: numbers of bodies and elements, all of precision `number`; `lying` has
+    the pairs of a rigid sphere and the plane on which it lies.
+    """
 
     number: Callable[[float], Number]
     mass: list[Number]
@@ -90,6 +94,7 @@ class World:
     fields: list[Number]
     pairs: list[tuple[int, int]]
     corners: list[Vector | None]
+    lying: list[int]
     tents: list[Any]
     walls: list[Any]
     hooks: list[Any]
@@ -142,6 +147,10 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
     law = next(iter(laws), None)
     pairs = [pair for pair, _ in touching]
     corners = [corner for _, corner in touching]
+    if lies(scene):
+        lying = [0]
+    else:
+        lying = []
     return World(
         number=number,
         mass=mass,
@@ -154,6 +163,7 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         fields=fields,
         pairs=pairs,
         corners=corners,
+        lying=lying,
         string_lengths=lengths,
         **elements,
     )

@@ -71,7 +71,7 @@ class Impacts(KernelSolver):
         points = (bodies.inertia[:, 0] == 0) & ~bodies.fixed
         if law.friction > 0 and points.any():
             return "friction on a body without moments of inertia"
-        return _cramped(scene) or _overlapping(scene)
+        return _cramped(scene) or _overlapping(scene) or _lying(scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Bodies, planes, law and clock; the start is in its row."""
@@ -201,6 +201,20 @@ def _overlapping(scene: Scene) -> str | None:
         behind = (height < bodies.radius * (1 - ROUNDED)) & ~bodies.fixed
         if np.any(behind):
             return f"body {int(np.flatnonzero(behind)[0])} reaches behind a plane at the start"
+    return None
+
+
+def _lying(scene: Scene) -> str | None:
+    """None if gravity presses no sphere on a plane that it touches without speed at the start."""
+    bodies = scene.bodies
+    gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
+    for plane in scene.all(Plane):
+        normal = np.array(plane.normal)
+        height = (bodies.position - np.array(plane.point)) @ normal
+        touches = height <= bodies.radius * (1 + ROUNDED)
+        lying = np.flatnonzero(touches & (bodies.velocity @ normal == 0) & ~bodies.fixed)
+        if len(lying) and gravity @ normal < 0:
+            return f"body {int(lying[0])} lies on a plane: a contact that lasts is no impact"
     return None
 
 

@@ -65,7 +65,8 @@ def _tune(mujoco: Any, option: Any, scene: Scene) -> None:
         option.noslip_iterations = NOSLIP
     else:
         option.noslip_iterations = 0
-    if {"contact:linear", "contact:friction"} <= scene.features:
+    # Boxes stand and slide with the ratio of 1; what is round rolls with LIFTLESS.
+    if {"contact:friction", "shape:sphere"} <= scene.features:
         option.impratio = solver.LIFTLESS
     else:
         option.impratio = FRICTION_TO_NORMAL

@@ -21,7 +21,7 @@ SLIDING = 2.0**-10
 less, the smaller this is.
 """
 LIFTLESS = 2.0**-30
-"""impratio of the linear law: friction is so soft in the first solve that slip does not lift what
+"""impratio of spheres that rub: friction is so soft in the first solve that slip does not lift what
 slides. The lift ends where the acceleration by the normal force is this part of slip/step. The
 forces are rounded to u/impratio: at 2^-40 two runs that differ by a boost part by 2e-10, here by
 7e-13.

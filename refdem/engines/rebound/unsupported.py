@@ -31,6 +31,7 @@ finds.
 """
 MOST_TOUCHING = 64
 """Spheres up to which every pair is looked at in every evaluation of the forces."""
+NO_FRICTION = engine_cannot("friction between particles (they have no spin)")
 UNKNOWN = {
     "slider": engine_cannot("dry friction (no force that jumps with the velocity)"),
     "plane": adapter_lacks("walls (a force by the callback)"),
@@ -48,6 +49,9 @@ UNKNOWN = {
 def reason(problem: Motion, method: str) -> str | None:
     """None if the method can say the problem, else the missing feature."""
     scene = problem.scene
+    if {"contact:friction", "shape:sphere"} <= scene.features:
+        # Walls would not help: what friction turns has no spin.
+        return NO_FRICTION
     unknown = [element.kind for element in scene.elements if not isinstance(element, KNOWN)]
     for kind in sorted(unknown):
         return UNKNOWN.get(kind, adapter_lacks(f"the element {kind}"))
@@ -74,7 +78,7 @@ def _contact_reason(scene: Scene) -> str | None:
         return None
     law = laws[0]
     if law.friction > 0:
-        return engine_cannot("friction between particles (they have no spin)")
+        return NO_FRICTION
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return engine_cannot("contact of polyhedra (particles are spheres)")
     if law.law == "rigid":

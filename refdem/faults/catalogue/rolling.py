@@ -1,0 +1,122 @@
+"""A body that slides until it rolls: moments of inertia, lever arms, the sign and the end of
+friction, and what keeps it rolling.
+"""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import (
+    Inside,
+    of_arguments,
+    of_bodies,
+    of_elements,
+    of_parts,
+    of_results,
+    scaled,
+    within,
+)
+from refdem.faults.fault import Fault
+from refdem.scene.elements.contact import Contact
+
+roll = partial(Fault, kind="rolling")
+
+
+def _of_rolling(**parts: Any) -> Inside:
+    return within("rolling", of_parts(**parts))
+
+
+FAULTS = (
+    roll(
+        name="rolling-wrong-inertia",
+        sentence="Moments of inertia are a hundredth too large.",
+        on=("skid", "ramp"),
+        sees=("contact-line", "moment"),
+        before=of_bodies(inertia=scaled(1.01)),
+    ),
+    roll(
+        name="rolling-point-mass",
+        sentence="All that is round is taken for a solid sphere.",
+        on=("skid", "ramp"),
+        sees=("error", "omega"),
+        before=of_bodies(inertia=scaled(2.5)),
+    ),
+    roll(
+        name="rolling-lever-of-the-diameter",
+        sentence="The lever arm of friction is the diameter.",
+        on=("skid", "ramp"),
+        sees=("contact-line", "moment"),
+        inside=of_arguments(torque_on=lambda arm, normal, force: (2 * arm, normal, force)),
+    ),
+    roll(
+        name="rolling-lever-one-in-a-thousand",
+        sentence="The lever arm of friction is shorter than the radius by a thousandth.",
+        on=("skid", "ramp"),
+        sees=("error", "omega"),
+        inside=of_arguments(torque_on=lambda arm, normal, force: (0.999 * arm, normal, force)),
+    ),
+    roll(
+        name="rolling-without-spin-up",
+        sentence="Friction brakes the centre and does not turn the body.",
+        on=("skid", "ramp", "chute"),
+        sees=("contact-line", "moment"),
+        inside=of_parts(torque_on=lambda arm, normal, force: vec.ZERO),
+    ),
+    roll(
+        name="rolling-spins-backwards",
+        sentence="Friction turns the body the wrong way.",
+        on=("skid", "chute"),
+        sees=("contact-line", "moment"),
+        inside=of_results(torque_on=scaled(-1.0)),
+    ),
+    roll(
+        name="rolling-friction-against-the-centre",
+        sentence="Friction acts against the velocity of the centre, not of the point that touches.",
+        on=("skid",),
+        sees=("error", "vx"),
+        inside=of_arguments(slip=lambda velocity, spin, normal: (velocity, vec.ZERO, normal)),
+    ),
+    roll(
+        name="rolling-friction-without-end",
+        sentence="Friction of full size goes on where the slip has ended.",
+        on=("skid", "ramp"),
+        sees=("error", "vx"),
+        inside=_of_rolling(slips_on=lambda slip, direction: 1.0),
+    ),
+    roll(
+        name="rolling-friction-of-the-weight",
+        sentence="Friction is mu times the weight, not times the part of it that presses.",
+        on=("ramp", "chute"),
+        sees=("error", "vx"),
+        inside=_of_rolling(pressing=lambda force, normal: vec.size(force)),
+    ),
+    roll(
+        name="rolling-slides-down",
+        sentence="A body that rolls falls down the slope as a block without friction.",
+        on=("ramp",),
+        sees=("error", "vx"),
+        inside=_of_rolling(holding=lambda along, inverse_mass, turn: vec.ZERO),
+    ),
+    roll(
+        name="rolling-held-as-a-block",
+        sentence="A body does not roll where friction would not hold a block.",
+        on=("ramp",),
+        sees=("error", "omega"),
+        inside=_of_rolling(grips=lambda law, force, needed: False),
+    ),
+    roll(
+        name="rolling-friction-one-in-ten-thousand",
+        sentence="The coefficient of friction is a ten-thousandth too large.",
+        on=("skid", "chute"),
+        sees=("error", "omega"),
+        before=of_elements(Contact, friction=scaled(1 + 1e-4)),
+    ),
+    roll(
+        name="rolling-at-the-end-of-the-step",
+        sentence="The slip ends at the end of the step in which it would turn round.",
+        on=("skid",),
+        levels=9,
+        sees=("event-times", "stick"),
+        inside=of_parts(located=lambda margin, first, last, resolution: 1.0),
+    ),
+)

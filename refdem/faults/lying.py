@@ -1,0 +1,50 @@
+"""Scenes in which a rigid sphere lies on a plane, as the transparent engine can run them."""
+
+import numpy as np
+
+from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+ASKEW = 1e-12
+"""Largest relative component of a slip across the slope, or of a place off the plane: round-off of
+a scene that was rotated.
+"""
+
+
+def lies(scene: Scene) -> bool:
+    """One sphere under the rigid law touches one plane at the start without moving across it, and
+    gravity presses it there.
+    """
+    laws = scene.all(Contact)
+    planes = scene.all(Plane)
+    bodies = scene.bodies
+    if len(laws) != 1 or laws[0].law != "rigid" or len(planes) != 1 or len(bodies) != 1:
+        return False
+    normal = np.array(planes[0].normal)
+    gravity = np.sum([np.zeros(3), *(np.array(g.g) for g in scene.all(UniformGravity))], axis=0)
+    height = float((bodies.position[0] - np.array(planes[0].point)) @ normal)
+    size = max(float(np.abs(bodies.position).max()), float(bodies.radius[0]))
+    touches = abs(height - float(bodies.radius[0])) <= ASKEW * size
+    speed = float(np.linalg.norm(bodies.velocity[0]))
+    crosses = abs(float(bodies.velocity[0] @ normal)) > ASKEW * speed
+    return bool(bodies.radius[0] > 0 and touches and not crosses and gravity @ normal < 0)
+
+
+def leaves_its_line(scene: Scene) -> bool:
+    """The slip of a sphere that lies on a slope has a part across the slope: its direction turns,
+    and is none that a mode could keep.
+    """
+    bodies = scene.bodies
+    normal = np.array(scene.all(Plane)[0].normal)
+    gravity = np.sum([np.array(g.g) for g in scene.all(UniformGravity)], axis=0)
+    along = gravity - (gravity @ normal) * normal
+    velocity = bodies.velocity[0]
+    surface = float(bodies.radius[0]) * np.cross(bodies.omega[0], normal)
+    slip = velocity - (velocity @ normal) * normal - surface
+    speeds = float(np.linalg.norm(velocity) + np.linalg.norm(surface))
+    steep = float(np.linalg.norm(along))
+    is_level = steep <= ASKEW * float(np.linalg.norm(gravity))
+    across = float(np.linalg.norm(np.cross(slip, along)))
+    return not is_level and across > ASKEW * steep * speeds

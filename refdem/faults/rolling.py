@@ -1,0 +1,143 @@
+"""A rigid sphere that lies on a plane in the transparent engine: it slides, or it rolls.
+
+Notation: n is the unit normal into the plane, s the slip of the point that touches, F friction, N
+the force of the plane. The direction of the slip is a mode: it is kept where a pair under another
+law has its tangential spring (`State.stretch`), as a unit vector, and is 0 while the sphere rolls.
+"""
+
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.parts import Moving, Parts, RollingParts
+from refdem.faults.state import Loads, State
+from refdem.faults.vectors import Number, Vector
+from refdem.faults.world import World
+from refdem.scene.elements.contact import Contact
+
+NEAR = {True: 1e-12, False: 1e-5}
+"""Part of its speeds that rounding in double (True) or single precision may leave of a slip."""
+
+
+def pressing(force: Vector, normal: Vector) -> Number:
+    """N [N], which balances the other forces across the plane."""
+    return vec.dot(force, normal)
+
+
+def rubbing(law: Contact, force: Number, direction: Vector) -> Vector:
+    """F = mu N [N] against the slip."""
+    return vec.times(-law.friction * force, direction)
+
+
+def holding(along: Vector, inverse_mass: Number, turn: Number) -> Vector:
+    """F [N] with which the slip stays 0 while the force `along` [N] acts at the centre.
+
+    s' = (along + F)/m + F R^2/J = 0; `inverse_mass` is 1/m, `turn` R^2/J.
+    """
+    return vec.times(-inverse_mass / (inverse_mass + turn), along)
+
+
+def grips(law: Contact, force: Number, needed: Number) -> bool:
+    """Coulomb's limit lets friction be as large as rolling needs it [N], with a force N."""
+    return bool(needed <= law.friction * force)
+
+
+def slips_on(slip: Vector, direction: Vector) -> Number:
+    """The slip [m/s] along the direction in which it began: below 0 it has ended."""
+    return vec.dot(slip, direction)
+
+
+SOUND_ROLLING = RollingParts(
+    pressing=pressing, rubbing=rubbing, holding=holding, grips=grips, slips_on=slips_on
+)
+
+
+def normal_of(world: World, number: int) -> Vector:
+    """The unit normal n (3) from the sphere into the plane."""
+    _, j = world.pairs[number]
+    into: Vector = vec.times(-1.0, world.planes[-1 - j].normal)
+    return into
+
+
+def slip_of(world: World, state: State, parts: Parts, number: int) -> Vector:
+    """The velocity (3) [m/s] of the point that touches the plane."""
+    i, _ = world.pairs[number]
+    spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
+    return parts.slip(state.v[i], spin, normal_of(world, number))
+
+
+def needed_of(
+    world: World, parts: Parts, number: int, force: Vector
+) -> tuple[Number, Vector, Vector]:
+    """N, the other forces along the plane, and the friction that rolling needs [N]."""
+    i, _ = world.pairs[number]
+    normal = normal_of(world, number)
+    push = parts.rolling.pressing(force, normal)
+    along = vec.moved(force, -vec.dot(force, normal), normal)
+    radius = world.radius[i]
+    turn = radius * radius / world.inertia[i][0]
+    return push, along, parts.rolling.holding(along, 1 / world.mass[i], turn)
+
+
+def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any) -> None:
+    """Adds what the plane does to a sphere that lies on it: force, friction and torque."""
+    for number in world.lying:
+        i, _ = world.pairs[number]
+        normal = normal_of(world, number)
+        push, _, needed = needed_of(world, parts, number, total.force[i])
+        total.slip[number] = slip_of(world, state, parts, number)
+        if state.sliding[number]:
+            friction = parts.rolling.rubbing(world.law, push, state.stretch[number])
+            total.power -= vec.dot(friction, total.slip[number])
+        else:
+            friction = needed
+        # The plane balances what presses, whatever friction is made of.
+        support = vec.times(-vec.dot(total.force[i], normal), normal)
+        total.force[i] = vec.plus(total.force[i], vec.plus(support, friction))
+        torque = parts.torque_on(world.radius[i], normal, friction)
+        total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
+
+
+def first_mode(m: Moving, state: State, number: int) -> None:
+    """A sphere slides from the start if the point that touches slips, or if friction cannot hold
+    it.
+    """
+    i, _ = m.world.pairs[number]
+    slip = slip_of(m.world, state, m.parts, number)
+    speeds = vec.size(state.v[i]) + m.world.radius[i] * vec.size(state.w[i])
+    if vec.size(slip) > NEAR[m.world.number is float] * speeds:
+        state.sliding[number] = True
+        state.stretch[number] = vec.times(1 / vec.size(slip), slip)
+    else:
+        _released(m, state, number)
+
+
+def margin(m: Moving, state: State, number: int) -> Number:
+    """What is left of a slip [m/s]; 1 for a sphere that rolls, on which nothing changes."""
+    if not state.sliding[number]:
+        return 1.0
+    slip = slip_of(m.world, state, m.parts, number)
+    return m.parts.rolling.slips_on(slip, state.stretch[number])
+
+
+def ended(m: Moving, state: State, number: int) -> None:
+    """Where the slip has ended the sphere rolls, or slides on down the slope."""
+    i, _ = m.world.pairs[number]
+    _released(m, state, number)
+    if not state.sliding[number]:
+        m.events.append((state.t, "stick", i))
+
+
+def _released(m: Moving, state: State, number: int) -> None:
+    """The mode of a sphere whose point of contact is at rest."""
+    i, _ = m.world.pairs[number]
+    weight = vec.ZERO
+    for g in m.world.gravity:
+        weight = vec.plus(weight, m.parts.weight(m.world.mass[i], g))
+    push, along, needed = needed_of(m.world, m.parts, number, weight)
+    size = vec.size(needed)
+    if m.parts.rolling.grips(m.world.law, push * (1 + NEAR[m.world.number is float]), size):
+        state.sliding[number] = False
+        state.stretch[number] = vec.ZERO
+    else:
+        state.sliding[number] = True
+        state.stretch[number] = vec.times(1 / vec.size(along), along)
