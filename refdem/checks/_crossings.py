@@ -17,6 +17,7 @@ from math import copysign, inf, sin, sqrt
 
 import numpy as np
 
+from refdem.checks._impacts import gap_rates, is_sequence, listed
 from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
 from refdem.scene import Scene
@@ -49,6 +50,7 @@ class Crossing:
     - `rate` [1/s] is |g'| at the event, on the side on which it is smaller.
     - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
     - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
+    - `bodies` are those of which it must be told, where it matters.
     """
 
     time: float
@@ -56,6 +58,7 @@ class Crossing:
     rate: float
     bend: float
     growth: float
+    bodies: tuple[int, ...] = ()
 
 
 Crossings = dict[str, list[Crossing]]
@@ -66,9 +69,9 @@ Pair = tuple[float, float, float, int]
 
 def has_crossings(scene: Scene) -> bool:
     """True if truth may certify event times of the scene: of a point on a belt, of shapes in
-    contact, or of an impact.
+    contact, or of impacts.
     """
-    return is_belt(scene) or bool(touches(scene)) or is_impact(scene)
+    return is_belt(scene) or bool(touches(scene)) or is_impact(scene) or is_sequence(scene)
 
 
 def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
@@ -79,7 +82,7 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
         return parting(subject, truth)
     if "impact_time" in truth.scalars:
         return meeting(subject, truth)
-    return {}
+    return in_sequence(subject, truth)
 
 
 def is_belt(scene: Scene) -> bool:
@@ -346,6 +349,20 @@ def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
     time, radius = truth.scalars["impact_time"]
     growth = 1 / subject.instance.scales.tau
     return {"contact": [Crossing(time, radius, closing / reach, bend / reach, growth)]}
+
+
+def in_sequence(subject: Subject, truth: SampledTruth) -> Crossings:
+    """The impacts of the certified list, each where the gap of its bodies closes; {} without a
+    list.
+    """
+    growth = 1 / subject.instance.scales.tau
+    known = []
+    for impact in listed(truth.scalars):
+        rate, bend = gap_rates(subject.instance, impact)
+        known.append(Crossing(impact.time, impact.radius, rate, bend, growth, impact.bodies))
+    if known:
+        return {"contact": known}
+    return {}
 
 
 def parting(subject: Subject, truth: SampledTruth) -> Crossings:
