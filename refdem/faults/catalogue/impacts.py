@@ -310,14 +310,14 @@ FAULTS = (
         name="impacts-elastic-after-the-first",
         sentence="The restitution counts in the first impact alone.",
         on=("cradle",),
-        sees=("rigid-impact", "restitution"),
+        sees=("error", "v3.x"),
         inside=_elastic_after_the_first,
     ),
     impact(
         name="impacts-of-a-pair-once",
         sentence="A pair that has met is never looked at again.",
         on=("cradle",),
-        sees=("rigid-impact", "restitution"),
+        sees=("error", "v1.x"),
         inside=_pairs_met_once,
     ),
     impact(
