@@ -17,6 +17,7 @@ from math import copysign, inf, sin, sqrt
 
 import numpy as np
 
+from refdem.checks._impacts import gap_rates, is_sequence, listed
 from refdem.checks._lying import lies, slip_at_start
 from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
@@ -50,6 +51,7 @@ class Crossing:
     - `rate` [1/s] is |g'| at the event, on the side on which it is smaller.
     - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
     - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
+    - `bodies` are those of which it must be told, where it matters.
     """
 
     time: float
@@ -57,6 +59,7 @@ class Crossing:
     rate: float
     bend: float
     growth: float
+    bodies: tuple[int, ...] = ()
 
 
 Crossings = dict[str, list[Crossing]]
@@ -67,9 +70,11 @@ Pair = tuple[float, float, float, int]
 
 def has_crossings(scene: Scene) -> bool:
     """True if truth may certify event times of the scene: of a point on a belt, of shapes in
-    contact, of an impact, or of a body that begins to roll.
+    contact, of impacts, or of a body that begins to roll.
     """
-    return is_belt(scene) or bool(touches(scene)) or is_impact(scene) or lies(scene)
+    if is_belt(scene) or lies(scene):
+        return True
+    return bool(touches(scene)) or is_impact(scene) or is_sequence(scene)
 
 
 def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
@@ -82,7 +87,7 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
         return meeting(subject, truth)
     if lies(subject.instance.scene):
         return sticking(subject, truth)
-    return {}
+    return in_sequence(subject, truth)
 
 
 def is_belt(scene: Scene) -> bool:
@@ -367,6 +372,20 @@ def sticking(subject: Subject, truth: SampledTruth) -> Crossings:
     rate = float(np.linalg.norm(braking)) / reach
     growth = 1 / subject.instance.scales.tau
     return {"stick": [Crossing(time, radius, rate, 0.0, growth)]}
+
+
+def in_sequence(subject: Subject, truth: SampledTruth) -> Crossings:
+    """The impacts of the certified list, each where the gap of its bodies closes; {} without a
+    list.
+    """
+    growth = 1 / subject.instance.scales.tau
+    known = []
+    for impact in listed(truth.scalars):
+        rate, bend = gap_rates(subject.instance, impact)
+        known.append(Crossing(impact.time, impact.radius, rate, bend, growth, impact.bodies))
+    if known:
+        return {"contact": known}
+    return {}
 
 
 def parting(subject: Subject, truth: SampledTruth) -> Crossings:

@@ -19,7 +19,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, ROUND_OFF_FACTOR, scored, steps_at
-from refdem.core.trajectory import Trajectory
+from refdem.core.trajectory import Event, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
@@ -46,7 +46,7 @@ class EventTimes(Check):
     title = "Times of events"
     kills = (
         "an event reported one step late, never or twice, stick reported as slip,"
-        " a contact end where only the force changes sign"
+        " a contact end where only the force changes sign, impacts of the wrong bodies"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -69,10 +69,10 @@ class EventTimes(Check):
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each kind of event that the run reports."""
-        reported: dict[str, list[float]] = {}
+        reported: dict[str, list[Event]] = {}
         run = runs[subject.finest].trajectory
         for event in run.events:
-            reported.setdefault(event.kind, []).append(event.time)
+            reported.setdefault(event.kind, []).append(event)
         truth = certified(subject)
         if truth is None:
             return [
@@ -80,18 +80,16 @@ class EventTimes(Check):
             ]
         predictions = predicted(subject, truth, crossings(subject, truth), run)
         return [
-            self._finding(subject, kind, np.array(reported[kind]), predictions)
+            self._finding(subject, kind, reported[kind], predictions)
             for kind in KINDS
             if kind in reported and kind in predictions.events
         ]
 
     def _finding(
-        self, subject: Subject, kind: str, reported: Array, predictions: "Predicted"
+        self, subject: Subject, kind: str, events: list[Event], predictions: "Predicted"
     ) -> Finding:
         """The finding on one kind of event: the pair of reported and certified time that is nearest
         to its bound.
-
-        `reported` holds the reported times [s].
         """
         start = float(subject.instance.times[0])
         tau = subject.instance.scales.tau
@@ -101,6 +99,7 @@ class EventTimes(Check):
             for crossing, allowed in known
             if crossing.time - allowed > start and crossing.time + allowed <= predictions.due
         ]
+        reported = np.array([event.time for event in events])
         judged_times = reported[reported <= predictions.told]
         if not due and not len(judged_times):
             return undecided(
@@ -108,12 +107,17 @@ class EventTimes(Check):
                 kind,
                 predictions.why or "no event is due before the predictability horizon",
             )
-        # Each certified event with the nearest reported one, then the reverse.
-        pairs = [
-            (float(np.min(np.abs(reported - crossing.time))), allowed, crossing.time)
-            for crossing, allowed in due
-        ]
-        pairs += [nearest(float(time), known, predictions.told - start) for time in judged_times]
+        whole = predictions.told - start
+        if any(crossing.bodies for crossing, _ in known):
+            is_told = [event for event in events if event.time <= predictions.told]
+            pairs = one_to_one(is_told, known, due, whole)
+        else:
+            # Each certified event with the nearest reported one, then the reverse.
+            pairs = [
+                (float(np.min(np.abs(reported - crossing.time))), allowed, crossing.time)
+                for crossing, allowed in due
+            ]
+            pairs += [nearest(float(time), known, whole) for time in judged_times]
         distance, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
             detection = ""
@@ -172,6 +176,43 @@ def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, flo
     return pair
 
 
+def one_to_one(
+    events: list[Event], known: Judged, due: Judged, whole: float
+) -> list[tuple[float, float, float]]:
+    """(distance, bound, time) of every certified event of some bodies and the reported one of one
+    of them that is nearest, no reported one being taken twice; the distance is `whole` where none
+    is left.
+
+    An event may be told once for each of its bodies: what else is told at the same time, within the
+    bound, is the same event. Those that remain are events that never were: `whole`, and a bound of
+    0.
+    """
+    left = sorted(events, key=lambda event: event.time)
+    partners: list[tuple[Crossing, float, Event]] = []
+    pairs = []
+    for crossing, allowed in known:
+        of_bodies = [event for event in left if event.body in crossing.bodies]
+        if of_bodies:
+            partner = min(of_bodies, key=lambda event: abs(event.time - crossing.time))
+            distance = abs(partner.time - crossing.time)
+        else:
+            distance = whole
+        is_due = (crossing, allowed) in due
+        if of_bodies and (is_due or distance <= allowed):
+            left.remove(partner)
+            partners.append((crossing, allowed, partner))
+        if is_due:
+            pairs.append((distance, allowed, crossing.time))
+    for crossing, allowed, partner in partners:
+        for event in left:
+            is_other_body = event.body in crossing.bodies and event.body != partner.body
+            if is_other_body and abs(event.time - crossing.time) <= allowed:
+                left.remove(event)
+                break
+    pairs += [(whole, 0.0, event.time) for event in left]
+    return pairs
+
+
 def predicted(
     subject: Subject, truth: SampledTruth, known: Crossings, run: Trajectory
 ) -> Predicted:
@@ -213,6 +254,29 @@ def predicted(
     if "slip" in known:
         return Predicted(events, end, last, truth.reason)
     return Predicted(events, end, end, truth.reason)
+
+
+def late_by(
+    subject: Subject, truth: SampledTruth, known: list[Crossing], run: Trajectory
+) -> list[float]:
+    """By how much each of these crossings may come at another time in a run [s], up to the first
+    one of which nothing is known.
+
+    As far as the claims do not tell, what the run is observed to be off by does.
+    """
+    times = subject.instance.times[: truth.until]
+    bound = subject.bound(subject.levels[-1])
+    observed_bound = seen_bound(subject, truth, run)
+    found = []
+    for crossing in known:
+        by_claims = shift(error_at(crossing, bound, times), crossing)
+        observed_error = error_at(crossing, observed_bound, times)
+        as_observed = shift(observed_error, crossing) + interpolated(subject, crossing)
+        allowed = min(by_claims, as_observed)
+        if allowed == inf:
+            break
+        found.append(allowed + crossing.radius + ticks(subject, crossing.time))
+    return found
 
 
 def error_at(crossing: Crossing, bound: Array, times: Array) -> float:

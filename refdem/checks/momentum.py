@@ -1,63 +1,204 @@
-"""Momentum of an isolated scene is constant, since action equals reaction at every step."""
+"""Momentum of an isolated scene is constant, since action equals reaction at every step; between
+impacts under gravity it changes by the weight and nothing else.
+"""
 
 from collections.abc import Mapping
 
 import numpy as np
 
+from refdem.checks._crossings import crossings
+from refdem.checks._impacts import dense_variant, falling, is_sequence, listed, windows
+from refdem.checks._impulses import bodies_of
+from refdem.checks.event_times import late_by
 from refdem.core.balance import linear, momentum_scale
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import worst
+from refdem.core.judgement import certified, no_truth, undecided, worst
 from refdem.core.refinement import sweeping
 from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.scene.elements.contact import Contact
 
 
 class Momentum(Check):
     """Total momentum is constant to round-off at the coarsest level, where a small step hides
     nothing.
+
+    Of impacts in sequence that of the bodies of each is constant through it, in units of what they
+    exchange, and the velocity of a body that falls changes by g t between two of them.
     """
 
     name = "momentum"
     title = "Momentum"
     kills = (
-        "a contact force applied to one body only, a lost mass, velocities exchanged between bodies"
+        "a contact force applied to one body only, a lost mass, velocities exchanged between"
+        " bodies, a reaction on the wrong one, air that nobody asked for"
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """None for isolated scenes, else the reason why not."""
-        if subject.instance.scene.is_isolated():
+        """None for isolated scenes and for impacts of bodies that fall, else the reason why not."""
+        scene = subject.instance.scene
+        if scene.is_isolated() or _falls_between_impacts(subject):
             return None
         return "an external force acts, so momentum is not conserved"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run at the coarsest level."""
-        return (Variant(subject.levels[0]),)
+        """The plain run at the coarsest level, that at the finest one for impacts in sequence."""
+        needed = []
+        if subject.instance.scene.is_isolated():
+            needed.append(Variant(subject.levels[0]))
+        if _falls_between_impacts(subject):
+            needed.append(subject.finest)
+        if _meets_in_sequence(subject):
+            needed += [subject.finest, dense_variant(subject)]
+        return tuple(dict.fromkeys(needed))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding: the largest change of total momentum, in units of the initial sum of m
-        |v|.
+        """The largest change of total momentum; for impacts in sequence that of each pair, and of
+        each flight.
         """
-        level = subject.levels[0]
-        run = runs[Variant(level)].trajectory
-        total = linear(subject.instance.scene, run)
-        change = np.linalg.norm(total - total[0], axis=1)
-        return [
-            worst(
-                check=self.name,
-                quantity="total",
-                t=subject.instance.times,
-                values=change / momentum_scale(subject.instance),
-                allowed=subject.round_off(level) * sweeping(subject.instance, subject.method),
-                signal=_exchanged(subject, run),
-                unit="1",
-                basis=(
-                    "action equals reaction at every step, so only round-off, c u sqrt(n),"
-                    " may change momentum"
-                ),
-                what="The change of total momentum, relative to the initial sum of m|v|,",
-            )
-        ]
+        findings = []
+        if subject.instance.scene.is_isolated():
+            findings.append(_of_total(subject, runs[Variant(subject.levels[0])].trajectory))
+        if _meets_in_sequence(subject):
+            plain = runs[subject.finest].trajectory
+            findings += _of_pairs(subject, plain, runs[dense_variant(subject)].trajectory)
+        if _falls_between_impacts(subject):
+            findings.append(_in_flights(subject, runs[subject.finest].trajectory))
+        return findings
+
+
+def _meets_in_sequence(subject: Subject) -> bool:
+    """Truth has the list of the impacts of free spheres on which nothing else acts."""
+    truth = certified(subject)
+    scene = subject.instance.scene
+    return (
+        truth is not None
+        and scene.is_isolated()
+        and is_sequence(scene)
+        and bool(listed(truth.scalars))
+    )
+
+
+def _falls_between_impacts(subject: Subject) -> bool:
+    """Spheres fall on planes and on each other, and truth, where there is some, has the list."""
+    scene = subject.instance.scene
+    if not is_sequence(scene) or not np.any(falling(scene)):
+        return False
+    truth = certified(subject)
+    return truth is None or bool(listed(truth.scalars))
+
+
+def _of_total(subject: Subject, run: Trajectory) -> Finding:
+    """The largest change of total momentum, in units of the initial sum of m |v|."""
+    total = linear(subject.instance.scene, run)
+    change = np.linalg.norm(total - total[0], axis=1)
+    return worst(
+        check=Momentum.name,
+        quantity="total",
+        t=subject.instance.times,
+        values=change / momentum_scale(subject.instance),
+        allowed=subject.round_off(subject.levels[0]) * sweeping(subject.instance, subject.method),
+        signal=_exchanged(subject, run),
+        unit="1",
+        basis=(
+            "action equals reaction at every step, so only round-off, c u sqrt(n),"
+            " may change momentum"
+        ),
+        what="The change of total momentum, relative to the initial sum of m|v|,",
+    )
+
+
+def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
+    """The largest change of the momentum of two that meet, in units of the impulse that the law
+    gives them; none if no impact comes alone between two samples.
+    """
+    truth = certified(subject)
+    assert truth is not None
+    scene = subject.instance.scene
+    law = scene.all(Contact)[0]
+    rounding = subject.round_off(subject.levels[-1])
+    times = []
+    values = []
+    allowed = []
+    for window in windows(truth, run, _late_by(subject, truth, plain)):
+        bodies = bodies_of(scene, window)
+        numbers = list(window.impact.bodies)
+        momenta = bodies.mass[:, None] * run.velocity[[window.first, window.last]][:, numbers]
+        exchanged = (1.0 + law.restitution) * bodies.normal_mass * window.impact.closing
+        change = momenta[1].sum(axis=0) - momenta[0].sum(axis=0)
+        times.append(window.impact.time)
+        values.append(float(np.linalg.norm(change)) / exchanged)
+        allowed.append(rounding * float(np.linalg.norm(momenta, axis=-1).sum()) / exchanged)
+    if not times:
+        return []
+    return [
+        worst(
+            check=Momentum.name,
+            quantity="pairs",
+            t=np.array(times),
+            values=np.array(values),
+            allowed=np.array(allowed),
+            signal=1.0,
+            unit="1",
+            basis="action equals reaction in every impact, so only round-off may change momentum",
+            what=(
+                f"The change of the momentum of two bodies that meet, the largest of {len(times)}"
+                " impacts, relative to the impulse of the law,"
+            ),
+        )
+    ]
+
+
+def _in_flights(subject: Subject, run: Trajectory) -> Finding:
+    """The largest |dv - g dt| between two samples of a body that meets nothing in between."""
+    truth = certified(subject)
+    if truth is None:
+        return undecided(Momentum.name, "flights", no_truth(subject))
+    fallen = falling(subject.instance.scene) * np.diff(run.t)[:, None, None]
+    departure = np.linalg.norm(np.diff(run.velocity, axis=0) - fallen, axis=-1)
+    is_flight = _flights(subject, truth, run)
+    if not is_flight.any():
+        return undecided(Momentum.name, "flights", "an impact comes between any two samples")
+    speed = subject.instance.scales.speed
+    return worst(
+        check=Momentum.name,
+        quantity="flights",
+        t=run.t[1:],
+        values=np.max(departure * is_flight, axis=1) / speed,
+        allowed=subject.noise(subject.levels[-1]),
+        signal=np.max(np.linalg.norm(fallen, axis=-1) * is_flight, axis=1) / speed,
+        unit="1",
+        basis=(
+            "between impacts velocities change by g dt, which every method adds exactly:"
+            " round-off, and u for each of n equal terms"
+        ),
+        what="The change of a velocity in flight less g dt, relative to L/tau,",
+    )
+
+
+def _flights(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
+    """True (T - 1, N) where a body certainly meets nothing between two samples."""
+    impacts = listed(truth.scalars)
+    late = _late_by(subject, truth, run)
+    begin = run.t[:-1]
+    end = run.t[1:]
+    is_flight = np.ones((len(begin), len(subject.instance.scene.bodies)), dtype=bool)
+    is_flight[truth.until - 1 :] = False
+    for number, impact in enumerate(impacts):
+        if number == len(late):
+            is_flight[end >= impact.time] = False
+            break
+        may_meet = (end >= impact.time - late[number]) & (begin <= impact.time + late[number])
+        for body in impact.bodies:
+            is_flight[may_meet, body] = False
+    return is_flight
+
+
+def _late_by(subject: Subject, truth: SampledTruth, run: Trajectory) -> list[float]:
+    """By how much each certified impact may come at another time in the run [s]."""
+    return late_by(subject, truth, crossings(subject, truth)["contact"], run)
 
 
 def _exchanged(subject: Subject, run: Trajectory) -> Array:

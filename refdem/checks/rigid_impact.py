@@ -1,16 +1,22 @@
-"""What two rigid spheres do to each other when they meet: restitution out against restitution in,
-an impulse in the friction cone, energy that is never gained.
+"""What rigid spheres do to each other and to planes when they meet: restitution out against
+restitution in, an impulse in the friction cone, friction and spins as the law has them.
+
+One impact needs no truth. Of impacts in sequence the certified list says which bodies meet when;
+what each of them does is judged between the samples around it (_impulses.py).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from refdem.checks._crossings import closing_speed, is_impact
+from refdem.checks._crossings import closing_speed, crossings, is_impact
+from refdem.checks._impacts import Impact, dense_variant, is_sequence, listed, windows
+from refdem.checks._impulses import Struck, bodies_of, by_law, off, pulls, spin_noise, struck
+from refdem.checks.event_times import late_by
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import Sight, judged, undecided
+from refdem.core.judgement import Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
@@ -44,41 +50,54 @@ class Exchange:
 
 
 class RigidImpact(Check):
-    """The first and the last sample of one impact, laid beside the law, without any truth.
+    """The samples before and after an impact, laid beside the law.
 
-    The normal is where straight lines from the first sample meet. Nothing but the impact acts, so
-    that every method is exact up to it and after it: there is no truncation error. A method that
-    sees the impact at the end of a step h sees it up to h V beyond, where the normal between two
-    spheres has turned by up to a = h V/R. So an impulse, which is at most 4 V m_n, is off by at
-    most 4 V m_n a (1 + a).
+    Of a single impact they are the first and the last one, without any truth. The normal is where
+    straight lines from the first sample meet. Nothing but the impact acts, so that every method is
+    exact up to it and after it: there is no truncation error. A method that sees the impact at the
+    end of a step h sees it up to h V beyond, where the normal between two spheres has turned by up
+    to a = h V/R. So an impulse, which is at most 4 V m_n, is off by at most 4 V m_n a (1 + a). Of a
+    sequence every impact is judged that comes alone between two samples.
     """
 
     name = "rigid-impact"
     title = "Impulse of an impact"
     kills = (
-        "restitution applied twice, below a threshold or not at all, friction beyond its limit, a"
-        " pair met twice or never"
+        "restitution applied twice, below a threshold, not at all or only in some impacts, friction"
+        " beyond its limit, a pair met twice or never"
     )
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Two free spheres that close under the rigid law, or one and a plane."""
+        """Two free spheres that close under the rigid law, or one and a plane; more of them where
+        truth has the list of their impacts.
+        """
         scene = subject.instance.scene
         if not is_impact(scene):
-            return "the scene is neither two rigid spheres nor one and a plane"
+            if not is_sequence(scene):
+                return "the scene is neither two rigid spheres nor one and a plane"
+            if certified(subject) and not _list(subject):
+                return "the certified truth has no list of impacts"
+            return None
         closing, _ = closing_speed(scene)
         if closing > 0:
             return None
         return "the spheres do not close"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run at the finest level."""
-        return (subject.finest,)
+        """The plain run at the finest level; for a sequence also with samples so dense that impacts
+        come alone.
+        """
+        if is_impact(subject.instance.scene):
+            return (subject.finest,)
+        return tuple(dict.fromkeys((subject.finest, dense_variant(subject))))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Restitution, and with friction the cone."""
         scene = subject.instance.scene
         run = runs[subject.finest].trajectory
+        if not is_impact(scene):
+            return _in_sequence(subject, run, runs[dense_variant(subject)].trajectory)
         found = exchange(scene, run)
         if found is None:
             return [undecided(self.name, "restitution", "no impact is due before the last sample")]
@@ -130,6 +149,151 @@ class RigidImpact(Check):
             basis=f"the speeds along the normal are those of the law, {TURNED}",
             what=f"The error of the restitution ({seen:.12g} is seen, the law says {given:.12g})",
         )
+
+
+def _list(subject: Subject) -> list[Impact]:
+    """The certified impacts; none without truth."""
+    if subject.truth is None:
+        return []
+    return listed(subject.truth.scalars)
+
+
+@dataclass(frozen=True)
+class Departure:
+    """By how much one impact departs from the law, and by how much a sound method may [1].
+
+    `words` say what is seen and when.
+    """
+
+    value: float
+    bound: float
+    words: str
+
+    @property
+    def share(self) -> float:
+        """The value over its bound."""
+        return self.value / self.bound
+
+
+Measure = Callable[[Subject, Trajectory, Struck], Departure]
+
+
+def _in_sequence(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
+    """The impacts of the certified list, each by its impulse; one finding for each part of it.
+
+    The plain run shows how late impacts may come, the other one, of denser samples, what they do.
+    """
+    truth = certified(subject)
+    if truth is None:
+        return [undecided("rigid-impact", "restitution", no_truth(subject))]
+    scene = subject.instance.scene
+    known = crossings(subject, truth)["contact"]
+    alone = windows(truth, run, late_by(subject, truth, known, plain))
+    seen = [found for window in alone if (found := struck(scene, run, window)) is not None]
+    findings = [
+        _worst_of(subject, run, seen, "restitution", _restitution_of, "the restitution"),
+    ]
+    if scene.all(Contact)[0].friction > 0:
+        findings.append(
+            _worst_of(subject, run, seen, "friction", _friction_of, "the tangential impulse")
+        )
+        findings.append(_worst_of(subject, run, seen, "spin", _spin_of, "the change of spins"))
+    return findings
+
+
+def _worst_of(
+    subject: Subject,
+    run: Trajectory,
+    seen: list[Struck],
+    quantity: str,
+    measure: Measure,
+    noun: str,
+) -> Finding:
+    """The finding on the impact that is nearest to its bound; undecided where bounds hide all."""
+    departures = [measure(subject, run, found) for found in seen if found.closing > 0]
+    sharp = [one for one in departures if one.bound <= HORIZON]
+    total = len(_list(subject))
+    if not sharp:
+        why = (
+            f"none of {total} impacts comes alone between two samples with a speed that is known"
+            " to a tenth; smaller steps or more samples are needed"
+        )
+        return undecided("rigid-impact", quantity, why)
+    worst = max(sharp, key=lambda one: one.share)
+    return judged(
+        check="rigid-impact",
+        quantity=quantity,
+        value=worst.value,
+        bound=worst.bound,
+        sight=Sight(worst.bound, 1.0),
+        unit="1",
+        basis=(
+            "flights lead up to the impact and away from it; what is left is round-off, and what"
+            " gravity or the turn of the normal adds in a step that sees the impact late"
+        ),
+        what=(
+            f"The error of {noun}, the largest of {len(sharp)} impacts of {total} ({worst.words}),"
+        ),
+    )
+
+
+def _restitution_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
+    """The parting over the closing speed, against the law's."""
+    given = subject.instance.scene.all(Contact)[0].restitution
+    ratio = found.parting / found.closing
+    along, _ = pulls(subject.instance.scene, found)
+    bound = (1.0 + given) * off(subject, run, found, along) / found.closing
+    words = (
+        f"{ratio:.12g} is seen at t = {found.window.impact.time:.6g} s, the law says {given:.12g}"
+    )
+    return Departure(abs(ratio - given), bound, words)
+
+
+def _friction_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
+    """The impulse across the normal against the law's, in units of effective mass times the closing
+    speed.
+
+    The law takes the impulse that stops the slip to the nearest point of the friction cone, so that
+    it carries errors on with at most (1 + b) m_t of the slip and mu (1 + e) m_n of the speed.
+    """
+    scene = subject.instance.scene
+    law = scene.all(Contact)[0]
+    bodies = bodies_of(scene, found.window)
+    unit = bodies.normal_mass * found.closing
+    across = found.impulse - float(found.impulse @ found.normal) * found.normal
+    departure = float(np.linalg.norm(across - by_law(scene, found))) / unit
+    carried = (1.0 + law.slip_restitution) * bodies.tangential_mass
+    carried += law.friction * (1.0 + law.restitution) * bodies.normal_mass
+    along, across_normal = pulls(scene, found)
+    spinning = spin_noise(subject) * found.fastest
+    by_slip = carried * (off(subject, run, found, along + across_normal) + spinning)
+    # The impulse that is seen is a difference of two velocities of the first body.
+    by_speeds = 2.0 * float(bodies.mass[0]) * off(subject, run, found, across_normal)
+    return Departure(departure, (by_slip + by_speeds) / unit, _when(found))
+
+
+def _spin_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
+    """J times the change of omega against the moment R n x P of the impulse that is seen, in units
+    of R times effective mass times the closing speed.
+    """
+    scene = subject.instance.scene
+    bodies = bodies_of(scene, found.window)
+    unit = bodies.normal_mass * found.closing * bodies.radius
+    moment = bodies.radius[:, None] * np.cross(found.normal, found.impulse)
+    departure = float(np.max(np.linalg.norm(found.spun - moment, axis=1) / unit))
+    numbers = list(found.window.impact.bodies)
+    rows = [found.window.first, found.window.last]
+    omega = np.linalg.norm(run.omega[rows][:, numbers], axis=-1).sum(axis=0)
+    rounded = spin_noise(subject) * float(np.max(bodies.inertia * omega / unit))
+    _, across = pulls(scene, found)
+    speeds = 2.0 * float(bodies.mass[0]) * off(subject, run, found, across)
+    bound = rounded + speeds / float(bodies.normal_mass * found.closing)
+    return Departure(departure, bound, _when(found))
+
+
+def _when(found: Struck) -> str:
+    """When an impact is due, in words."""
+    return f"the one at t = {found.window.impact.time:.6g} s"
 
 
 def _fastest(scene: Scene) -> float:

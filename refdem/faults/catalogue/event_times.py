@@ -107,6 +107,29 @@ FAULTS = (
         ),
     ),
     event(
+        name="impact-told-of-another-body",
+        sentence="Impacts of three balls are told of the one that does not meet.",
+        on=("cradle",),
+        sees=("event-times", "contact"),
+        after=_changed(
+            lambda events, request, run: tuple(
+                Event(e.time, e.kind, (e.body + 2) % 3) for e in events
+            )
+        ),
+    ),
+    event(
+        name="impact-told-twice",
+        sentence="The first impact is told once more in the next step.",
+        on=("cradle", "drop"),
+        sees=("event-times", "contact"),
+        after=_changed(
+            lambda events, request, run: (
+                *events,
+                *(_moved(e, request.signed_step) for e in events[:1]),
+            )
+        ),
+    ),
+    event(
         name="release-where-the-force-turns",
         sentence=(
             "A contact that ends with the overlap is told to end where the dashpot begins to pull."

@@ -2,9 +2,14 @@
 twice or never.
 """
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
 from refdem.faults import impacts
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
@@ -130,6 +135,12 @@ def _resting_below(law: Any, ease: Any, closing: Any) -> Any:
     if closing < 4:
         e = 0.0
     return (1 + e) * closing / ease
+
+
+def _thin_air(request: Request, run: Trajectory) -> Trajectory:
+    """Velocities lose a hundredth of a millionth in every second."""
+    fade = np.exp(-1e-8 * (run.t - run.t[0]))
+    return replace(run, velocity=run.velocity * fade[:, None, None])
 
 
 def _at_the_end_of_the_step(p: Parts) -> dict[str, Any]:
@@ -329,14 +340,21 @@ FAULTS = (
         name="bounce-friction-from-weight",
         sentence="Friction in a bounce is cut by the weight, not by the impulse.",
         on=("drop",),
-        sees=("error", "vx"),
+        sees=("rigid-impact", "friction"),
         inside=_of_impact(tangential_impulse=_friction_from_weight),
+    ),
+    impact(
+        name="bounce-in-thin-air",
+        sentence="Velocities fade a little, as in air that nobody asked for.",
+        on=("drop",),
+        sees=("momentum", "flights"),
+        after=_thin_air,
     ),
     impact(
         name="bounce-below-a-threshold",
         sentence="A ball that comes with less than 4 m/s stays, and creeps.",
         on=("drop",),
-        sees=("error", "vy"),
+        sees=("rigid-impact", "restitution"),
         inside=_of_impact(normal_impulse=_resting_below),
     ),
 )

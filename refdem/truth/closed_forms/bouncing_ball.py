@@ -27,6 +27,7 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_forms.hard_spheres import law_of
 from refdem.truth.exact import number, vector
+from refdem.truth.impact_scalars import impact_scalars
 from refdem.truth.impact_sequence import Encounter, ImpactList, ImpactSequence
 from refdem.truth.refiner import Size
 from refdem.truth.rigid_impact import Motion, RoundBody, impact_of
@@ -87,7 +88,8 @@ class Bounces:
 
     def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of bounces up to the end of the run, the time of the first one and, with e <
-        1, the time at which they accumulate [s], and the energy lost up to the end of the run [J].
+        1, the time at which they accumulate [s], the energy lost up to the end of the run [J], and
+        the list of the bounces up to there.
         """
         lost = arb(0)
         for k in range(self.count):
@@ -98,7 +100,7 @@ class Bounces:
             found["accumulation_time"] = arb_of(
                 accumulation_time(motion.impacts, self.floor, self.restitution)
             )
-        return found
+        return found | impact_scalars(motion, self.count)
 
     def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""

@@ -17,6 +17,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.impact_scalars import impact_scalars
 from refdem.truth.impact_sequence import (
     OF_BODY,
     Encounter,
@@ -70,7 +71,9 @@ class Cradle:
     witness = WITNESS
 
     def constants(self, motion: ImpactSequence) -> dict[str, arb]:
-        """The number of impacts, the time of the last one [s], and the energy lost in all [J]."""
+        """The number of impacts, the time of the last one [s], the energy lost in all [J], and the
+        list of them.
+        """
         moments = motion.impacts.all()
         if len(moments) == motion.impacts.most:
             raise endless()
@@ -81,6 +84,7 @@ class Cradle:
             "impacts": arb(sum(len(moment.encounters) for moment in moments)),
             "last_impact_time": arb_of(moments[-1].time),
             "energy_lost": lost,
+            **impact_scalars(motion, len(moments)),
         }
 
     def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:

@@ -37,6 +37,7 @@ class Flight:
         self.now = arb(0)
         self.height = arb_of(number(p, "height"))
         self.bounces = 0
+        self.told: dict[str, arb] = {}
 
     def next_bounce(self) -> arb:
         """The time of the next zero of the height, by bisection after its highest point."""
@@ -72,16 +73,21 @@ class Flight:
         self.now = when
         # The impact is where the sphere touches.
         self.height = arb(0)
+        self.bounces += 1
+        name = f"impact_{self.bounces}"
+        self.told[name] = when
+        self.told[f"{name}_closing"] = -self.sphere.v[1]
         self.sphere.r[1] = self.sphere.radius
         into = [arb(0), arb(-1), arb(0)]
         velocities, _ = struck([self.sphere], into, self.law)
         self.sphere.v = velocities[:3]
         self.sphere.omega = velocities[3:6]
-        self.bounces += 1
 
 
 def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The states at the times, and the time of the first bounce."""
+    """The states at the times, the time of the first bounce, and the bounces up to the last one of
+    these times.
+    """
     flight = Flight(p)
     coming = flight.next_bounce()
     first = coming
@@ -102,7 +108,7 @@ def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cl
                 "omega": flight.sphere.omega[2],
             },
         )
-    scalars = {"first_bounce": first}
+    scalars = {"first_bounce": first, **flight.told}
     if e < 1:
         # What is left after this flight is a geometric series of flights, each e times as long.
         ended = flight.now

@@ -31,6 +31,7 @@ class Line:
         self.restitution = arb_of(number(p, "restitution"))
         self.now = arb(0)
         self.impacts = 0
+        self.told: dict[str, arb] = {}
         # Each surface begins where the one before it ends, and a gap.
         self.x = [arb(0)]
         edge = self.radii[0]
@@ -62,6 +63,11 @@ class Line:
         self.x = self.places(when)
         self.now = when
         self.impacts += 1
+        name = f"impact_{self.impacts}"
+        self.told[name] = when
+        self.told[f"{name}_closing"] = self.v[k] - self.v[k + 1]
+        self.told[f"{name}_body"] = arb(k)
+        self.told[f"{name}_other"] = arb(k + 1)
         momentum = self.masses[k] * self.v[k] + self.masses[k + 1] * self.v[k + 1]
         parting = self.restitution * (self.v[k] - self.v[k + 1])
         rows = arb_mat([[self.masses[k], self.masses[k + 1]], [arb(-1), arb(1)]])
@@ -98,6 +104,7 @@ def newtons_cradle(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: C
             "impacts": arb(line.impacts),
             "last_impact_time": line.now,
             "energy_lost": before - line.energy(),
+            **line.told,
         },
     )
 

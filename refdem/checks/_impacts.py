@@ -1,0 +1,182 @@
+"""Impacts in sequence: the certified list of them in the scalars of the truth, and the samples of a
+run between which each comes alone.
+
+Truth tells of impact number k, from 1 on, the time `impact_k` [s], the closing speed
+`impact_k_closing` [m/s], and the numbers of the bodies, `impact_k_body` and, unless it is a plane,
+`impact_k_other` (refdem/truth/impact_scalars.py).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.check import Subject
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.scene import Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+Array = NDArray[np.float64]
+Scalars = Mapping[str, tuple[float, float]]
+MOST_BODIES = 16
+"""Bodies up to which impacts may be listed: those of a game of billiards. Lists of more are lost
+after a few of them, as errors grow from impact to impact.
+"""
+SAMPLES_A_WAIT = 4
+"""Samples in the shortest time between two impacts of a body: one before and one after each are
+free of both, however they lie.
+"""
+MOST_DENSE = 64
+"""Samples in place of one, at most: a run must be read."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A certified impact at `time` +- `radius` [s] of bodies that close with `closing` [m/s]: two,
+    or one that meets a plane.
+    """
+
+    time: float
+    radius: float
+    closing: float
+    bodies: tuple[int, ...]
+
+
+def listed(scalars: Scalars) -> list[Impact]:
+    """The certified impacts in order of time; none where truth tells of no list."""
+    found: list[Impact] = []
+    for number in count(1):
+        name = f"impact_{number}"
+        if name not in scalars:
+            return found
+        time, radius = scalars[name]
+        closing, of_closing = scalars[f"{name}_closing"]
+        roles = [f"{name}_{role}" for role in ("body", "other")]
+        bodies = tuple(int(scalars[role][0]) for role in roles if role in scalars)
+        # The slowest that they may close: rates are bounded from below.
+        found.append(Impact(time, radius, closing - of_closing, bodies))
+    return found
+
+
+def is_sequence(scene: Scene) -> bool:
+    """A few free spheres under the rigid law, on which nothing but planes and uniform gravity
+    acts.
+    """
+    laws = scene.all(Contact)
+    if len(scene.bodies) > MOST_BODIES:
+        return False
+    if len(laws) != 1 or laws[0].law != "rigid" or scene.bodies.fixed.any():
+        return False
+    known = all(isinstance(part, Contact | Plane | UniformGravity) for part in scene.elements)
+    return known and all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
+
+
+def falling(scene: Scene) -> Array:
+    """The uniform gravity (3,) [m/s^2] of a scene."""
+    total: Array = np.zeros(3)
+    for field in scene.all(UniformGravity):
+        total = total + np.array(field.g)
+    return total
+
+
+def gap_rates(instance: Instance, impact: Impact) -> tuple[float, float]:
+    """|g'| [1/s] and a bound on |g''| [1/s^2] of the gap at an impact, in units of what one scale
+    of every place changes it by.
+
+    Towards a plane a gap changes with the pull g. Two spheres fall alike: with the relative speed w
+    the gap bends by (w^2 - c^2)/R, which is nothing on a line, w being at most 2 V.
+    """
+    scene = instance.scene
+    dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    reach = instance.scales.length * len(impact.bodies) * sqrt(dimension)
+    if len(impact.bodies) == 1:
+        bend = float(np.linalg.norm(falling(scene)))
+    elif dimension == 1:
+        bend = 0.0
+    else:
+        radii = float(scene.bodies.radius[list(impact.bodies)].sum())
+        bend = (2 * instance.scales.speed) ** 2 / radii
+    return impact.closing / reach, bend / reach
+
+
+@dataclass(frozen=True)
+class Window:
+    """An impact and two samples, `first` and `last` by number, between which it comes and no other
+    one of its bodies does. In the run it comes at another time by `late_by` [s] at most.
+    """
+
+    impact: Impact
+    first: int
+    last: int
+    late_by: float
+
+
+def shortest_wait(impacts: Sequence[Impact]) -> float:
+    """The shortest time between two impacts of one body [s]; infinite if none has two."""
+    last: dict[int, float] = {}
+    waits = [inf]
+    for impact in impacts:
+        for body in impact.bodies:
+            if body in last:
+                waits.append(impact.time - last[body])
+            last[body] = impact.time
+    return min(waits)
+
+
+def dense_variant(subject: Subject) -> Variant:
+    """The finest level with 2^k samples in place of one, so many that every impact comes alone
+    between two of them, as far as steps allow.
+    """
+    plain = subject.finest
+    if subject.truth is None:
+        return plain
+    interval = float(subject.instance.problem.interval)
+    wait = shortest_wait(listed(subject.truth.scalars))
+    dense = 1
+    while dense < MOST_DENSE and SAMPLES_A_WAIT * interval > dense * wait:
+        if subject.method.control == "step" and interval < 2 * dense * plain.level:
+            break
+        dense *= 2
+    if dense == 1:
+        return plain
+    return Variant(plain.level, "denser_output", dense)
+
+
+def windows(truth: SampledTruth, run: Trajectory, late_by: Sequence[float]) -> list[Window]:
+    """The impacts of the list that come alone between two samples of the run, in their order, up to
+    the last certified one.
+
+    `late_by` [s] is by how much each may come at another time in the run; of impacts after the last
+    one that has a number nothing is known but that they come later.
+    """
+    impacts = listed(truth.scalars)
+    known = impacts[: len(late_by)]
+    times = run.t
+    last = truth.t[truth.until - 1]
+    if len(impacts) > len(known):
+        last = min(last, impacts[len(known)].time)
+    found = []
+    for number, impact in enumerate(known):
+        begin = float(times[0])
+        end = last
+        for other, neighbour in enumerate(known):
+            if not set(neighbour.bodies) & set(impact.bodies):
+                continue
+            if other < number:
+                begin = max(begin, neighbour.time + late_by[other])
+            if other > number:
+                end = min(end, neighbour.time - late_by[other])
+        late = late_by[number]
+        before = np.flatnonzero((times >= begin) & (times < impact.time - late))
+        after = np.flatnonzero((times > impact.time + late) & (times <= end))
+        if len(before) and len(after):
+            found.append(Window(impact, int(before[-1]), int(after[0]), late))
+    return found

@@ -1,0 +1,240 @@
+"""What one impact of a sequence changed, from the last sample before it to the first one after it,
+and by how much a sound method may be off there.
+
+Notation: n is the unit normal from the first body to what it meets, c the closing speed, s the slip
+of the points that touch, P the impulse on the first body, all at the instant s_0 after the first
+sample at which the bodies touch by their own flight from there. In a flight under gravity g
+velocities change by g t and nothing else.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdem.checks._impacts import Array, Window, falling
+from refdem.core.check import Subject
+from refdem.core.refinement import turning
+from refdem.core.trajectory import Trajectory
+from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The instant at which bodies touch, `wait` [s] after a sample, and the normal (3,) there."""
+
+    wait: float
+    normal: Array
+
+
+@dataclass(frozen=True)
+class Struck:
+    """One impact as a run shows it.
+
+    `closing` and `parting` [m/s] are the speeds along the normal right before and after it, `slip`
+    (3,) [m/s] is that of the surfaces before it, `impulse` (3,) [N s] is P, `spun` (N, 3) [N m s]
+    what the spins of the bodies gained. `fastest` [m/s] bounds every speed at which points of the
+    surfaces meet.
+    """
+
+    window: Window
+    normal: Array
+    closing: float
+    parting: float
+    slip: Array
+    impulse: Array
+    spun: Array
+    fastest: float
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """The numbers of what meets: masses [kg], radii [m] and moments of inertia [kg m^2], (N,)."""
+
+    mass: Array
+    radius: Array
+    inertia: Array
+
+    @property
+    def normal_mass(self) -> float:
+        """m_n = 1/(1/m1 + 1/m2) [kg]."""
+        return 1.0 / float(np.sum(1.0 / self.mass))
+
+    @property
+    def tangential_mass(self) -> float:
+        """m_t = 1/(1/m1 + 1/m2 + R1^2/J1 + R2^2/J2) [kg]; a body without J does not turn."""
+        turns = self.inertia > 0
+        eased = np.sum(self.radius[turns] ** 2 / self.inertia[turns])
+        return 1.0 / float(np.sum(1.0 / self.mass) + eased)
+
+
+def bodies_of(scene: Scene, window: Window) -> Bodies:
+    """The bodies of an impact."""
+    numbers = list(window.impact.bodies)
+    columns = scene.bodies
+    return Bodies(columns.mass[numbers], columns.radius[numbers], columns.inertia[numbers, 0])
+
+
+def touch(scene: Scene, run: Trajectory, window: Window) -> Touch | None:
+    """Where the flights from the first sample lead the bodies together; None if they do not."""
+    numbers = list(window.impact.bodies)
+    place = run.position[window.first, numbers]
+    velocity = run.velocity[window.first, numbers]
+    if len(numbers) == 1:
+        return _on_plane(scene, place[0], velocity[0], float(scene.bodies.radius[numbers[0]]))
+    reach = float(scene.bodies.radius[numbers].sum())
+    return _of_pair(place[1] - place[0], velocity[1] - velocity[0], reach)
+
+
+def _on_plane(scene: Scene, place: Array, velocity: Array, radius: float) -> Touch | None:
+    """The first touch of a sphere that falls on the planes of a scene."""
+    found: list[Touch] = []
+    for plane in scene.all(Plane):
+        away = np.array(plane.normal)
+        height = float((place - np.array(plane.point)) @ away) - radius
+        descent = -float(velocity @ away)
+        pull = -float(falling(scene) @ away)
+        # height = w t + a t^2/2: of both forms of the root the one without cancellation.
+        squared = descent**2 + 2.0 * pull * height
+        if squared <= 0.0:
+            continue
+        root = float(np.sqrt(squared))
+        if descent > 0.0:
+            found.append(Touch(2.0 * height / (descent + root), -away))
+        elif pull > 0.0:
+            found.append(Touch((root - descent) / pull, -away))
+    return min(found, key=lambda one: one.wait, default=None)
+
+
+def _of_pair(apart: Array, relative: Array, reach: float) -> Touch | None:
+    """The touch of two spheres, the second seen from the first: straight lines, for both fall
+    alike.
+    """
+    nearing = -float(apart @ relative)
+    if nearing <= 0.0:
+        return None
+    # t = k/(b + sqrt(q)) with b = -d.w, k = (|d| - R)(|d| + R), q = w^2 R^2 - |d x w|^2.
+    distance = float(np.linalg.norm(apart))
+    swept = np.cross(apart, relative)
+    squared = reach**2 * float(relative @ relative) - float(swept @ swept)
+    if squared <= 0.0:
+        return None
+    wait = (distance - reach) * (distance + reach) / (nearing + np.sqrt(squared))
+    return Touch(float(wait), (apart + wait * relative) / reach)
+
+
+def struck(scene: Scene, run: Trajectory, window: Window) -> Struck | None:
+    """What the impact of a window changed; None if the run does not lead its bodies together."""
+    found = touch(scene, run, window)
+    lasting = float(run.t[window.last] - run.t[window.first])
+    if found is None or not 0.0 <= found.wait <= lasting:
+        return None
+    numbers = list(window.impact.bodies)
+    bodies = bodies_of(scene, window)
+    pull = falling(scene)
+    normal = found.normal
+    before = run.velocity[window.first, numbers] + pull * found.wait
+    after = run.velocity[window.last, numbers] - pull * (lasting - found.wait)
+    omega = run.omega[[window.first, window.last]][:, numbers]
+    surface = np.sum(bodies.radius[:, None] * omega[0], axis=0)
+    approach = _relative(before) + np.cross(surface, normal)
+    closing = float(approach @ normal)
+    spinning = float(bodies.radius @ np.linalg.norm(omega[0], axis=-1))
+    return Struck(
+        window=window,
+        normal=normal,
+        closing=closing,
+        parting=-float(_relative(after) @ normal),
+        slip=approach - closing * normal,
+        impulse=bodies.mass[0] * (after[0] - before[0]),
+        spun=bodies.inertia[:, None] * (omega[1] - omega[0]),
+        fastest=float(np.linalg.norm(_relative(before))) + spinning,
+    )
+
+
+def _relative(velocity: Array) -> Array:
+    """The velocity (3,) of the first of two bodies against the second, or of one against a
+    plane.
+    """
+    if len(velocity) == 1:
+        alone: Array = velocity[0]
+        return alone
+    between: Array = velocity[0] - velocity[1]
+    return between
+
+
+def lateness(subject: Subject, window: Window) -> float:
+    """By how much later than where the flights touch an impact may be seen [s]: nothing where
+    events are located, else a step; the bound on its time for a tolerance.
+    """
+    method = subject.method
+    if method.control == "tolerance":
+        return window.late_by
+    if method.control == "exact" or method.locates_events:
+        return 0.0
+    return subject.levels[-1]
+
+
+def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
+    """By how much a speed of the impact may be off [m/s], in a direction in which gravity has the
+    part `pull` [m/s^2].
+
+    - Late by t gravity adds g t, and an order below 2 adds what it gives in a step once more.
+    - Late by t the normal of two spheres has turned by a = w t/R, which an impulse of up to 2 w on
+      either side of it sees as 2 w a (1 + a).
+    - Places that are rounded by d make the touch late by d/c, and turn the normal by d/R.
+    - Velocities are rounded.
+    """
+    scene = subject.instance.scene
+    numbers = list(found.window.impact.bodies)
+    late = lateness(subject, found.window)
+    unseen = 0.0
+    if subject.method.control == "step" and subject.method.order < 2:
+        unseen = subject.levels[-1]
+    noise = subject.noise(subject.levels[-1])
+    of_speeds = noise
+    if not falling(scene).any():
+        # Without a force nothing is added to a velocity step by step.
+        of_speeds = subject.round_off(subject.levels[-1])
+    rows = [found.window.first, found.window.last]
+    speeds = float(np.linalg.norm(run.velocity[rows][:, numbers], axis=-1).sum())
+    places = float(np.linalg.norm(run.position[found.window.first, numbers], axis=-1).sum())
+    reach = float(scene.bodies.radius[numbers].sum())
+    rounded = noise * (places + reach)
+    total = of_speeds * (speeds + found.fastest) + pull * (late + unseen + rounded / found.closing)
+    if len(numbers) == 2 and "dimension:1" not in scene.features:
+        # Where spheres nearly pass each other a late touch turns the normal by more.
+        steep = max(1.0, found.fastest / found.closing)
+        turned = (late * found.fastest + rounded * steep) / reach
+        total += 2.0 * found.fastest * turned * (1.0 + turned)
+    return total
+
+
+def pulls(scene: Scene, found: Struck) -> tuple[float, float]:
+    """The parts of gravity along and across the normal [m/s^2]."""
+    pull = falling(scene)
+    along = float(pull @ found.normal)
+    return abs(along), float(np.linalg.norm(pull - along * found.normal))
+
+
+def spin_noise(subject: Subject) -> float:
+    """Relative round-off of a spin: that of a velocity, and what turning its axes adds."""
+    level = subject.levels[-1]
+    return subject.noise(level) + turning(subject.instance, subject.method, level)
+
+
+def by_law(scene: Scene, found: Struck) -> Array:
+    """The impulse (3,) [N s] across the normal that the law gives: against the slip what stops or
+    reverses it, (1 + b) m_t s, cut at mu p.
+    """
+    law = scene.all(Contact)[0]
+    bodies = bodies_of(scene, found.window)
+    wanted = (1.0 + law.slip_restitution) * bodies.tangential_mass * found.slip
+    pressing = (1.0 + law.restitution) * bodies.normal_mass * found.closing
+    limit = law.friction * pressing
+    size = float(np.linalg.norm(wanted))
+    if size > limit:
+        wanted = wanted * (limit / size)
+    against: Array = -wanted
+    return against
