@@ -4,6 +4,7 @@ file's name.
 
 from importlib import import_module
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -14,7 +15,28 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _version(is_asked: bool) -> None:
+    """Prints the version and ends, if it was asked for."""
+    if is_asked:
+        from refdem import __version__
+
+        print(f"refdem {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version.", callback=_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Verifies rigid-body and discrete element codes against certified truth."""
+
 
 _FRAME = ("__init__", "app", "outputs", "progress", "skeleton", "summary")
 

@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from refdem.bench.record import BenchRecord
     from refdem.bench.tables import Table
-    from refdem.report.bench import Cells
+    from refdem.report.markdown import Cells
 
 TITLE = "Run time against error"
 FEWEST_SPHERES = 100

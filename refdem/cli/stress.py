@@ -8,7 +8,8 @@ import typer
 
 if TYPE_CHECKING:
     from refdem.core.store import Store
-    from refdem.report.stress import Cells, Section
+    from refdem.report.markdown import Cells
+    from refdem.report.stress import Section
     from refdem.stress.record import StressRecord
     from refdem.stress.tables import Table
 
