@@ -7,6 +7,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.problem import Request
+from refdem.core.symmetry import Symmetry
 from refdem.engines.reference import ENGINE
 from refdem.solvers._single_point import time_unit
 
@@ -42,6 +43,27 @@ def test_the_same_motion_at_another_pace_has_the_same_numbers(
     assert len(slow.events) == len(fast.events)
     for one, same in zip(slow.events, fast.events, strict=True):
         assert same.time / seconds == pytest.approx(one.time, rel=1e-12)
+
+
+@pytest.mark.parametrize("pace", [2.0**-56, 2.0**56])
+@pytest.mark.parametrize(
+    ("method", "case", "given"),
+    [
+        ("stick-slip", "stick-slip", {"x0": "3", "v0": "-2"}),
+        ("stick-slip", "stick-slip", {"friction_law": "linear", "gamma": "2", "eta": "5/4"}),
+        ("stick-slip", "stick-slip", {"belt": "-1/2", "gamma": "3", "lambda1": "1/8"}),
+        ("rod-taylor", "pendulum", {"thetadot0": "1/2"}),
+    ],
+)
+def test_every_number_of_a_scene_is_told_in_the_unit_of_its_pace(method, case, given, pace):
+    """Quotients by a power of two are exact: only what the kernel's own unit rounds may differ."""
+    motion = discovery.case(case).at(**given, duration="6", samples="16").problem
+    paced = Symmetry(units=(1.0, 1.0, pace))
+    plain, _ = ENGINE.run(Request(problem=motion, method=method))
+    mapped, _ = ENGINE.run(Request(problem=paced.applied(motion), method=method))
+    undone = paced.undone(mapped)
+    assert np.max(np.abs(undone.position - plain.position)) <= 1e-13
+    assert np.max(np.abs(undone.velocity - plain.velocity)) <= 1e-13
 
 
 @pytest.mark.parametrize(
