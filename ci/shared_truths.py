@@ -46,6 +46,7 @@ class SharedTruths:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        # Until it is known what the test at hand does.
         self.is_open = False
 
     def available(self, instance: Instance) -> SampledTruth | None:
