@@ -9,14 +9,16 @@ import subprocess
 import sys
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from unittest import mock
 
 import pytest
 from file_times import FileTimes
 from hypothesis import HealthCheck, settings
+from shared_truths import SharedTruths
 
+from refdem.campaign import in_process
 from refdem.cli import main
 
 # Examples depend on no clock (a busy machine is slow) and are the same in every run;
@@ -31,6 +33,22 @@ settings.load_profile("refdem")
 def pytest_configure(config: pytest.Config) -> None:
     """Tells at the end in which files processors worked longest."""
     config.pluginmanager.register(FileTimes(), "file-times")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _truths_shared(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[None]:
+    """`in_process.truth_of` proves each truth once, for all workers of the session."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        # That of all workers is around that of one.
+        folder = folder.parent
+    shared = SharedTruths(folder / "truths")
+    request.config.pluginmanager.register(shared, "shared-truths")
+    with mock.patch.object(in_process, "kept_truth", shared.available):
+        yield
+    request.config.pluginmanager.unregister(shared)
 
 
 @pytest.fixture(scope="session")

@@ -248,6 +248,9 @@ def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
     """sound + amplitude (faulty - sound), number by number; raises TypeError for what is no number
     and not the same.
     """
+    # Most of what is mixed, in every step of a run, are plain numbers.
+    if type(sound) is float:
+        return sound + amplitude * (faulty - sound)
     if isinstance(sound, np.ndarray) and sound.shape == np.shape(faulty):
         return sound + amplitude * (faulty - sound)
     if isinstance(sound, tuple | list):

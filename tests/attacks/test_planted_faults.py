@@ -33,6 +33,9 @@ def run(site, *arguments):
         "from refdem.cli import main; main()",
         "run",
         *arguments,
+        # Another worker would cost more than it does.
+        "--jobs",
+        "1",
         "--out",
         str(site / "report"),
     ]
