@@ -47,7 +47,7 @@ class Cost:
 
 
 def costs(
-    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None
+    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda line: None
 ) -> list[Cost]:
     """The cost of every gas of so many spheres in every code that is installed and can move it."""
     all_costs = []

@@ -31,15 +31,13 @@ class Entrant:
     is_peer: bool = False
 
     def request(self, level: float, problem: Problem | None = None) -> Request:
-        """The request of a level, also of another problem."""
+        """The request of a level, for the problem of the instance unless another one is given."""
         if problem is None:
-            asked = self.instance.problem
-        else:
-            asked = problem
+            problem = self.instance.problem
         control: dict[str, Any] = {}
         if self.method.control != "exact":
             control[self.method.control] = level
-        return Request(problem=asked, method=self.method.name, **control)
+        return Request(problem=problem, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:
         """One run; raises EngineError if the samples are not those asked for."""
@@ -50,5 +48,6 @@ class Entrant:
 
     def errors(self, trajectory: Trajectory, truth: SampledTruth, level: float) -> dict[str, float]:
         """The largest error over the run of each quantity, in units of its scale."""
-        seen: dict[str, Array] = errors(self.instance, trajectory, truth, self.method.delay(level))
-        return {name: float(np.max(values)) for name, values in seen.items()}
+        delay = self.method.delay(level)
+        over_time: dict[str, Array] = errors(self.instance, trajectory, truth, delay)
+        return {name: float(np.max(values)) for name, values in over_time.items()}

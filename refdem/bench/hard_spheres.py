@@ -34,11 +34,13 @@ def box_of_spheres(n: int, part: float) -> Scene:
     """Smooth elastic spheres of unit mass and diameter on a lattice between six planes, with
     normally distributed velocities of variance 1 (always the same).
     """
-    along = int(np.ceil(np.cbrt(n) - 1e-9))
+    # The least cube of cells that has one for each sphere.
+    cells_a_side = int(np.ceil(np.cbrt(n) - 1e-9))
+    # n spheres of volume pi/6 are this part of the box.
     volume = n * np.pi / 6 / part
-    size = max(float(np.cbrt(volume)), LEAST_GAP * along)
-    cells = np.indices((along, along, along)).reshape(3, -1).T[:n]
-    places = (cells + 0.5) * (size / along)
+    box_side = max(float(np.cbrt(volume)), LEAST_GAP * cells_a_side)
+    cells = np.indices((cells_a_side, cells_a_side, cells_a_side)).reshape(3, -1).T[:n]
+    places = (cells + 0.5) * (box_side / cells_a_side)
     velocities = np.random.default_rng(0).normal(size=(n, 3))
     bodies = []
     for place, velocity in zip(places.tolist(), velocities.tolist(), strict=True):
@@ -55,15 +57,15 @@ def box_of_spheres(n: int, part: float) -> Scene:
     walls = []
     for axis in np.eye(3):
         walls.append(Plane(point=(0.0, 0.0, 0.0), normal=tuple(axis.tolist())))
-        walls.append(Plane(point=tuple((size * axis).tolist()), normal=tuple((-axis).tolist())))
+        walls.append(Plane(point=tuple((box_side * axis).tolist()), normal=tuple((-axis).tolist())))
     return Scene.of(bodies, [Contact(law="rigid", restitution=1.0), *walls])
 
 
 def rates(
-    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None
+    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda line: None
 ) -> list[Rate]:
     """The rate of every box of so many spheres, one thread."""
-    found = []
+    measured = []
     for n in sizes:
         for part in PARTS:
             progress(f"{n} hard spheres, {part:g} of the box")
@@ -76,8 +78,8 @@ def rates(
                 impacts, _ = _seconds(scene, short)
             end = short * IMPACTS / impacts
             timed = [_seconds(scene, end) for _ in range(rounds)]
-            found.append(Rate(n, part, [seconds / count for count, seconds in timed]))
-    return found
+            measured.append(Rate(n, part, [seconds / count for count, seconds in timed]))
+    return measured
 
 
 def _seconds(scene: Scene, end: float) -> tuple[int, float]:
@@ -88,11 +90,11 @@ def _seconds(scene: Scene, end: float) -> tuple[int, float]:
     return len(trajectory.events), cost.seconds
 
 
-def table(found: Sequence[Rate]) -> Table:
+def table(measured: Sequence[Rate]) -> Table:
     """The rates as a table: a line for each box."""
     header = ("box", "impacts a second", "an impact", "least to most")
     rows = []
-    for rate in found:
+    for rate in measured:
         median = statistics.median(rate.rounds)
         extremes = f"{duration(min(rate.rounds))} to {duration(max(rate.rounds))}"
         box = f"{rate.n} spheres, {rate.part:g} of the box"

@@ -115,7 +115,7 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
 def interleaved(
     entrants: Iterable[Measured],
     rounds: int,
-    told: Callable[[int], None] = lambda done: None,
+    report: Callable[[int], None] = lambda done: None,
     other: Other | None = None,
 ) -> list[float]:
     """Times every level of every entrant once a round, from another one on in each; returns the
@@ -141,7 +141,7 @@ def interleaved(
                 measured.rounds[level].append(_timed(measured, level))
                 if not late:
                     _beside(measured, level, other, place)
-            told(number + 1)
+            report(number + 1)
     return yardstick
 
 

@@ -13,14 +13,14 @@ STATUS = Path("/proc/self/status")
 RESET = Path("/proc/self/clear_refs")
 
 
-def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:
+def peaks(runs: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:
     """Bytes by which each finest run lifts the peak of resident memory, after the coarsest has
     loaded everything.
 
     For (address of the engine, is it a peer, coarsest, finest request); None where the system does
     not say, or the run fails there.
     """
-    jobs = [(engine, peer, coarse.packed(), fine.packed()) for engine, peer, coarse, fine in asked]
+    jobs = [(engine, peer, coarse.packed(), fine.packed()) for engine, peer, coarse, fine in runs]
     if not jobs or not RESET.exists():
         return [None] * len(jobs)
     with multiprocessing.get_context("spawn").Pool(1) as pool:

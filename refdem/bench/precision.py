@@ -61,19 +61,19 @@ def order(points: Sequence[Point]) -> float | None:
 
     None if there are none.
     """
-    seen = _truncating(points)
-    if not seen:
+    pairs = _truncating(points)
+    if not pairs:
         return None
-    coarse, fine = seen[-1]
+    coarse, fine = pairs[-1]
     return math.log(coarse.error / fine.error) / math.log(coarse.level / fine.level)
 
 
 def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: float) -> float | None:
     """C in error = C (1 + T/tau) (h/tau)^p at the finest level that shows truncation, p claimed."""
-    seen = _truncating(points)
-    if not seen or claimed < 1:
+    pairs = _truncating(points)
+    if not pairs or claimed < 1:
         return None
-    _, finest = seen[-1]
+    _, finest = pairs[-1]
     growth_in_time = 1 + duration / tau
     step_in_tau = finest.level / tau
     return finest.error / (growth_in_time * step_in_tau**claimed)
@@ -82,21 +82,21 @@ def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: flo
 def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
     """Neighbours whose errors both stand clear of the floor and of the scale itself, and fall."""
     floor = min((point.error for point in points), default=0.0)
+    last = 0.0
     if points:
         last = points[-1].error
-    else:
-        last = 0.0
     still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
     # While errors still fall, the last of them is no floor.
-    if still_falling:
-        clear = ROUND_OFF
-    else:
-        clear = max(ROUND_OFF, CLEAR * floor)
-    return [
-        (coarse, fine)
-        for coarse, fine in pairwise(points)
-        if 0 < fine.error < coarse.error < 0.3 and fine.error > clear
-    ]
+    least = ROUND_OFF
+    if not still_falling:
+        least = max(ROUND_OFF, CLEAR * floor)
+    pairs = []
+    for coarse, fine in pairwise(points):
+        # An error near the scale itself is none of truncation.
+        is_falling = 0 < fine.error < coarse.error < 0.3
+        if is_falling and fine.error > least:
+            pairs.append((coarse, fine))
+    return pairs
 
 
 def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
@@ -109,10 +109,9 @@ def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
         other_size, other_time = second
         if size != other_size and min(time, other_time) > 0:
             slopes.append(math.log(other_time / time) / math.log(other_size / size))
+    exponent = None
     if slopes:
         exponent = statistics.median(slopes)
-    else:
-        exponent = None
     return Growth(by=by, sizes=list(sizes), seconds=list(times), exponent=exponent)
 
 

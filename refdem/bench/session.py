@@ -51,7 +51,7 @@ class Bench:
     with_memory: bool = True
     with_stability: bool = True
     grow: Mapping[str, list[str]] = field(default_factory=dict)
-    progress: Callable[[str], None] = lambda told: None
+    progress: Callable[[str], None] = lambda line: None
     beside: Path | None = None
 
     def record(self) -> BenchRecord:
@@ -60,22 +60,23 @@ class Bench:
             name="bench", case=self.cases, engines=self.engines, method=self.method
         )
         engines, _ = plan.engines(specification)
-        measured = [self._of(instance, engines) for instance, _ in plan.instances(specification)]
-        everything = list(chain.from_iterable(measured))
-        if not any(one.errors for one in everything):
-            reasons = dict.fromkeys(one.refusal for one in everything)
+        # The methods of each instance, and of all instances in one list.
+        by_instance = [self._of(instance, engines) for instance, _ in plan.instances(specification)]
+        everything = list(chain.from_iterable(by_instance))
+        if not any(measured.errors for measured in everything):
+            reasons = dict.fromkeys(measured.refusal for measured in everything)
             raise UsageError("nothing could be run: " + "; ".join(reasons))
         yardstick = self._timed(everything)
         # The quantities that are compared, by instance.
         compared = {}
-        for found in measured:
-            if found:
-                label = found[0].entrant.instance.label
-                compared[label] = sorted(_common(found))
+        for methods in by_instance:
+            if methods:
+                label = methods[0].entrant.instance.label
+                compared[label] = sorted(_common(methods))
         curves = []
-        for one in everything:
-            quantities = set(compared[one.entrant.instance.label])
-            curves.append(self._curve(one, quantities))
+        for measured in everything:
+            quantities = set(compared[measured.entrant.instance.label])
+            curves.append(self._curve(measured, quantities))
         return BenchRecord(
             refdem=refdem.__version__,
             rounds=self.rounds,
@@ -128,13 +129,15 @@ class Bench:
         return entrants
 
     def _timed(self, everything: list[Measured]) -> list[float]:
-        """All rounds, alone or in turns; the yardstick of each."""
+        """Runs all rounds, alone or in turns with another installation; returns the seconds of a
+        fixed piece of work (the yardstick) in each round.
+        """
 
-        def told(done: int) -> None:
-            self.progress(f"round {done} of {self.rounds}")
+        def report(round_done: int) -> None:
+            self.progress(f"round {round_done} of {self.rounds}")
 
         if self.beside is None:
-            return interleaved(everything, self.rounds, told)
+            return interleaved(everything, self.rounds, report)
         places: list[Place] = []
         for measured in everything:
             places += [place(measured, level) for level in measured.errors]
@@ -146,9 +149,10 @@ class Bench:
                     return None
                 return other.seconds(number)
 
-            return interleaved(everything, self.rounds, told, seconds_beside)
+            return interleaved(everything, self.rounds, report, seconds_beside)
 
     def _peers(self) -> list[Engine]:
+        """The engines that only the bench knows, if they are to run."""
         if self.with_peers:
             return peers()
         return []
@@ -170,10 +174,13 @@ class Bench:
         points = measured.points(names)
         if not points:
             return bare
+        # Only a method with steps claims an order.
+        claimed = 0
+        order_seen = None
         if method.control == "step":
             claimed = method.order_for(instance.problem.features)
-        else:
-            claimed = 0
+        if claimed:
+            order_seen = precision.order(points)
         scales = instance.scales
         constant = precision.constant(
             points, claimed=claimed, tau=scales.tau, duration=scales.duration
@@ -182,10 +189,6 @@ class Bench:
         limited = ""
         if self.with_stability:
             limit, limited = stability_limit(entrant)
-        if claimed:
-            order_seen = precision.order(points)
-        else:
-            order_seen = None
         return msgspec.structs.replace(
             bare,
             points=points,
@@ -238,29 +241,30 @@ class Bench:
         except RefdemError:
             # The finest step of one size need not fit the samples of another.
             return None
-        one = Measured(other, errors={level: {}}, first={level: first}, rounds={level: []})
-        interleaved([one], self.rounds)
-        return precision.seconds_of(one.rounds[level])
+        measured = Measured(other, errors={level: {}}, first={level: first}, rounds={level: []})
+        interleaved([measured], self.rounds)
+        return precision.seconds_of(measured.rounds[level])
 
     def _with_memory(self, measured: list[Measured], curves: list[Curve]) -> list[Curve]:
         """The curves with the peak memory of their finest runs."""
         if not self.with_memory:
             return curves
-        places = [k for k, found in enumerate(measured) if found.errors]
-        asked = []
-        for k in places:
+        # Measured methods and curves have the same numbers.
+        numbers = [k for k, one in enumerate(measured) if one.errors]
+        jobs = []
+        for k in numbers:
             entrant = measured[k].entrant
-            run = list(measured[k].errors)
-            coarsest = entrant.request(run[0])
-            finest = entrant.request(run[-1])
-            asked.append((entrant.engine.address, entrant.is_peer, coarsest, finest))
-        for k, peak in zip(places, peaks(asked), strict=True):
+            levels_run = list(measured[k].errors)
+            coarsest = entrant.request(levels_run[0])
+            finest = entrant.request(levels_run[-1])
+            jobs.append((entrant.engine.address, entrant.is_peer, coarsest, finest))
+        for k, peak in zip(numbers, peaks(jobs), strict=True):
             curves[k] = msgspec.structs.replace(curves[k], memory=peak)
         return curves
 
 
 def place(measured: Measured, level: float) -> Place:
-    """One level as another installation is told of it."""
+    """One level of a method as it is sent to another installation."""
     entrant = measured.entrant
     request = msgspec.Raw(entrant.request(level).to_json())
     return Place(entrant.engine.address, entrant.is_peer, request, measured.first[level].seconds)
@@ -273,9 +277,8 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
         delays |= {entrant.method.delay(level) for level in entrant.levels}
     # A method that is late by nothing needs no samples of its own.
     delays.discard(0.0)
-    if delays:
-        truth = None
-    else:
+    truth = None
+    if not delays:
         truth = kept_truth(instance)
     if truth is None:
         given = dict(instance.p.given)
@@ -289,12 +292,12 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
 
 
 def _common(measured: list[Measured]) -> set[str]:
-    """Names of the quantities that every run of an instance shows; all that any shows if there are
-    none.
+    """Names of the quantities that every run of an instance has errors of; if there are none, of
+    those that any run has.
     """
-    shown: list[set[str]] = []
+    names_by_run: list[set[str]] = []
     for method in measured:
-        shown += [set(errors) for errors in method.errors.values()]
-    if not shown:
+        names_by_run += [set(errors) for errors in method.errors.values()]
+    if not names_by_run:
         return set()
-    return set.intersection(*shown) or set.union(*shown)
+    return set.intersection(*names_by_run) or set.union(*names_by_run)

@@ -30,7 +30,7 @@ def tables(record: BenchRecord, label: str) -> list[Table]:
     able = [curve for curve in curves if curve.points]
     goals = tuple(f"to {target:.0e}".replace("e-0", "e-") for target in TARGETS)
     timed = ("method", *goals, "least error", "set-up of a run", "compile or first set-up")
-    seen = (
+    measured = (
         "method",
         "order",
         "C",
@@ -43,7 +43,7 @@ def tables(record: BenchRecord, label: str) -> list[Table]:
     about_instance = [
         Table("Time to an error", timed, [_times(curve) for curve in able]),
         Table("Faster than the best peer by", ("method", *goals), _ratios(able)),
-        Table("What else was seen", seen, [_more(curve) for curve in able]),
+        Table("What else was seen", measured, [_more(curve) for curve in able]),
         Table("Not run", ("method", "reason"), refused),
     ]
     return [table for table in about_instance if table.rows]
@@ -109,17 +109,17 @@ def _fastest(reached: Sequence[Reach | None]) -> Reach | None:
     return min(able, key=lambda reach: reach.seconds, default=None)
 
 
-def _ratio(peer: Reach | None, own: Reach | None) -> str:
+def _ratio(peer: Reach | None, method: Reach | None) -> str:
     """How many times as fast as the peer a method is, with the extremes of the rounds."""
     if peer is None:
-        if own:
+        if method:
             return "no peer gets there"
         return NONE
-    if own is None:
+    if method is None:
         return "not reached"
-    median = two(peer.seconds / own.seconds)
-    least = two(peer.least / own.most)
-    most = two(peer.most / own.least)
+    median = two(peer.seconds / method.seconds)
+    least = two(peer.least / method.most)
+    most = two(peer.most / method.least)
     return f"{median}x ({least} to {most})"
 
 
@@ -128,22 +128,18 @@ def _more(curve: Curve) -> tuple[str, ...]:
     orders = NONE
     if curve.order_seen is not None:
         orders = f"{curve.order_seen:.2f} (claimed {curve.order_claimed})"
+    seconds_per_step = None
     if curve.control == "step":
         seconds_per_step = per_step(curve.points)
-    else:
-        seconds_per_step = None
-    if seconds_per_step is None:
-        step = NONE
-    else:
+    step = NONE
+    if seconds_per_step is not None:
         step = duration(seconds_per_step)
     grows = "; ".join(map(_growth, curve.growth)) or NONE
-    if curve.memory is None:
-        memory = NONE
-    else:
+    memory = NONE
+    if curve.memory is not None:
         memory = f"{two(curve.memory / 2**20)} MiB"
-    if curve.limit is None:
-        limit = NONE
-    else:
+    limit = NONE
+    if curve.limit is not None:
         limit = f"{curve.limit:.3f}"
     return (
         _name(curve),
@@ -158,9 +154,8 @@ def _more(curve: Curve) -> tuple[str, ...]:
 
 def _growth(growth: Growth) -> str:
     """The power, and the time at the largest size."""
-    if growth.exponent is None:
-        power = NONE
-    else:
+    power = NONE
+    if growth.exponent is not None:
         power = f"{growth.by}^{growth.exponent:.1f}"
     return f"{power}, {duration(growth.seconds[-1])} at {growth.sizes[-1]:g}"
 

@@ -86,12 +86,15 @@ def command(
     from refdem.core.parameters import labelled, settings
 
     given = settings(set or [])
-    entries = [Entry(name, own | given) for name, own in map(labelled, case or ["pendulum"])]
+    entries = []
+    for label in case or ["pendulum"]:
+        name, of_label = labelled(label)
+        entries.append(Entry(name, of_label | given))
+    # Either another Python, which runs in turns with this one, or an earlier record.
     beside = runnable(against)
+    earlier = None
     if against and not beside:
-        then = read(against)
-    else:
-        then = None
+        earlier = read(against)
     refuse_unwritable(out)
     bench = Bench(
         cases=entries,
@@ -105,34 +108,37 @@ def command(
         with_stability=stability,
         grow=grown(grow or []),
         beside=beside,
-        progress=lambda told: print(told, file=sys.stderr),
+        progress=_report,
     )
     record = bench.record()
     more = []
     if crowd:
         more.append(_cells(crowded(crowd, rounds)))
         more.append(_cells(collided(crowd, rounds)))
-    tell(record, out, then, more)
+    finish(record, out, earlier, more)
 
 
-def tell(
-    record: "BenchRecord", out: Path, then: "BenchRecord | None", more: "Sequence[Cells]"
+def _report(progress: str) -> None:
+    """Prints a line of progress to stderr, apart from the tables."""
+    print(progress, file=sys.stderr)
+
+
+def finish(
+    record: "BenchRecord", out: Path, earlier: "BenchRecord | None", more: "Sequence[Cells]"
 ) -> None:
-    """Writes the record and its pages, and ends the program: 1 if a method is slower."""
+    """Writes the record and its pages, and ends the program: 1 if a method is slower than in the
+    earlier record.
+    """
     import msgspec
 
     (out / "bench.json").write_bytes(msgspec.json.encode(record))
-    slower = written(out, record, then, more)
+    is_slower = written(out, record, earlier, more)
     print(f"bench: {out / 'bench.html'}")
-    if slower:
-        status = 1
-    else:
-        status = 0
-    raise typer.Exit(status)
+    raise typer.Exit(int(is_slower))
 
 
 def runnable(against: Path | None) -> Path | None:
-    """The Python to run in turns with this one, if it is that."""
+    """The path if it is a program, which is then another Python; None for a record."""
     if against and os.access(against, os.X_OK):
         return against
     return None
@@ -157,36 +163,38 @@ def crowded(sizes: str, rounds: int) -> "Table":
             f"--crowd is {sizes!r}; expected numbers of spheres, at least {FEWEST_SPHERES}, as"
             " 1000,10000"
         )
-    return table(
-        costs(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr))
-    )
+    return table(costs(_numbers(sizes), rounds, _report))
 
 
 def collided(sizes: str, rounds: int) -> "Table":
     """Impacts a second of so many rigid spheres in boxes, by sizes that `crowded` has accepted."""
     from refdem.bench.hard_spheres import rates, table
 
-    return table(
-        rates(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr))
-    )
+    return table(rates(_numbers(sizes), rounds, _report))
+
+
+def _numbers(sizes: str) -> list[int]:
+    """The numbers of a text such as 1000,10000."""
+    return [int(size) for size in sizes.split(",")]
 
 
 def written(
-    out: Path, record: "BenchRecord", then: "BenchRecord | None", more: "Sequence[Cells]" = ()
+    out: Path, record: "BenchRecord", earlier: "BenchRecord | None", more: "Sequence[Cells]" = ()
 ) -> bool:
-    """Writes the pages and prints the tables; whether a method is slower than `then`."""
+    """Writes the pages and prints the tables; True if a method is slower than in the earlier
+    record, or than in the other installation, in turns with which it ran.
+    """
     from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate
     from refdem.bench.tables import changes, chart_rows, introduction, tables
     from refdem.report.bench import Section, write
 
-    if then:
-        found = compared(record, then)
+    if earlier:
+        comparison = compared(record, earlier)
     else:
-        found = compared_in_turns(record)
-    if found:
-        extra: list[Cells] = [_cells(changes(found))]
-    else:
-        extra = []
+        comparison = compared_in_turns(record)
+    extra: list[Cells] = []
+    if comparison:
+        extra.append(_cells(changes(comparison)))
     extra += more
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:
@@ -202,15 +210,22 @@ def written(
         ]
         sections.append(Section(label, points, [_cells(table) for table in tables(record, label)]))
     write(out, TITLE, words, extra, sections)
-    for title, header, rows in [
-        *extra,
-        *(table for section in sections for table in section.tables),
-    ]:
-        print(
-            "\n".join([f"{title}: {'; '.join(header)}", *("  " + "; ".join(row) for row in rows)])
-        )
-    return any(change.verdict == "slower" for change in found)
+    for cells in extra:
+        _print_table(cells)
+    for section in sections:
+        for cells in section.tables:
+            _print_table(cells)
+    return any(change.verdict == "slower" for change in comparison)
+
+
+def _print_table(cells: "Cells") -> None:
+    """Prints a table as lines of text with semicolons between the cells."""
+    title, header, rows = cells
+    print(f"{title}: {'; '.join(header)}")
+    for row in rows:
+        print("  " + "; ".join(row))
 
 
 def _cells(table: "Table") -> "Cells":
+    """The table as reports take it: title, header, rows."""
     return table.title, table.header, table.rows

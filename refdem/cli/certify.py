@@ -53,34 +53,34 @@ def command(
     certified = Certification(home, Store(default_path()), jobs, anew, Progress()).run(cases or [])
     for problem in certified.problems:
         print(f"PROBLEM: {problem}")
-    print(f"{certified.made} sets proved. {told(home)}")
-    if certified.problems:
-        status = 1
-    else:
-        status = 0
-    raise typer.Exit(status)
+    print(f"{certified.made} sets proved. {summary(home)}")
+    raise typer.Exit(int(bool(certified.problems)))
 
 
 def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) -> int:
-    """Exit status of a check; what is wrong is printed."""
+    """Checks the store and prints its problems; exit status 1 if there are any, else 0.
+
+    The hashes of all sets are checked. If they hold, sets of the cases (all, if none is named) are
+    drawn by the seed, `each` of them for every case and method, and proved again.
+    """
     from refdem.campaign.reproof import contradictions, damaged, sample
     from refdem.cli.progress import Progress
     from refdem.truth.certified.reader import load
 
     problems = damaged(folder)
     if not problems:
-        every = load(folder=folder / "certified")
-        _refuse_unknown(cases, {one.case for one in every}, folder)
-        chosen = sample(
-            [one for one in every if not cases or one.case in cases], each=each, seed=seed
-        )
-        problems += contradictions(chosen, jobs=jobs, progress=Progress())
-        print(f"{len(chosen)} sets proved again. {told(folder)}")
+        certified_sets = load(folder=folder / "certified")
+        known_cases = {certified.case for certified in certified_sets}
+        _refuse_unknown(cases, known_cases, folder)
+        candidates = [
+            certified for certified in certified_sets if not cases or certified.case in cases
+        ]
+        drawn = sample(candidates, each=each, seed=seed)
+        problems += contradictions(drawn, jobs=jobs, progress=Progress())
+        print(f"{len(drawn)} sets proved again. {summary(folder)}")
     for problem in problems:
         print(f"PROBLEM: {problem}")
-    if problems:
-        return 1
-    return 0
+    return int(bool(problems))
 
 
 def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
@@ -100,20 +100,19 @@ def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
             raise UsageError(f"{folder} has no set of case {name!r}; {nearest(name, known)}")
 
 
-def told(folder: Path) -> str:
-    """How much the store holds, and what of it is stale."""
+def summary(folder: Path) -> str:
+    """A sentence: how much the store holds, and which of its sets are stale."""
     from refdem.campaign.certification import stale
     from refdem.truth.certified.reader import load
 
     sets = load(folder=folder / "certified")
-    old = stale(folder)
-    named = ", ".join(old[:5])
-    if len(old) > 5:
-        named += " ..."
-    if old:
-        more = f", {len(old)} stale or missing: {named}; run `make certify`"
-    else:
-        more = ", none stale"
-    cases = len({one.case for one in sets})
-    values = sum(len(one.values) for one in sets)
-    return f"The store has {len(sets)} sets of {cases} cases, {values} values{more}."
+    stale_sets = stale(folder)
+    listed = ", ".join(stale_sets[:5])
+    if len(stale_sets) > 5:
+        listed += " ..."
+    staleness = "none stale"
+    if stale_sets:
+        staleness = f"{len(stale_sets)} stale or missing: {listed}; run `make certify`"
+    cases = len({certified.case for certified in sets})
+    values = sum(len(certified.values) for certified in sets)
+    return f"The store has {len(sets)} sets of {cases} cases, {values} values, {staleness}."

@@ -44,13 +44,13 @@ def command(
 
     label, name, method = parts_of(record)
     case, given = labelled(label)
-    found = discovery.engine(engine or name)
-    if (reason := found.missing()) is not None:
+    chosen_engine = discovery.engine(engine or name)
+    if (reason := chosen_engine.missing()) is not None:
         raise EngineMissingError(f"engine {name} is not installed here; {reason}")
-    problem = discovery.case(case)
-    if isinstance(problem, Selection):
+    chosen_case = discovery.case(case)
+    if isinstance(chosen_case, Selection):
         raise UsageError(f"{case} is a selection of cases; name one of them")
-    result, step = diagnosed(problem.at(**given), found, method, level)
+    result, step = diagnosed(chosen_case.at(**given), chosen_engine, method, level)
     if json:
         print(msgspec.json.format(msgspec.json.encode(_document(record, step, result))).decode())
         return
@@ -103,24 +103,25 @@ def diagnosed(
         raise UnsupportedError(
             f"{engine.name}/{method} does not support {instance.label}: {reason}"
         )
-    every = levels(instance, claims, 10, 1e6)
-    chosen = every[min(level, len(every) - 1)]
+    # Steps or tolerances, coarse to fine; beyond the last one the last one counts.
+    all_levels = levels(instance, claims, 10, 1e6)
+    chosen_level = all_levels[min(level, len(all_levels) - 1)]
     step = None
     tolerance = None
     if claims.control == "step":
-        step = chosen
+        step = chosen_level
     elif claims.control == "tolerance":
-        tolerance = chosen
+        tolerance = chosen_level
     request = Request(problem=instance.problem, method=method, step=step, tolerance=tolerance)
     request = first_part(request)
-    run = _ran(engine, request)
+    run = _trajectory(engine, request)
     if request.step is None:
         return diagnosis(instance, request, run), None
     finer = replace(request, step=request.step / 2)
-    return diagnosis(instance, request, run, (finer, _ran(engine, finer))), request.step
+    return diagnosis(instance, request, run, (finer, _trajectory(engine, finer))), request.step
 
 
-def _ran(engine: "Engine", request: "Request") -> "Trajectory":
+def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
     """The engine's own run; raises EngineError if it has none to show."""
     from refdem.campaign.in_process import run_of
     from refdem.errors import EngineError
@@ -142,7 +143,7 @@ def _amplitude(twin: "Twin") -> float | None:
 
 def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
     """The diagnosis as JSON has it."""
-    found = result.explanation
+    twin_that_explains = result.explanation
     twins = [
         {
             "fault": twin.name or None,
@@ -154,13 +155,13 @@ def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str,
         for twin in result.twins
     ]
     explained = None
-    if found is not None:
+    if twin_that_explains is not None:
         explained = {
-            "fault": found.name or None,
-            "amplitude": _amplitude(found),
+            "fault": twin_that_explains.name or None,
+            "amplitude": _amplitude(twin_that_explains),
             "alike": list(result.alike),
-            "method": found.method,
-            "digits": found.digits,
+            "method": twin_that_explains.method,
+            "digits": twin_that_explains.digits,
         }
     return {
         "record": record,

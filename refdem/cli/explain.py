@@ -45,10 +45,10 @@ def command(
     from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
 
-    name, own = labelled(case)
+    name, of_label = labelled(case)
     specification = Specification(
         name="explain",
-        case=[Entry(name, own | settings(set or []))],
+        case=[Entry(name, of_label | settings(set or []))],
         engines=engine or [],
         timeout=timeout,
     )
@@ -61,14 +61,16 @@ def command(
             (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
         if truth.reason:
             print(f"  certified for {truth.until} of {len(instance.times)} samples: {truth.reason}")
-        for found in engines:
-            show(plan.tasks(specification, instance, only, found, truth, truth.reason))
+        for chosen_engine in engines:
+            show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
     for name, reason in missing.items():
         print(f"  {name}: not installed; {reason}")
 
 
 def asked(instance: "Instance") -> list[str]:
-    """What the question needs and what it does without, line by line."""
+    """Lines about a problem: its title, the features that an engine must have, those that it does
+    without, and its scales.
+    """
     from refdem.core.problem import Motion
 
     features = instance.problem.features

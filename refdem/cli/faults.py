@@ -42,15 +42,14 @@ def command(
 
     if seeds < 1:
         raise UsageError(f"--seeds is {seeds}; expected a number >= 1")
+    carrier = None
     if engine and engine != "transparent":
-        found = discovery.engine(engine)
-    else:
-        found = None
-    if found is not None and (reason := found.missing()) is not None:
+        carrier = discovery.engine(engine)
+    if carrier is not None and (reason := carrier.missing()) is not None:
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
-    matrix = FaultTrial(
-        engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()
-    ).matrix()
+    faults = chosen(fault or [])
+    trial = FaultTrial(engine=carrier, seeds=seeds, chosen=faults, progress=Progress())
+    matrix = trial.matrix()
     if json:
         print(msgspec.json.format(msgspec.json.encode(matrix)).decode())
     else:
@@ -68,33 +67,32 @@ def lines(matrix: "Matrix") -> list[str]:
     by_fault: dict[str, list[Kill]] = {}
     for kill in matrix.kills:
         by_fault.setdefault(kill.fault, []).append(kill)
-    shown = []
+    printed = []
     kind = ""
     for kills in by_fault.values():
+        # A heading for each class of faults.
         if kills[0].kind != kind:
             kind = kills[0].kind
-            shown.append(f"{kind}{'':{40 - len(kind)}}killed  beyond   by, and what else saw it")
-        shown.append(_row(kills))
+            printed.append(f"{kind:40}killed  beyond   by, and what else saw it")
+        printed.append(_row(kills))
     for kill in matrix.survivors():
-        shown.append(
+        printed.append(
             f"SURVIVES {kill.fault} on {kill.label} (seed {kill.seed}):"
             f" {kill.check}/{kill.quantity}: {kill.sentence}"
         )
     for alarm in matrix.alarms:
-        shown.append(f"ALARM {alarm.id} (seed {alarm.seed}): {alarm.sentence}")
+        printed.append(f"ALARM {alarm.id} (seed {alarm.seed}): {alarm.sentence}")
     if matrix.idle():
-        shown.append(f"checks that kill nothing: {', '.join(matrix.idle())}")
-    near = ", ".join(
-        f"{name} {margin:.1f}"
-        for name, margin in sorted(matrix.near.items(), key=lambda pair: pair[1])
-    )
-    shown.append(f"decades between the correct engine and its bounds: {near}")
+        printed.append(f"checks that kill nothing: {', '.join(matrix.idle())}")
+    nearest_first = sorted(matrix.near.items(), key=lambda pair: pair[1])
+    near = ", ".join(f"{name} {margin:.1f}" for name, margin in nearest_first)
+    printed.append(f"decades between the correct engine and its bounds: {near}")
     killed = sum(kill.killed for kill in matrix.kills)
-    shown.append(
+    printed.append(
         f"{len(by_fault)} faults at {matrix.seeds} seeds: {killed} of {len(matrix.kills)} killed,"
         f" {len(matrix.alarms)} alarms"
     )
-    return shown
+    return printed
 
 
 def _row(kills: "list[Kill]") -> str:
@@ -106,12 +104,11 @@ def _row(kills: "list[Kill]") -> str:
     beyond = min((kill.beyond for kill in kills if kill.beyond is not None), default=None)
     others = sorted({name.split("/")[0] for kill in kills for name in kill.also} - {first.check})
     if beyond is None:
-        size = "broken"
+        decades = "broken"
     elif beyond == float("inf"):
-        size = "inf"
+        decades = "inf"
     else:
-        size = f"{beyond:.2f}"
-    return (
-        f"  {first.fault:36} {killed:3}/{len(kills):<3} {size:>6}   {first.check}/{first.quantity};"
-        f" {', '.join(others) or 'nothing else'}"
-    )
+        decades = f"{beyond:.2f}"
+    counts = f"{killed:3}/{len(kills):<3} {decades:>6}"
+    also = ", ".join(others) or "nothing else"
+    return f"  {first.fault:36} {counts}   {first.check}/{first.quantity}; {also}"

@@ -42,10 +42,9 @@ def command(
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.cli.summary import exit_status, lines
+    from refdem.gate import markdown as gate_markdown
     from refdem.gate.baseline import read
     from refdem.gate.gate import of_program
-    from refdem.gate.markdown import annotations
-    from refdem.gate.markdown import markdown as told
     from refdem.report.files import written_to
 
     if bless and not why.strip():
@@ -59,7 +58,7 @@ def command(
     gate = of_program(toml, baseline, workers(jobs), Progress())
     if bless:
         refuse_unwritable_file(gate.baseline, "--baseline")
-    # A baseline that cannot be read is told before any program runs.
+    # A baseline that cannot be read is refused before any program runs.
     if gate.baseline.is_file():
         read(gate.baseline)
     sheets = gate.sheets()
@@ -70,25 +69,26 @@ def command(
     print("\n".join(lines(sheets)))
     _write(sheets, gate, junit, out)
     if markdown is not None:
-        written_to(markdown, told(gate.engine.name, sheets), "--markdown")
+        written_to(markdown, gate_markdown.markdown(gate.engine.name, sheets), "--markdown")
     if os.environ.get("GITHUB_ACTIONS") == "true":
-        print("\n".join(annotations(sheets)))
+        print("\n".join(gate_markdown.annotations(sheets)))
     raise typer.Exit(_verdict(gate, exit_status(sheets)))
 
 
 def _verdict(gate: "Gate", status: int) -> int:
-    """Says whether the gate is open; the exit status, 1 where nothing was accepted yet."""
+    """Prints whether the gate is open, and returns the exit status: 1 if there is no baseline yet,
+    else the given one.
+    """
     if not gate.baseline.is_file():
-        told = (
+        advice = (
             f"no baseline {gate.baseline}: the gate stays closed; accept these findings with:"
             ' refdem gate --bless --why "first baseline"'
         )
-        print(one_line(told))
+        print(one_line(advice))
         return 1
+    state = "open"
     if status:
         state = "closed"
-    else:
-        state = "open"
     print(f"the gate of {gate.engine.name} is {state}")
     return status
 
@@ -97,12 +97,12 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     """Writes the baseline and shows what it changes."""
     from refdem.core.finding import Record
     from refdem.gate import baseline
+    from refdem.gate.baseline import Accepted
 
     records: list[Record] = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    before: dict[str, Accepted] = {}
     if gate.baseline.is_file():
-        before = baseline.read(gate.baseline)[1]
-    else:
-        before = {}
+        _, before = baseline.read(gate.baseline)
     for line in baseline.differences(before, records):
         print(one_line(line))
     count = baseline.write(gate.baseline, records, why)
@@ -110,7 +110,7 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
 
 
 def _write(sheets: "list[Sheet]", gate: "Gate", junit: Path | None, out: Path | None) -> None:
-    """The JUnit file and the report that were asked for."""
+    """Writes the JUnit file and the folder of the report, each if it was asked for."""
     from refdem.report import write_junit, write_report
 
     if junit is not None:

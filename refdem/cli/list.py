@@ -22,11 +22,11 @@ def command(
         raise UsageError(f"list got {what!r}; expected cases, engines or checks")
     from refdem.core import discovery
 
-    found = [kinds[what](name) for name in discovery.names(what)]
+    items = [kinds[what](name) for name in discovery.names(what)]
     if json:
-        print(format.dumps(found, indent=1))
+        print(format.dumps(items, indent=1))
         return
-    for item in found:
+    for item in items:
         print(f"{item['id']:22} {item['title']}")
         for line in item.get("parameters", item.get("methods", [])):
             print(
@@ -36,19 +36,21 @@ def command(
 
 
 def case(name: str) -> dict[str, Any]:
-    """A case with its parameters and quantities."""
+    """A case as JSON has it: with its parameters and quantities, or for a selection of cases the
+    check by which it selects.
+    """
     from refdem.core import discovery
     from refdem.core.selection import Selection
 
-    found = discovery.case(name)
-    if isinstance(found, Selection):
+    listed = discovery.case(name)
+    if isinstance(listed, Selection):
         return {
-            "id": found.id,
-            "title": found.title,
-            "statement": found.statement,
-            "selects_by_check": found.check,
+            "id": listed.id,
+            "title": listed.title,
+            "statement": listed.statement,
+            "selects_by_check": listed.check,
         }
-    instance = found.at()
+    instance = listed.at()
     parameters = [
         {
             "name": p.name,
@@ -63,32 +65,31 @@ def case(name: str) -> dict[str, Any]:
     ]
     quantities = [{"name": q.name, "unit": q.unit} for q in instance.quantities.values()]
     return {
-        "id": found.id,
-        "title": found.title,
-        "statement": found.statement,
+        "id": listed.id,
+        "title": listed.title,
+        "statement": listed.statement,
         "parameters": parameters,
         "quantities": quantities,
     }
 
 
 def engine(name: str) -> dict[str, Any]:
-    """An engine with its methods and claims."""
+    """An engine as JSON has it: with its methods and their claims."""
     from refdem.campaign.sheets import claims
     from refdem.core import discovery
 
-    found = discovery.engine(name)
-    missing = found.missing()
-    methods = [{"name": m.name, "doc": claims(m)} for m in found.methods]
+    listed = discovery.engine(name)
+    missing = listed.missing()
+    methods = [{"name": m.name, "doc": claims(m)} for m in listed.methods]
+    state = f"{listed.title}: not installed; {missing}"
     if missing is None:
-        state = f"{found.title} {found.version()}"
-    else:
-        state = f"{found.title}: not installed; {missing}"
+        state = f"{listed.title} {listed.version()}"
     return {"id": name, "title": state, "installed": missing is None, "methods": methods}
 
 
 def check(name: str) -> dict[str, Any]:
-    """A check and the fault that it kills."""
+    """A check as JSON has it: with the fault that it kills."""
     from refdem.core import discovery
 
-    found = discovery.check(name)
-    return {"id": name, "title": found.title, "kills": found.kills}
+    listed = discovery.check(name)
+    return {"id": name, "title": listed.title, "kills": listed.kills}

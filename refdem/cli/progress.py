@@ -110,12 +110,14 @@ class Watch:
             spent = self._spent()
             if spent < self._next:
                 continue
-            told = f"{self._work}: {spent:.0f} s of CPU so far"
+            line = f"{self._work}: {spent:.0f} s of CPU so far"
             if self._whole is not None and self._whole > spent:
-                told += f", about {rounded(self._whole - spent)} to go"
+                line += f", about {rounded(self._whole - spent)} to go"
             if self._tty:
-                told = ERASE + told
+                # The line is drawn again in its place.
+                line = ERASE + line
             else:
-                told += "\n"
+                # A file gets few lines, each at twice the time of the one before.
+                line += "\n"
                 self._next = 2 * spent
-            _show(told)
+            _show(line)

@@ -111,9 +111,11 @@ def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specificati
         return named(campaign or "main")
     if campaign:
         return part(named(campaign), cases, given)
-    return Specification(
-        name="run", case=[Entry(name, own | given) for name, own in map(labelled, cases)]
-    )
+    entries = []
+    for label in cases:
+        name, of_label = labelled(label)
+        entries.append(Entry(name, of_label | given))
+    return Specification(name="run", case=entries)
 
 
 def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Specification":
@@ -131,16 +133,17 @@ def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Sp
         )
     chosen = []
     for label in cases:
-        name, own = labelled(label)
-        found = [
-            entry for entry in whole.case if entry.id == name and (not own or entry.set == own)
-        ]
-        if not found:
+        name, of_label = labelled(label)
+        # A bare name means all settings of that case.
+        entries = [entry for entry in whole.case if entry.id == name]
+        if of_label:
+            entries = [entry for entry in entries if entry.set == of_label]
+        if not entries:
             raise UsageError(
                 f"campaign {whole.name} has no {label!r};"
                 f" {nearest(name, {entry.id for entry in whole.case})}"
             )
-        chosen += [entry for entry in found if entry not in chosen]
+        chosen += [entry for entry in entries if entry not in chosen]
     return msgspec.structs.replace(whole, case=chosen, is_part=True)
 
 

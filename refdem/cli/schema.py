@@ -53,13 +53,14 @@ def command(
             f"schema got {what!r}; expected {', '.join(tables)}, certified, {', '.join(kinds)}"
         )
     if what in tables:
-        shown = tables[what]()
+        schema = tables[what]()
     elif what == "request":
-        either, found = msgspec.json.schema_components([RequestDocument, solid])
-        shown = {"anyOf": list(either), "$defs": found}
+        # A request is of a motion or of another kind of problem.
+        alternatives, definitions = msgspec.json.schema_components([RequestDocument, solid])
+        schema = {"anyOf": list(alternatives), "$defs": definitions}
     else:
-        shown = msgspec.json.schema(kinds[what])
-    print(json.dumps(shown, indent=1))
+        schema = msgspec.json.schema(kinds[what])
+    print(json.dumps(schema, indent=1))
 
 
 def trajectory() -> dict[str, Any]:

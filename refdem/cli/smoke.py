@@ -14,10 +14,10 @@ def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
     from refdem.core import discovery
     from refdem.errors import EngineMissingError, UsageError
 
-    found = discovery.engine(engine)
-    if (reason := found.missing()) is not None:
+    chosen = discovery.engine(engine)
+    if (reason := chosen.missing()) is not None:
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
-    findings = smoke(found)
+    findings = smoke(chosen)
     for finding in findings:
         print(f"{finding.outcome:12} {finding.quantity:24} {finding.sentence}")
     outcomes = {finding.outcome for finding in findings}

@@ -149,30 +149,26 @@ def _section(record: "StressRecord", number: int) -> "Section":
     from refdem.stress.tables import details
     from refdem.stress.verdict import ratio, shown_rung
 
-    asked = record.batteries[number]
-    points = [
-        Point(
-            c.ladder,
-            c.along,
-            index,
-            shown_rung(rung.rung),
-            c.engine,
-            c.method,
-            c.is_reference,
-            ratio(rung),
-            rung.verdict,
-        )
-        for c in record.climbs
-        if c.battery == asked.id
-        for index, rung in enumerate(c.rungs)
-    ]
-    return Section(
-        asked.id,
-        asked.title,
-        asked.question,
-        points,
-        [_cells(table) for table in details(record, asked.id)],
-    )
+    battery = record.batteries[number]
+    points = []
+    for climb in record.climbs:
+        if climb.battery != battery.id:
+            continue
+        for index, rung in enumerate(climb.rungs):
+            point = Point(
+                climb.ladder,
+                climb.along,
+                index,
+                shown_rung(rung.rung),
+                climb.engine,
+                climb.method,
+                climb.is_reference,
+                ratio(rung),
+                rung.verdict,
+            )
+            points.append(point)
+    tables = [_cells(table) for table in details(record, battery.id)]
+    return Section(battery.id, battery.title, battery.question, points, tables)
 
 
 def _cells(table: "Table") -> "Cells":

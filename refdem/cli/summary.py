@@ -44,39 +44,36 @@ def lines(sheets: list[Sheet]) -> list[str]:
     """The summary, line by line: errors first, then what failed, then engines that judged nothing,
     with their reasons.
     """
-    every = worst_first(sheets)
-    worst = [(record, finding) for record, finding in every if finding.outcome in BROKEN]
-    # Records may come from a file: each of the two is a line of its own again.
-    shown = [
-        f"{finding.outcome.upper():6} {one_line(record.id(finding))}\n      "
-        f" {one_line(finding.sentence)}"
-        for record, finding in worst[:MAX_FINDINGS]
-    ]
-    if len(worst) > MAX_FINDINGS:
-        shown.append(f"       ... and {len(worst) - MAX_FINDINGS} more; the report has them all")
-    shown += unjudged(sheets)
-    counts = Counter[str](finding.outcome for _, finding in every)
-    shown.append(
-        ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
-        or "nothing was found"
-    )
+    findings = worst_first(sheets)
+    broken = [(record, finding) for record, finding in findings if finding.outcome in BROKEN]
+    printed = []
+    for record, finding in broken[:MAX_FINDINGS]:
+        # Records may come from a file: line breaks in them would be taken for the end of a finding.
+        printed.append(f"{finding.outcome.upper():6} {one_line(record.id(finding))}")
+        printed.append(f"       {one_line(finding.sentence)}")
+    if len(broken) > MAX_FINDINGS:
+        printed.append(f"       ... and {len(broken) - MAX_FINDINGS} more; the report has them all")
+    printed += unjudged(sheets)
+    counts = Counter[str](finding.outcome for _, finding in findings)
+    totals = ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
+    printed.append(totals or "nothing was found")
     for sheet in sheets:
         if isinstance(sheet, CampaignSheet):
-            shown.append(
+            printed.append(
                 f"{sheet.runs_made} runs made, {sheet.runs_read} read from the store,"
                 f" {sheet.seconds:.1f} s"
             )
     if exit_status(sheets) == VOID:
-        shown.append(
+        printed.append(
             "nothing was judged: `refdem explain CASE --engine ENGINE` says what would run, and"
             " what is left out and why"
         )
-    return shown
+    return printed
 
 
 def unjudged(sheets: Iterable[Sheet]) -> list[str]:
-    """Every engine of which nothing was judged, with the reason for each case and method, equal
-    ones together.
+    """A line for each case and reason of every engine of which nothing was judged, with the methods
+    that have that reason.
     """
     records = [sheet for sheet in sheets if isinstance(sheet, Record)]
     judged = {
@@ -84,20 +81,21 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
         for record, finding in findings_of(records)
         if finding.outcome in (*DECIDED, *BROKEN)
     }
-    reasons: dict[tuple[str, str, str], list[str]] = {}
+    # The methods by case, engine and reason.
+    methods_by_reason: dict[tuple[str, str, str], list[str]] = {}
     for record in records:
         if record.engine in judged:
             continue
         for finding in record.findings:
-            reasons.setdefault((record.label, record.engine, finding.sentence), []).append(
-                record.method
-            )
-    told = [
-        one_line(f"{label}/{engine} ({', '.join(methods)}): {says}")
-        for (label, engine, says), methods in reasons.items()
-    ]
-    if len(told) > MAX_FINDINGS:
-        more = [f"... and {len(told) - MAX_FINDINGS} more reasons; the report has them all"]
-    else:
-        more = []
-    return told[:MAX_FINDINGS] + more
+            key = (record.label, record.engine, finding.sentence)
+            methods_by_reason.setdefault(key, []).append(record.method)
+    printed = []
+    for (label, engine, reason), methods in methods_by_reason.items():
+        printed.append(one_line(f"{label}/{engine} ({', '.join(methods)}): {reason}"))
+    left_out = len(printed) - MAX_FINDINGS
+    if left_out > 0:
+        return [
+            *printed[:MAX_FINDINGS],
+            f"... and {left_out} more reasons; the report has them all",
+        ]
+    return printed

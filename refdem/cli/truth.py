@@ -61,37 +61,34 @@ def command(
         return
     if not case:
         raise UsageError("truth got no case; expected one of `refdem list cases`, or --list")
-    name, own = labelled(case)
-    found = discovery.case(name)
-    if isinstance(found, Selection):
+    name, of_label = labelled(case)
+    chosen = discovery.case(name)
+    if isinstance(chosen, Selection):
         raise UsageError(
             f"{name} is a selection of cases and has no truth of its own; ask for one of its cases"
         )
-    instance = found.at(**(own | settings(set or [])))
+    instance = chosen.at(**(of_label | settings(set or [])))
     times = [exact(text) for text in at.split(",") if text.strip()]
     with Watch("proving") as watch:
         truth = instance.truth().refined(digits)
         announce(truth, max(times, default=Fraction(0)), digits, watch)
-        values = [
-            value(None, *item, truth.method, digits)
-            for item in scalars(truth, alone=not times).items()
-        ]
+        values = []
+        for quantity, ball in scalars(truth, alone=not times).items():
+            values.append(value(None, quantity, ball, truth.method, digits))
         for t in times:
-            values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
+            for quantity, ball in truth.at(t).items():
+                values.append(value(t, quantity, ball, truth.method, digits))
+    document = {
+        "case": name,
+        "parameters": instance.p.texts(),
+        "values": values,
+        "witness": truth.witness,
+    }
+    # What is not a motion has no unit of time.
+    unit = ""
     if "duration" in instance.p:
         unit = "s"
-    else:
-        unit = ""
-    show(
-        {
-            "case": name,
-            "parameters": instance.p.texts(),
-            "values": values,
-            "witness": truth.witness,
-        },
-        json,
-        unit,
-    )
+    show(document, json, unit)
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
@@ -122,54 +119,56 @@ def listed(case: str, as_json: bool) -> None:
     only = []
     if case:
         only.append(case)
-    found = certified_cases(truth_folder(), only)
-    if case and found and found[0].sets:
+    cases = certified_cases(truth_folder(), only)
+    sets = []
+    if case and cases and cases[0].sets:
         sets = load(case)
-    else:
-        sets = []
     if as_json:
-        document = {
-            "cases": found,
-            "sets": [
-                {"set": one.label, "values": len(one.values), "parameters": one.parameters}
-                for one in sets
-            ],
-        }
+        rows = []
+        for certified in sets:
+            count = len(certified.values)
+            rows.append(
+                {"set": certified.label, "values": count, "parameters": certified.parameters}
+            )
+        document = {"cases": cases, "sets": rows}
         print(msgspec.json.format(msgspec.json.encode(document)).decode())
         return
     print(
         f"{'case':24} {'sets':>4} {'values':>6} {'digits':>6} {'stale':>5}  method | witness when"
         " proved | witness in the tests"
     )
-    for one in found:
-        if one.has_no_witness:
-            typer.secho(line_of(one), fg="red")
-        else:
-            typer.secho(line_of(one))
-    for one_set in sets:
-        print(f"    {one_set.label}: {len(one_set.values)} values at t = {times_of(one_set)}")
-    print(in_all(found))
+    for certified_case in cases:
+        color = None
+        if certified_case.has_no_witness:
+            color = "red"
+        typer.secho(line_of(certified_case), fg=color)
+    for certified in sets:
+        count = len(certified.values)
+        print(f"    {certified.label}: {count} values at t = {times_of(certified)}")
+    print(in_all(cases))
 
 
-def line_of(one: "CertifiedCase") -> str:
-    """One case as a person reads it."""
+def line_of(certified: "CertifiedCase") -> str:
+    """One case as a line: sets, values, digits, stale sets, methods, witness when it was proved,
+    witness in the tests.
+    """
     digits = "exact"
-    if one.digits is not None or not one.sets:
-        digits = str(one.digits or "-")
-    if one.witnessed:
-        said = f"{one.witness} ({one.witnessed} values to {one.agreed} digits)"
-    else:
-        said = "none"
-    what = f"{'; '.join(one.methods) or 'nothing certified'} | {said} | {one.own_witness or 'none'}"
-    return f"{one.case:24} {one.sets:4} {one.values:6} {digits!s:>6} {one.stale:5}  {what}"
+    if certified.digits is not None or not certified.sets:
+        digits = str(certified.digits or "-")
+    methods = "; ".join(certified.methods) or "nothing certified"
+    witness = "none"
+    if certified.witnessed:
+        agreement = f"{certified.witnessed} values to {certified.agreed} digits"
+        witness = f"{certified.witness} ({agreement})"
+    counts = f"{certified.sets:4} {certified.values:6} {digits!s:>6} {certified.stale:5}"
+    in_tests = certified.own_witness or "none"
+    return f"{certified.case:24} {counts}  {methods} | {witness} | {in_tests}"
 
 
-def times_of(one: Any) -> str:
+def times_of(certified: Any) -> str:
     """The times of a certified set, as printed text."""
-    return (
-        ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None}))
-        or "no time"
-    )
+    times = sorted({value.t for value in certified.values if value.t is not None})
+    return ", ".join(str(t) for t in times) or "no time"
 
 
 def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
@@ -179,19 +178,19 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import told_to
 
-    is_told = False
+    is_announced = False
 
-    def hear(seconds: float) -> None:
-        nonlocal is_told
+    def first_forecast(seconds: float) -> None:
+        nonlocal is_announced
         watch.expect(seconds)
-        if seconds > DEAR and not is_told:
-            is_told = True
+        if seconds > DEAR and not is_announced:
+            is_announced = True
             watch.say(
                 f"a first forecast of the proof is {rounded(seconds)} of CPU; it is being made"
                 " sharper"
             )
 
-    with told_to(hear):
+    with told_to(first_forecast):
         seconds = truth.forecast(t, digits)
     watch.expect(seconds)
     warn(seconds)
@@ -245,28 +244,26 @@ def value(
 ) -> dict[str, str | None]:
     """One value as the JSON has it."""
     mid, radius = ball.decimals(places=digits + 5)
-    if t is None:
-        when = None
-    else:
-        when = str(t)
-    return {"t": when, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
+    time = None
+    if t is not None:
+        time = str(t)
+    return {"t": time, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
 
 
-def show(found: dict[str, Any], as_json: bool, unit: str) -> None:
-    """Prints as JSON or as a table; what is not a motion has no unit of time."""
+def show(document: dict[str, Any], as_json: bool, unit: str) -> None:
+    """Prints the values as JSON, or as a table in which times have this unit."""
     import json
 
     if as_json:
-        print(json.dumps(found, indent=1))
+        print(json.dumps(document, indent=1))
         return
-    for item in found["values"]:
-        if item["t"] is None:
-            when = ""
-        else:
-            when = f"({item['t']} {unit}".rstrip() + ")"
-        print(f"{item['quantity'] + when:24} {item['mid']} +- {item['radius']}")
-    if found["values"]:
-        method = found["values"][0]["method"]
-    else:
-        method = "none"
-    print(f"method: {method}\nwitness: {found['witness']}")
+    values = document["values"]
+    for item in values:
+        time = ""
+        if item["t"] is not None:
+            time = f"({item['t']} {unit}".rstrip() + ")"
+        print(f"{item['quantity'] + time:24} {item['mid']} +- {item['radius']}")
+    method = "none"
+    if values:
+        method = values[0]["method"]
+    print(f"method: {method}\nwitness: {document['witness']}")

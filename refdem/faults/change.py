@@ -96,18 +96,19 @@ class Late:
 
     def __init__(self, sound: Callable[..., Any]) -> None:
         self.sound = sound
-        self.kept: list[Any] = []
+        self.answers: list[Any] = []
+        """The answer of the call before, then that of this one."""
 
     def __call__(self, *arguments: Any) -> Any:
         """The answer of the call before this one."""
-        self.kept.append(self.sound(*arguments))
-        if len(self.kept) > 1:
-            return self.kept.pop(0)
-        return self.kept[0]
+        self.answers.append(self.sound(*arguments))
+        if len(self.answers) > 1:
+            return self.answers.pop(0)
+        return self.answers[0]
 
 
 def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
-    """Faulty parts that remember, with what is done with their memory when a run begins."""
+    """Faulty parts that remember, by name; `forget` is called whenever a run begins."""
 
     def fresh(kept: dict[str, Any]) -> None:
         forget()
@@ -117,24 +118,24 @@ def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, A
 
 
 def late(name: str) -> Inside:
-    """The part of that name, late."""
+    """The part of that name answers one call late."""
 
     def inside(p: Parts) -> dict[str, Any]:
         part = Late(getattr(p, name))
-        return forgetting(p, part.kept.clear, **{name: part})
+        return forgetting(p, part.answers.clear, **{name: part})
 
     return inside
 
 
 def every_other(name: str) -> Inside:
-    """A part that gives a vector, and nothing every second time."""
+    """The part of that name, whose result is a vector, gives the zero vector every second time."""
 
     def inside(p: Parts) -> dict[str, Any]:
         sound = getattr(p, name)
-        turns = count(1)
+        calls = count(1)
 
         def part(*arguments: Any) -> Any:
-            if next(turns) % 2:
+            if next(calls) % 2:
                 return sound(*arguments)
             return ZERO
 

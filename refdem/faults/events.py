@@ -394,19 +394,16 @@ def sign_change(
         # Truncate: move it towards the middle by k1 width^k2, at least by the resolution, so that a
         # chord that creeps along one end comes to the other side of the zero.
         shift = max(0.2 * width * width, resolution)
+        side = -1.0
         if middle > chord:
             side = 1.0
-        else:
-            side = -1.0
+        truncated = middle
         if shift <= abs(middle - chord):
             truncated = chord + side * shift
-        else:
-            truncated = middle
         # Project: stay as near to the middle as the allowed width demands.
         radius = allowed_width - width / 2
-        if abs(truncated - middle) <= radius:
-            part = truncated
-        else:
+        part = truncated
+        if abs(truncated - middle) > radius:
             part = middle - side * radius
         # Rounding may have put it on an end.
         if not low < part < high:

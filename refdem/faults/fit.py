@@ -62,8 +62,10 @@ def windows(defect: Array) -> list[int]:
 
 
 def amplitude(difference: Difference, counts: list[int]) -> float | None:
-    """The amplitude at which a twin comes nearest to the run; 0 if the fault does not act, None if
-    it does not move the twin there.
+    """The amplitude at which a twin comes nearest to the run.
+
+    It is looked for on the shortest window of `counts` samples, and followed to the longest. 0 if
+    the fault does not act; None if no amplitude of it explains the defect of the run.
     """
     plain = difference(0.0, counts[0])
     probe, moved = _probed(difference, counts[0])
@@ -72,32 +74,35 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
     effect = (moved - plain) / probe
     if not np.any(effect):
         return 0.0
-    size = float(np.linalg.norm(effect))
-    defect = float(np.linalg.norm(plain))
-    if defect == 0 or abs(float(effect @ plain)) < ALIGNED * size * defect:
+    effect_norm = float(np.linalg.norm(effect))
+    defect_norm = float(np.linalg.norm(plain))
+    # The cosine of effect and defect: a fault that moves the run elsewhere is none of its.
+    projection = float(effect @ plain)
+    if defect_norm == 0 or abs(projection) < ALIGNED * effect_norm * defect_norm:
         return None
-    found = -float(effect @ plain) / size**2
+    # Least squares of |plain + a effect|^2: a = -effect.plain/|effect|^2.
+    a = -projection / effect_norm**2
     for count in counts:
-        found = _refined(difference, count, found)
-        if not abs(found) <= LARGEST or not _explains(difference, count, found):
+        a = _refined(difference, count, a)
+        if not abs(a) <= LARGEST or not _explains(difference, count, a):
             return None
-    return found
+    return a
 
 
 def _explains(difference: Difference, count: int, amplitude: float) -> bool:
-    """Whether the amplitude leaves little of the defect over so many samples: what does not is not
-    followed to the end of the run.
+    """True if the amplitude leaves little of the defect over `count` samples: a fault that does not
+    is not followed to the end of the run.
     """
-    plain = difference(0.0, count)
-    left = difference(amplitude, count)
-    if plain is None or left is None:
+    defect = difference(0.0, count)
+    remainder = difference(amplitude, count)
+    if defect is None or remainder is None:
         return False
-    return float(np.linalg.norm(left)) <= UNEXPLAINED * float(np.linalg.norm(plain))
+    return float(np.linalg.norm(remainder)) <= UNEXPLAINED * float(np.linalg.norm(defect))
 
 
 def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
-    """A small amplitude and its twin less the run; of the other sign where a larger number makes no
-    scene.
+    """A small amplitude, and the twin at it less the run; the amplitude is negative where a larger
+    number is none that a scene can have.
     """
     upwards = difference(PROBE, count)
     if upwards is not None:
@@ -115,10 +120,12 @@ def _refined(difference: Difference, count: int, start: float) -> float:
     old = difference(before, count)
     new = difference(last, count)
     for _ in range(ROUNDS):
-        if old is None or new is None or last == before:
-            if old is None or new is None:
-                return inf
+        if old is None or new is None:
+            return inf
+        if last == before:
             return last
+        # d(a) = difference at the amplitude a is nearly a line: slope d' = (d1 - d0)/(a1 - a0), and
+        # the least |d1 + d' step|^2 is at step = -d'.d1/|d'|^2.
         slope = (new - old) / (last - before)
         steepness = float(slope @ slope)
         if steepness == 0 or not np.isfinite(steepness):

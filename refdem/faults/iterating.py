@@ -28,13 +28,18 @@ def logistic_flow(x: float, eta: float) -> float:
 
 
 def ahead(place: Pair, direction: Pair, table: Billiard) -> float:
-    """The way to the straight wall that is met next; a fault that hits the wrong one flies on."""
-    half = (table.width / 2, table.height / 2)
-    return min(_way(x, u, h) for x, u, h in zip(place, direction, half, strict=True))
+    """The distance to the straight wall that is met next; a fault that hits the wrong one flies
+    on.
+    """
+    to_side = _distance(place[0], direction[0], table.width / 2)
+    to_end = _distance(place[1], direction[1], table.height / 2)
+    return min(to_side, to_end)
 
 
-def _way(x: float, u: float, half: float) -> float:
-    """The way along one axis to the wall at `half` or -`half`; infinite across the axis."""
+def _distance(x: float, u: float, half: float) -> float:
+    """The length of the path to the wall at `half` or -`half` of an axis along which the place is x
+    and the direction u; infinite for a path across the axis.
+    """
     if not u:
         return inf
     if u > 0:
@@ -97,58 +102,67 @@ SOUND_MAPS = MapParts()
 
 def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
     """The requested iterates of the map, as a trajectory."""
-    wanted = set(problem.times.astype(int).tolist())
-    asked = problem.map
+    requested = set(problem.times.astype(int).tolist())
     state = tuple(problem.start.tolist())
     rows = []
     for n in range(problem.n + 1):
         if n:
-            state = parts.settled(_next(state, asked, parts))
-        if n in wanted:
+            state = parts.settled(_next(state, problem.map, parts))
+        if n in requested:
             rows.append(state)
-    out = np.array(rows)
-    if isinstance(asked, Billiard):
-        return Trajectory.of_values(
-            problem.times, {"position": out[:, :2].copy(), "direction": out[:, 2:].copy()}
-        )
-    return Trajectory.of_values(problem.times, {"x": out[:, 0].copy()})
+    columns = np.array(rows)
+    values = {"x": columns[:, 0].copy()}
+    if isinstance(problem.map, Billiard):
+        values = {"position": columns[:, :2].copy(), "direction": columns[:, 2:].copy()}
+    return Trajectory.of_values(problem.times, values)
 
 
-def _next(state: State, asked: Any, parts: MapParts) -> State:
-    """The next iterate of a map; of a billiard the next bounce: place and direction after it."""
-    if isinstance(asked, LogisticFlow):
-        return (parts.logistic_flow(state[0], asked.eta),)
-    if isinstance(asked, Logistic):
-        return (parts.logistic(state[0], asked.eta),)
+def _next(state: State, rule: Any, parts: MapParts) -> State:
+    """The next iterate of a map, the `rule`; of a billiard place and direction after the next
+    bounce.
+    """
+    if isinstance(rule, LogisticFlow):
+        return (parts.logistic_flow(state[0], rule.eta),)
+    if isinstance(rule, Logistic):
+        return (parts.logistic(state[0], rule.eta),)
     place = (state[0], state[1])
     direction = (state[2], state[3])
-    # The place on the straight walls, prolonged, that is `way` ahead.
-    way = parts.ahead(place, direction, asked)
-    hit = (place[0] + way * direction[0], place[1] + way * direction[1])
-    if isinstance(asked, StadiumBilliard) and (
-        abs(hit[0]) > parts.centre(asked) or not direction[1]
-    ):
-        # Beyond the straight walls of a stadium the half circle of that side is met instead.
-        hit, normal = _on_arc(place, direction, asked, parts.centre(asked) * _side(hit[0]))
-    else:
-        normal = parts.straight_normal(hit, asked)
-        # A straight wall runs along one axis: the other coordinate is that of the wall.
-        if normal[0]:
-            hit = (normal[0] * (asked.width / 2), hit[1])
-        if normal[1]:
-            hit = (hit[0], normal[1] * (asked.height / 2))
+    hit, normal = _bounce(place, direction, rule, parts)
     return (*hit, *parts.reflected(direction, normal))
+
+
+def _bounce(place: Pair, direction: Pair, table: Billiard, parts: MapParts) -> tuple[Pair, Pair]:
+    """The place on the wall that is met next, and the normal there."""
+    # Where the path meets the straight walls, prolonged.
+    distance = parts.ahead(place, direction, table)
+    hit = (place[0] + distance * direction[0], place[1] + distance * direction[1])
+    if isinstance(table, StadiumBilliard):
+        # Beyond the straight walls of a stadium the half circle of that side is met instead; a path
+        # along them never meets them.
+        centre = parts.centre(table)
+        if abs(hit[0]) > centre or not direction[1]:
+            return _on_arc(place, direction, table, centre * _side(hit[0]))
+    normal = parts.straight_normal(hit, table)
+    # A straight wall runs along one axis: the other coordinate is that of the wall.
+    if normal[0]:
+        hit = (normal[0] * (table.width / 2), hit[1])
+    if normal[1]:
+        hit = (hit[0], normal[1] * (table.height / 2))
+    return hit, normal
 
 
 def _on_arc(place: Pair, direction: Pair, table: Billiard, middle: float) -> tuple[Pair, Pair]:
     """The place on the half circle about (middle, 0) that is met, and the normal there."""
     r = table.height / 2
     x = place[0] - middle
-    # |(x, y) + way (u, v)| = r, the farther root: way^2 + 2 b way + c = 0 for a direction of length
-    # 1, b = x u + y v and c = x^2 + y^2 - r^2. Rounding may leave b^2 - c below 0 at a tangent.
-    b = x * direction[0] + place[1] * direction[1]
-    way = -b + sqrt(max(0.0, b * b - (x * x + place[1] ** 2 - r * r)))
-    n = ((x + way * direction[0]) / r, (place[1] + way * direction[1]) / r)
+    y = place[1]
+    u, v = direction
+    # |(x, y) + s (u, v)| = r, the farther root: s^2 + 2 b s + c = 0 for a direction of length 1,
+    # b = x u + y v and c = x^2 + y^2 - r^2. Rounding may leave b^2 - c below 0 at a tangent.
+    b = x * u + y * v
+    c = x * x + y**2 - r * r
+    s = -b + sqrt(max(0.0, b * b - c))
+    n = ((x + s * u) / r, (y + s * v) / r)
     # Back to length 1, so that the place lies on the circle to round-off.
     n = (n[0] / hypot(*n), n[1] / hypot(*n))
     return (middle + r * n[0], r * n[1]), n

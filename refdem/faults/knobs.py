@@ -28,9 +28,10 @@ NOT_FACTORS = frozenset({"a", "b", "axis", "normal"})
 
 @dataclass(frozen=True, kw_only=True)
 class Knob:
-    """A fault of any amplitude: its name, what it does at an amplitude, and an engine that has it.
+    """A fault of any amplitude.
 
-    `fault` is the one of the catalogue that it continues, if it does.
+    `says` describes the fault at an amplitude in a sentence; `carrier` makes the transparent engine
+    with the fault at an amplitude; `fault` is the one of the catalogue that it continues, if any.
     """
 
     name: str
@@ -40,34 +41,36 @@ class Knob:
 
 
 def misread(scene: Scene) -> Iterator[Knob]:
-    """Every number of a scene that may be taken a little too large or too small: amplitude a is a
-    factor of 1 + a.
+    """Knobs of every number of a scene that may be taken a little too large or too small.
+
+    Amplitude a is a factor of 1 + a. Numbers that are 0 are left out: no factor changes them.
     """
-    for number, element in enumerate(scene.elements):
-        for name in element.__struct_fields__:
-            value = getattr(element, name)
-            if name not in NOT_FACTORS and _is_numeric(value) and np.any(value):
-                kind = element.kind.replace("_", "-")
-                yield _misread(
-                    f"{kind}-{name}", f"{name} of element {number} ({kind})", _field(number, name)
-                )
+    yield from _misread_elements(scene)
     for name in ("mass", "inertia", "velocity", "omega"):
         if np.any(getattr(scene.bodies, name)):
             yield _misread(f"body-{name}", f"{name} of the bodies", _column(name, ...))
     if np.any(scene.bodies.inertia):
         for axis in range(3):
-            yield _misread(
-                f"inertia-{axis + 1}",
-                f"moment of inertia {axis + 1}",
-                _column("inertia", (slice(None), axis)),
-            )
+            column = _column("inertia", (slice(None), axis))
+            yield _misread(f"inertia-{axis + 1}", f"moment of inertia {axis + 1}", column)
     yield from _misread_masses(scene)
     if any(isinstance(shape, Sphere) for shape in scene.bodies.shapes):
         yield _misread("radius", "radius of the spheres", _radii)
 
 
+def _misread_elements(scene: Scene) -> Iterator[Knob]:
+    """Knobs of every field of an element that is a number or several."""
+    for number, element in enumerate(scene.elements):
+        kind = element.kind.replace("_", "-")
+        for name in element.__struct_fields__:
+            value = getattr(element, name)
+            if name not in NOT_FACTORS and _is_numeric(value) and np.any(value):
+                description = f"{name} of element {number} ({kind})"
+                yield _misread(f"{kind}-{name}", description, _field(number, name))
+
+
 def _misread_masses(scene: Scene) -> Iterator[Knob]:
-    """The mass of each of two bodies on its own."""
+    """Knobs of the mass of each of two bodies by itself; none of other numbers of bodies."""
     if len(scene.bodies) != 2:
         return
     for body in range(2):
@@ -75,10 +78,11 @@ def _misread_masses(scene: Scene) -> Iterator[Knob]:
 
 
 Misreading = Callable[[Request, float], Request]
+"""From a request and a factor, the request with a number multiplied by that factor."""
 
 
-def _misread(name: str, what: str, change: Misreading) -> Knob:
-    """The knob of one misread number."""
+def _misread(name: str, description: str, misreading: Misreading) -> Knob:
+    """The knob of one misread number, which `description` names in its sentence."""
 
     def carrier(amplitude: float) -> Engine:
         fault = Fault(
@@ -87,36 +91,32 @@ def _misread(name: str, what: str, change: Misreading) -> Knob:
             sentence="",
             on=(),
             sees=("", ""),
-            before=lambda request: change(request, 1.0 + amplitude),
+            before=lambda request: misreading(request, 1.0 + amplitude),
         )
         return Carrier(Transparent(), fault)
 
     return Knob(
         name=name,
-        says=lambda amplitude: f"the {what} is {1.0 + amplitude:.6g} times what was asked",
+        says=lambda amplitude: f"the {description} is {1.0 + amplitude:.6g} times what was asked",
         carrier=carrier,
     )
 
 
 def _field(number: int, name: str) -> Misreading:
-    """A field of one element times a factor."""
+    """The misreading of the field `name` of element `number` of the scene."""
 
     def change(request: Request, factor: float) -> Request:
         scene = request.problem.scene
         elements = list(scene.elements)
-        value = getattr(elements[number], name)
-        if isinstance(value, tuple):
-            scaled = tuple(factor * x for x in value)
-        else:
-            scaled = factor * value
-        elements[number] = msgspec.structs.replace(elements[number], **{name: scaled})
+        misread_value = scaled(factor)(getattr(elements[number], name))
+        elements[number] = msgspec.structs.replace(elements[number], **{name: misread_value})
         return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
     return change
 
 
 def _column(name: str, where: Any) -> Misreading:
-    """Part of a column of the bodies times a factor."""
+    """The misreading of the column `name` of the bodies at an index `where` of NumPy."""
 
     def change(request: Request, factor: float) -> Request:
         scene = request.problem.scene
@@ -143,15 +143,15 @@ def _radii(request: Request, factor: float) -> Request:
 
 
 def _is_numeric(value: Any) -> bool:
-    """A float, or a tuple of floats."""
+    """True of a float and of a tuple of floats."""
     return isinstance(value, float) or (
         isinstance(value, tuple) and all(isinstance(x, float) for x in value)
     )
 
 
 def paced() -> Iterator[Knob]:
-    """Steps of positions, velocities or attitudes that are a little longer or shorter than asked:
-    amplitude a is a factor of 1 + a.
+    """Knobs of steps of positions, velocities or attitudes that are a little longer or shorter than
+    asked: amplitude a is a factor of 1 + a.
     """
     steps = {
         "drift": ("drifted",),
@@ -164,7 +164,7 @@ def paced() -> Iterator[Knob]:
 
 
 def _paced(name: str, parts: tuple[str, ...]) -> Knob:
-    """The knob of one kind of step, which these parts make."""
+    """The knob of one kind of step, which the parts of these names make."""
 
     def carrier(amplitude: float) -> Engine:
         pace = 1.0 + amplitude
@@ -183,17 +183,18 @@ def _paced(name: str, parts: tuple[str, ...]) -> Knob:
 
 
 def continued(fault: Fault) -> Knob | None:
-    """The fault of any amplitude.
+    """The knob of a fault of the catalogue, which has the fault itself at amplitude 1.
 
-    None for one that misreads the question: `misread` has all of those that are a matter of degree.
+    None for a fault that misreads the question: `misread` has all of those that are a matter of
+    degree.
     """
     if fault.before is not None:
         return None
 
     def carrier(amplitude: float) -> Engine:
         if fault.inside is not None:
-            return Transparent(SOUND.with_(**_parts(fault, amplitude)))
-        return Carrier(Transparent(), replace(fault, after=_answer(fault, amplitude)))
+            return Transparent(SOUND.with_(**_mixed_parts(fault, amplitude)))
+        return Carrier(Transparent(), replace(fault, after=_mixed_answer(fault, amplitude)))
 
     def says(amplitude: float) -> str:
         return f"{fault.sentence.rstrip('.')}, {amplitude:.6g} times as much"
@@ -201,42 +202,40 @@ def continued(fault: Fault) -> Knob | None:
     return Knob(name=fault.name, says=says, carrier=carrier, fault=fault)
 
 
-def _answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], Trajectory]:
-    """The trajectory, moved towards what the fault makes of it."""
-    spoil = fault.after
-    assert spoil is not None
+def _mixed_answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], Trajectory]:
+    """A change of a trajectory: each column is moved towards the one that the fault makes of it."""
+    change = fault.after
+    assert change is not None
 
     def after(request: Request, run: Trajectory) -> Trajectory:
-        spoiled = spoil(request, run)
-        columns: Any = {
-            name: _mixed(getattr(run, name), getattr(spoiled, name), amplitude)
-            for name in ("t", *STATE)
-        }
+        faulty = change(request, run)
+        columns: dict[str, Any] = {}
+        for name in ("t", *STATE):
+            columns[name] = _mixed(getattr(run, name), getattr(faulty, name), amplitude)
         return replace(run, **columns)
 
     return after
 
 
-def _parts(fault: Fault, amplitude: float) -> dict[str, Any]:
-    """The fault's parts, each mixed with the sound one."""
+def _mixed_parts(fault: Fault, amplitude: float) -> dict[str, Any]:
+    """The parts that the fault replaces, by name, each mixed with the sound one."""
     assert fault.inside is not None
     parts = {}
-    for name, part in fault.inside(SOUND).items():
+    for name, faulty in fault.inside(SOUND).items():
+        # `fresh` begins a run and has no result that could be mixed.
         if name == "fresh":
-            parts[name] = part
+            parts[name] = faulty
         else:
-            parts[name] = _part(getattr(SOUND, name), part, amplitude)
+            parts[name] = _mixed_part(getattr(SOUND, name), faulty, amplitude)
     return parts
 
 
-def _part(sound: Any, faulty: Any, amplitude: float) -> Any:
-    """A part between the sound and the faulty one, or several such parts in one record."""
+def _mixed_part(sound: Any, faulty: Any, amplitude: float) -> Any:
+    """A part between the sound and the faulty one: a function whose results are mixed, a number, or
+    a record of such parts.
+    """
     if is_dataclass(sound) and not isinstance(sound, type):
-        changed = {
-            f.name: _part(getattr(sound, f.name), getattr(faulty, f.name), amplitude)
-            for f in fields(sound)
-        }
-        return replace(sound, **changed)
+        return _field_by_field(_mixed_part, sound, faulty, amplitude)
     if sound is faulty:
         return sound
     if not callable(sound):
@@ -244,9 +243,20 @@ def _part(sound: Any, faulty: Any, amplitude: float) -> Any:
     return lambda *arguments: _mixed(sound(*arguments), faulty(*arguments), amplitude)
 
 
+def _field_by_field(mix: Callable[..., Any], sound: Any, faulty: Any, amplitude: float) -> Any:
+    """A record of the class of `sound`, each field of which `mix` makes from those of both."""
+    changed = {}
+    for field in fields(sound):
+        changed[field.name] = mix(
+            getattr(sound, field.name), getattr(faulty, field.name), amplitude
+        )
+    return replace(sound, **changed)
+
+
 def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
-    """sound + amplitude (faulty - sound), number by number; raises TypeError for what is no number
-    and not the same.
+    """sound + amplitude (faulty - sound), number by number in arrays, tuples and records.
+
+    Anything else must be the same in both; raises TypeError where it is not.
     """
     # Most of what is mixed, in every step of a run, are plain numbers.
     if type(sound) is float:
@@ -256,11 +266,7 @@ def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
     if isinstance(sound, tuple | list):
         return type(sound)(_mixed(x, y, amplitude) for x, y in zip(sound, faulty, strict=True))
     if is_dataclass(sound) and not isinstance(sound, type):
-        changed = {
-            f.name: _mixed(getattr(sound, f.name), getattr(faulty, f.name), amplitude)
-            for f in fields(sound)
-        }
-        return replace(sound, **changed)
+        return _field_by_field(_mixed, sound, faulty, amplitude)
     if isinstance(sound, int | float | np.floating) and not isinstance(sound, bool):
         return sound + amplitude * (faulty - sound)
     if sound is faulty or sound == faulty:

@@ -34,21 +34,25 @@ def loads(
 
 
 def _springs(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the forces of springs between bodies, or between a body and the world."""
     for spring in world.springs:
+        other_end = spring.anchor_b
         if spring.b >= 0:
-            other = state.r[spring.b]
-        else:
-            other = spring.anchor_b
-        _add(total, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+            other_end = state.r[spring.b]
+        force = parts.spring_force(spring, state.r[spring.a], other_end)
+        _add(total, spring.a, spring.b, force, parts)
 
 
 def _dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    for pot in world.dashpots:
-        apart = vec.minus(state.r[pot.a], pot.anchor_b)
-        _lose(total, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
+    """Adds the forces of dashpots between a body and the world."""
+    for dashpot in world.dashpots:
+        branch = vec.minus(state.r[dashpot.a], dashpot.anchor_b)
+        force = parts.dashpot_force(dashpot, branch, state.v[dashpot.a])
+        _add_with_power(total, state, dashpot, force, parts)
 
 
 def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the drag of a fluid at rest, or of another body."""
     for drag in world.drags:
         relative = state.v[drag.a]
         if drag.b >= 0:
@@ -59,11 +63,14 @@ def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> N
 
 
 def _drives(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the forces of drives, which depend on the time alone."""
     for drive in world.drives:
-        _lose(total, state, drive, parts.drive_force(drive, state.t, world.number), parts)
+        force = parts.drive_force(drive, state.t, world.number)
+        _add_with_power(total, state, drive, force, parts)
 
 
 def _fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the attraction of central fields to all bodies."""
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
             total.force[i] = vec.plus(total.force[i], parts.central_force(mass, gm, state.r[i]))
@@ -72,12 +79,14 @@ def _fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> 
 def _contacts(
     world: World, state: State, parts: Parts, total: Loads, before: Loads | None, h: Number
 ) -> None:
+    """Adds the forces and torques of the contacts that act."""
     for number, acts in enumerate(state.acting):
         if acts:
             _touch(world, state, parts, total, number, before, h)
 
 
 def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the weights of all bodies."""
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
             total.force[i] = vec.plus(total.force[i], parts.weight(mass, g))
@@ -86,7 +95,9 @@ def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) ->
 def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds the dry friction of sliders, last: one that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
-        force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
+        speed = abs(parts.slides_at(slider, state.v[slider.a]))
+        force = parts.slider_force(slider, side, speed)
+        # One that sticks takes back whatever acts along its axis.
         if side == 0:
             force = vec.times(-vec.dot(total.force[slider.a], slider.axis), slider.axis)
         total.force[slider.a] = vec.plus(total.force[slider.a], force)
@@ -110,14 +121,14 @@ SOURCES = {
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""
 
 
-def _lose(total: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
-    """A force of damping or of a drive; its power leaves the motion."""
+def _add_with_power(total: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
+    """Adds a force of damping or of a drive, and its power F . v, which leaves the motion."""
     _add(total, link.a, link.b, force, parts)
     total.power -= vec.dot(force, state.v[link.a])
 
 
 def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
-    """A force on a and its reaction on b, unless that is the world."""
+    """Adds a force on body a, and its reaction on body b unless that is the world (-1)."""
     total.force[a] = vec.plus(total.force[a], force)
     if b >= 0:
         total.force[b] = vec.plus(total.force[b], parts.reaction(force))
@@ -223,21 +234,10 @@ def _touch(
     slip = parts.slip(relative, spin, normal)
     total.slip[number] = slip
     if law.tangential_stiffness > 0:
-        stretch = state.stretch[number]
         total.normal[number] = normal
+        stretch = state.stretch[number]
         if before is not None:
-            # xi' = s, after spring and slip of the begin are turned into the tangent plane of now.
-            old_normal = before.normal[number]
-            stretch = parts.transported(stretch, old_normal, normal)
-            old_slip = parts.transported(before.slip[number], old_normal, normal)
-            if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
-                # At Coulomb's limit the spring turns with the slip, and its length is the limit's:
-                # taken midway between those of the begin and of the end.
-                stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
-                across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
-                stretch = parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)
-            else:
-                stretch = parts.stretched(stretch, old_slip, slip, h)
+            stretch = _grown(world, state, parts, total, number, before, h, push)
         if state.sliding[number]:
             stretch = parts.clipped(law, stretch, push)
         total.stretch[number] = stretch
@@ -251,6 +251,34 @@ def _touch(
         if body >= 0:
             torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
             total.torque[body] = vec.plus(total.torque[body], torque)
+
+
+def _grown(
+    world: World,
+    state: State,
+    parts: Parts,
+    total: Loads,
+    number: int,
+    before: Loads,
+    h: Number,
+    push: Number,
+) -> Vector:
+    """The tangential spring xi of pair `number` after a step of h [s]: xi' = s, with the slips s of
+    `before` and of `total`; `push` is the normal force [N] at the end.
+    """
+    normal = total.normal[number]
+    slip = total.slip[number]
+    # Spring and slip of the begin are turned into the tangent plane of the end.
+    old_normal = before.normal[number]
+    stretch = parts.transported(state.stretch[number], old_normal, normal)
+    old_slip = parts.transported(before.slip[number], old_normal, normal)
+    if not state.sliding[number] or not vec.size(stretch) > abs(h) * vec.size(slip):
+        return parts.stretched(stretch, old_slip, slip, h)
+    # At Coulomb's limit the spring turns with the slip, and its length is the limit's: taken midway
+    # between those of the begin and of the end.
+    stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(world.law, stretch, push)))
+    across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
+    return parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)
 
 
 def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:

@@ -223,19 +223,18 @@ def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
 
 
 def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
-    """The state at the start; modes are not yet known."""
+    """The state at the start, omega in body axes by `to_body`; its modes are not yet known."""
     bodies = scene.bodies
     number = world.number
-    position, velocity, attitude, omega = (
-        [_tuple(row, number) for row in column]
-        for column in (bodies.position, bodies.velocity, bodies.attitude, bodies.omega)
-    )
+    attitude = _rows(bodies.attitude, number)
+    omega = _rows(bodies.omega, number)
+    omega_body = [to_body(q, w) for q, w in zip(attitude, omega, strict=True)]
     pairs = len(world.pairs)
     return State(
-        r=position,
-        v=velocity,
+        r=_rows(bodies.position, number),
+        v=_rows(bodies.velocity, number),
         q=attitude,
-        w=list(map(to_body, attitude, omega)),
+        w=omega_body,
         stretch=[ZERO] * pairs,
         work=number(0.0),
         acting=[False] * pairs,
@@ -246,7 +245,13 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
     )
 
 
+def _rows(column: Any, number: Callable[[float], Number]) -> list[Any]:
+    """The rows of a column of the bodies, each a tuple of numbers in one precision."""
+    return [_tuple(row, number) for row in column]
+
+
 def _tuple(values: Any, number: Callable[[float], Number]) -> Any:
+    """The values as a tuple of numbers in one precision."""
     return tuple(number(float(value)) for value in values)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from refdem.core import discovery
-from refdem.gallery.runs import Array, Seen, command, instance, moved, remember
+from refdem.gallery.runs import Array, ObservedRun, command, instance, observed_at, remember
 
 SKIPPED = 60
 """Periods of the drive before the picture begins: the start is forgotten by then."""
@@ -15,7 +15,7 @@ PER_PERIOD = 240
 """Samples in a period of the drive: a curve drawn through them looks smooth."""
 
 
-def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:
+def orbit(eta: str, periods: int = 12, **parameters: Any) -> ObservedRun:
     """A motion after SKIPPED periods of the drive, over some more; one sample stands for what was
     left out.
     """
@@ -24,7 +24,7 @@ def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:
     period = 2 * np.pi / asked.p.eta
     shown = np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
     t = np.r_[0.0, (SKIPPED + shown) * period]
-    return moved("stick-slip", t, eta=eta, **parameters)
+    return observed_at("stick-slip", t, eta=eta, **parameters)
 
 
 def section(eta: Array, *, skip: int, keep: int, **parameters: Any) -> Any:

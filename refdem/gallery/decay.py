@@ -3,7 +3,7 @@
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import ObservedRun, observed
 from refdem.mechanics.oscillation import turning_points
 
 DURATION = 16
@@ -13,11 +13,31 @@ SAMPLES = 1600
 
 
 def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
-    """Place x or velocity v over the time."""
+    """The figure `name` of the place x or the velocity v, as `quantity` says, over the time."""
     clock = {"duration": DURATION, "samples": SAMPLES}
-    free = seen("harmonic-oscillator", x0=1, v0=0, **clock)
-    wet = seen("viscous-oscillator", x0=1, v0=0, delta="0.1", **clock)
-    dry = seen("coulomb-oscillator", x0=1, v0=0, friction_force="0.15", **clock)
+    free = observed("harmonic-oscillator", x0=1, v0=0, **clock)
+    viscous = observed("viscous-oscillator", x0=1, v0=0, delta="0.1", **clock)
+    dry = observed("coulomb-oscillator", x0=1, v0=0, friction_force="0.15", **clock)
+    curves = (
+        Series(x=free.t, y=free[quantity], label="undamped", ink=GREY, dashed=True),
+        Series(x=viscous.t, y=viscous[quantity], label="viscous, delta = 0.1", ink=0),
+        Series(x=dry.t, y=dry[quantity], label="Coulomb, f = 0.15", ink=1, width=2),
+    )
+    unit = {"x": "x [m]", "v": "v [m/s]"}[quantity]
+    panel = Panel(
+        series=(*curves, *envelopes(dry, quantity)),
+        x=Axis(title="t [s]", ends=(0.0, DURATION)),
+        y=Axis(title=unit),
+        size=(620, 300),
+    )
+    numbers = {}
+    if quantity == "x":
+        numbers = turns_and_stop(dry)
+    return Figure(id=name, title=title, caption=caption, panels=(panel,), numbers=numbers)
+
+
+def envelopes(dry: ObservedRun, quantity: str) -> list[Series]:
+    """The two straight lines through the extrema of x or v under dry friction, until they meet."""
     p = dry.instance.p
     w0 = float(np.sqrt(p.stiffness / p.mass))
     # Dry friction f takes 2 f/k off the amplitude in each half period pi/w0.
@@ -32,33 +52,19 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
         fall = slope * w0
     # Where the straight line from `first` meets the axis of time.
     ends = np.array([0.0, first / fall])
-    envelopes = [
+    return [
         Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1)
         for sign in (1, -1)
     ]
-    numbers = {}
-    if quantity == "x":
-        numbers["stop of the dry one [s]"] = dry.trajectory.events[0].time
-        numbers["its place there [m]"] = float(dry["x"][-1])
-        _, places = turning_points(dry.t, dry["x"], dry["v"])
-        for n, x in enumerate(places[:3], 1):
-            numbers[f"turning point {n} [m]"] = float(x)
-    curves = (
-        Series(x=free.t, y=free[quantity], label="undamped", ink=GREY, dashed=True),
-        Series(x=wet.t, y=wet[quantity], label="viscous, delta = 0.1", ink=0),
-        Series(x=dry.t, y=dry[quantity], label="Coulomb, f = 0.15", ink=1, width=2),
-    )
-    unit = {"x": "x [m]", "v": "v [m/s]"}[quantity]
-    panel = Panel(
-        series=(*curves, *envelopes),
-        x=Axis(title="t [s]", ends=(0.0, DURATION)),
-        y=Axis(title=unit),
-        size=(620, 300),
-    )
-    return Figure(
-        id=name,
-        title=title,
-        caption=caption,
-        panels=(panel,),
-        numbers=numbers,
-    )
+
+
+def turns_and_stop(dry: ObservedRun) -> dict[str, float]:
+    """Time and place at which dry friction stops the motion, and its first turning points."""
+    numbers = {
+        "stop of the dry one [s]": dry.trajectory.events[0].time,
+        "its place there [m]": float(dry["x"][-1]),
+    }
+    _, places = turning_points(dry.t, dry["x"], dry["v"])
+    for n, x in enumerate(places[:3], 1):
+        numbers[f"turning point {n} [m]"] = float(x)
+    return numbers

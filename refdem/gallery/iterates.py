@@ -55,6 +55,6 @@ def doubling(periods: int, low: float, high: float) -> float:
     return (low + high) / 2
 
 
-def shown(eta: str) -> None:
+def remember_run(eta: str) -> None:
     """Remembers the command of the orbit at one parameter."""
     remember(command(instance("logistic", eta=eta)))

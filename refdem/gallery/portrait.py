@@ -8,7 +8,7 @@ import numpy as np
 
 from refdem.core.figure import GREY, Axis, Panel, Series
 from refdem.gallery.outline import Outline
-from refdem.gallery.runs import Array, Seen
+from refdem.gallery.runs import Array, ObservedRun
 
 SHAFT = 0.055
 """Length of an arrow in units of half the width of the picture."""
@@ -29,13 +29,15 @@ def heads(outline: Outline, samples: Sequence[int], *, ink: int = 0) -> list[Ser
     return series
 
 
-def trajectories(runs: Sequence[Seen], *, names: tuple[str, str] = ("x", "v")) -> list[Series]:
+def trajectories(
+    runs: Sequence[ObservedRun], *, names: tuple[str, str] = ("x", "v")
+) -> list[Series]:
     """The curves of the runs through the plane of two quantities."""
     return [Series(x=run[names[0]], y=run[names[1]], ink=GREY, width=1) for run in runs]
 
 
 def arrows(
-    runs: Sequence[Seen],
+    runs: Sequence[ObservedRun],
     every: int,
     ends: tuple[float, float],
     *,
@@ -47,19 +49,19 @@ def arrows(
     length = SHAFT * (ends[1] - ends[0]) / 2
     lines: list[Array] = []
     for run in runs:
-        place = np.stack((run[names[0]], run[names[1]]), axis=1)
-        for k in range(every // 2, len(place) - 1, every):
-            way = place[k + 1] - place[k]
-            size = float(np.hypot(*way))
-            if size > 0:
-                lines.append(_arrow(place[k], way / size, length))
+        points = np.stack((run[names[0]], run[names[1]]), axis=1)
+        for k in range(every // 2, len(points) - 1, every):
+            displacement = points[k + 1] - points[k]
+            distance = float(np.hypot(*displacement))
+            if distance > 0:
+                lines.append(_arrow(points[k], displacement / distance, length))
     drawn = np.concatenate(lines)
     return Series(x=drawn[:, 0], y=drawn[:, 1], ink=GREY, width=1)
 
 
-def _arrow(tip: Array, way: Array, length: float) -> Array:
-    """Two barbs at the tip, and a break after them: points (4, 2)."""
-    back = -way * length
+def _arrow(tip: Array, direction: Array, length: float) -> Array:
+    """Two barbs at the tip of an arrow along a unit vector, and a break: points (4, 2)."""
+    back = -direction * length
     left = tip + BARB * 2 * _turned(back, OPENING)
     right = tip + BARB * 2 * _turned(back, -OPENING)
     return np.array([left, tip, right, [np.nan, np.nan]])

@@ -1,5 +1,7 @@
-"""Runs of the reference that figures are drawn from; each is remembered as the command that makes
-it.
+"""Runs of the reference that figures are drawn from.
+
+While a figure is made, `remember` collects the commands by which a person repeats its runs; they
+are printed beside it.
 """
 
 import shlex
@@ -22,7 +24,7 @@ _COMMANDS: list[list[str]] = []
 
 @contextmanager
 def recorded() -> Iterator[list[str]]:
-    """While it lasts, commands of runs are put into the list."""
+    """Within this context the commands of runs are appended to the list that it yields."""
     _COMMANDS.append([])
     try:
         yield _COMMANDS[-1]
@@ -37,8 +39,8 @@ def remember(command: str) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """A run and what the case sees in it: quantities (T,) at the samples t (T,)."""
+class ObservedRun:
+    """A run with the quantities (T,) that the case observes in it, at the samples t (T,)."""
 
     instance: Instance
     trajectory: Trajectory
@@ -59,21 +61,22 @@ def instance(case: str, **parameters: Any) -> Instance:
     return discovery.case(case).at(**given)
 
 
-def seen(case: str, **parameters: Any) -> Seen:
-    """What the reference's cheapest method makes of a case, and remembers the command for it."""
+def observed(case: str, **parameters: Any) -> ObservedRun:
+    """The run of a case by the reference's cheapest method; its command is remembered."""
     asked = instance(case, **parameters)
     remember(command(asked))
     trajectory = answer(asked.problem)
-    return Seen(asked, trajectory, asked.observe(trajectory))
+    return ObservedRun(asked, trajectory, asked.observe(trajectory))
 
 
-def moved(case: str, times: Array, **parameters: Any) -> Seen:
-    """The same seen at times (T,) of one's own, from the first of which the start counts; one of
-    many, so it is not remembered.
+def observed_at(case: str, times: Array, **parameters: Any) -> ObservedRun:
+    """The run of a case at other times (T,), with the start of the case at the first of them.
+
+    It is one of many for a curve, so that its command is not remembered.
     """
     asked = instance(case, **parameters)
     trajectory = answer(Motion(asked.scene, times))
-    return Seen(asked, trajectory, asked.observe(trajectory))
+    return ObservedRun(asked, trajectory, asked.observe(trajectory))
 
 
 def answer(problem: Problem) -> Trajectory:
@@ -86,7 +89,7 @@ def answer(problem: Problem) -> Trajectory:
 
 
 def command(asked: Instance) -> str:
-    """What a person types to see such a run judged."""
+    """The command line that judges a run of the reference at these parameters."""
     given = ""
     for name, value in asked.p.changed().items():
         assignment = f"{name}={value}"

@@ -11,7 +11,7 @@ ELEVATION = 25.0
 """Degrees by which the view is raised above the horizontal."""
 
 
-def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
+def projected(points: Array) -> tuple[Array, Array, Array]:
     """Right, up and towards the eye (N,) of points (N, 3) in a parallel projection."""
     turn = np.radians(AZIMUTH)
     rise = np.radians(ELEVATION)
@@ -27,7 +27,7 @@ def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
 def axis(begin: Array, end: Array, name: str) -> tuple[Series, Series]:
     """A line in space, and its name at the end."""
     beyond = np.asarray(begin) + 1.1 * (np.asarray(end) - begin)
-    right, up, _ = seen_from_above(np.array([begin, end, beyond]))
+    right, up, _ = projected(np.array([begin, end, beyond]))
     line = Series(x=right[:2], y=up[:2], ink=GREY, width=1)
     letters = Series(x=right[2:], y=up[2:], ink=GREY, mark="text", words=(name,))
     return line, letters

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from refdem.gallery.runs import Array, moved, seen
+from refdem.gallery.runs import Array, observed, observed_at
 
 ALPHA = 1.0
 """Linear stiffness over mass [1/s^2] of Duffing's oscillator in figures 1.23 and 1.24."""
@@ -22,16 +22,18 @@ SETTLED = 9.0
 
 @cache
 def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
-    """Half of the way from turning to turning (M,) [m] at the frequencies (M,) [rad/s] in their
-    order.
+    """The amplitudes (M,) [m] of settled motions at the frequencies (M,) [rad/s] of the drive.
+
+    The frequencies are taken in their order, and each motion goes on from the one before: where two
+    amplitudes are possible the order decides.
     """
     x = 0.1
     v = 0.0
-    halves = []
+    settled_amplitudes = []
     for drive in drives:
         x, v, amplitude = settled(delta, drive, x, v)
-        halves.append(amplitude)
-    return np.array(halves)
+        settled_amplitudes.append(amplitude)
+    return np.array(settled_amplitudes)
 
 
 def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, float, float]:
@@ -39,15 +41,15 @@ def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, floa
     drive.
     """
     period = 2 * np.pi / drive
-    whole = int(np.ceil(SETTLED / delta / period)) + 6
+    periods = int(np.ceil(SETTLED / delta / period)) + 6
     # The start, then the last period.
-    last_period = (whole - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period
+    last_period = (periods - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period
     t = np.r_[0.0, last_period]
-    run = moved("driven-duffing", t, delta=delta, drive=drive, x0=x, v0=v)
+    run = observed_at("driven-duffing", t, delta=delta, drive=drive, x0=x, v0=v)
     amplitude = float(np.ptp(run["x"][1:])) / 2
     return float(run["x"][-1]), float(run["v"][-1]), amplitude
 
 
-def shown(delta: float, drive: float) -> None:
-    """Remembers one run of a sweep."""
-    seen("driven-duffing", delta=delta, drive=drive)
+def remember_run(delta: float, drive: float) -> None:
+    """Remembers the command of one run of a sweep."""
+    observed("driven-duffing", delta=delta, drive=drive)

@@ -33,11 +33,17 @@ static int64_t half_cycles(dd first, dd shift)
             return (int64_t)n;
 }
 
+/* The sign -1, 0 or 1. */
+static double sign_of(double x)
+{
+    return (x > 0.0) - (x < 0.0);
+}
+
 /* The motion from x [m], off the equilibrium, and v [m/s]. */
 static pieces prepare(dd mass, dd stiffness, dd friction, dd x, double v)
 {
     pieces b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
-    b.heading = (v > 0.0) - (v < 0.0);
+    b.heading = sign_of(v);
     if (b.heading == 0.0) { /* at rest: the start is the first turning point */
         b.first = dd_abs(x);
         b.opening = dd_of(0.0);

@@ -1,14 +1,16 @@
-/* Force fields, dashpots, drives, rods and Euler's equations in REBOUND's words: its callbacks, and
- * a loop over its own steps.
+/* Springs, dashpots, contacts, fields, drives, rods and Euler's equations for REBOUND: its
+ * callbacks, and a loop over its own steps that records.
  *
- * REBOUND calls back with the address of its simulation (or set of equations) alone. What the
- * callback needs hangs on a pointer that the engine keeps for its users; where that pointer lies
- * depends on the engine's version, so there is one callback for each place, and the adapter takes
- * the one for the layout that the installed engine reports. No header of REBOUND is used.
+ * REBOUND calls back with the address of its simulation (or set of equations) alone. The scene
+ * hangs on a pointer that the engine keeps for its users; at which byte of the simulation that
+ * pointer is depends on the engine's version, so there is one callback for each such place, and the
+ * adapter takes the one for the layout that the installed engine reports. No header of REBOUND is
+ * used.
  *
  * Forces on a, their opposites on b, with d = x_a - x_b, w = v_a - v_b:
  *   spring   -(k |s|^e sgn s + k2 s^2 + k3 s^3) d/|d|,   s = |d| - length
  *   dashpot  -(damping + van_der_pol |d|^2) w
+ *   contact  (k o^e + damping o') d/|d|,   o = reach - |d| > 0, o' = -w.d/|d|
  *   drive    F cos(frequency t + phase) axis
  *   rod      -lambda d,   lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)),
  * from d.d'' + w.w = 0, divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift,
@@ -27,20 +29,21 @@
 
 typedef refdem_rebound_scene scene_t;
 
-/* The column at a byte offset of a body's particle in the engine's array. */
+/* Position, velocity or acceleration (3) of a body: the doubles at that byte offset of its particle
+ * in the engine's array. */
 static double *column(const scene_t *scene, int64_t body, int64_t offset)
 {
     return (double *)(void *)(scene->particle + body * scene->size + offset);
 }
 
-/* p.q. */
+/* The scalar product p.q. */
 static double dot(const double *p, const double *q)
 {
     return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
 }
 
-/* Difference of one column between body a and body b; for the world (-1) `rest` takes the place of
- * b's. */
+/* out = x_a - x_b of one column of the bodies a = end[0] and b = end[1]; if b is the world (-1),
+ * x_b is `rest`. */
 static void difference(const scene_t *scene, const int64_t *end, int64_t offset, const double *rest,
                        double *out)
 {
@@ -52,7 +55,8 @@ static void difference(const scene_t *scene, const int64_t *end, int64_t offset,
         out[i] = a[i] - b[i];
 }
 
-/* Adds force[i] * factor to body a and takes it from body b. */
+/* Adds the acceleration by the force `factor * force` (3) [N] to body a, and that by its opposite
+ * to body b; the world and fixed bodies stay as they are. */
 static void add_force(const scene_t *scene, const int64_t *end, double factor, const double *force)
 {
     double signed_factor[2] = {factor, -factor};
@@ -65,6 +69,7 @@ static void add_force(const scene_t *scene, const int64_t *end, double factor, c
     }
 }
 
+/* F = -(k |s|^e sgn s + k2 s^2 + k3 s^3) d/|d| with the stretch s = |d| - length. */
 static void spring(const scene_t *scene, const int64_t *end, const spring_row *p)
 {
     double d[3];
@@ -83,6 +88,7 @@ static void spring(const scene_t *scene, const int64_t *end, const spring_row *p
     add_force(scene, end, -(power + polynomial) / distance, d);
 }
 
+/* F = -(damping + van_der_pol |d|^2) w. */
 static void dashpot(const scene_t *scene, const int64_t *end, const dashpot_row *p)
 {
     static const double rest[3] = {0, 0, 0};
@@ -92,7 +98,8 @@ static void dashpot(const scene_t *scene, const int64_t *end, const dashpot_row 
     add_force(scene, end, -(p->damping + p->van_der_pol * dot(d, d)), w);
 }
 
-/* With d = x_a - x_b and w = v_a - v_b, the overlap grows as do/dt = -(w.d)/|d|. */
+/* F = (k o^e + damping o') d/|d| with the overlap o = reach - |d|, which grows as o' = -(w.d)/|d|;
+ * none without an overlap, and none that pulls unless it may. */
 static void contact(const scene_t *scene, const int64_t *end, const contact_row *p)
 {
     static const double rest[3] = {0, 0, 0};
@@ -103,13 +110,14 @@ static void contact(const scene_t *scene, const int64_t *end, const contact_row 
     if (!(overlap > 0))
         return;
     difference(scene, end, scene->velocity, rest, w);
-    double closing = -dot(w, d) / distance;
-    double force = p->stiffness * pow(overlap, p->exponent) + p->damping * closing;
+    double overlap_rate = -dot(w, d) / distance;
+    double force = p->stiffness * pow(overlap, p->exponent) + p->damping * overlap_rate;
     bool may_pull = p->may_pull != 0;
     if (force > 0 || may_pull)
         add_force(scene, end, force / distance, d);
 }
 
+/* The piecewise linear force along its axis at s = (x - point).axis. */
 static void field(const scene_t *scene, int64_t body, const piecewise_row *p)
 {
     const int64_t end[2] = {body, -1};
@@ -118,7 +126,7 @@ static void field(const scene_t *scene, int64_t body, const piecewise_row *p)
     add_force(scene, end, piecewise_force(p, dot(d, p->axis)), p->axis);
 }
 
-/* The clock is that of the engine. */
+/* F = force cos(frequency t + phase) along the axis, at the engine's time t. */
 static void drive(const scene_t *scene, const int64_t *end, const drive_row *p)
 {
     add_force(scene, end, p->force * cos(p->frequency * *scene->clock + p->phase), p->axis);
@@ -140,24 +148,31 @@ static double rod(const scene_t *scene, const int64_t *end, const double *anchor
     difference(scene, end, scene->position, anchor, d);
     difference(scene, end, scene->velocity, rest, w);
     difference(scene, end, scene->acceleration, rest, a);
-    double square = dot(d, d);
-    double lambda = (dot(w, w) + dot(d, a))
-                    / (square * (inverse_mass(scene, end[0]) + inverse_mass(scene, end[1])));
+    double distance_squared = dot(d, d);
+    double inverse_masses = inverse_mass(scene, end[0]) + inverse_mass(scene, end[1]);
+    /* lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)). */
+    double lambda = (dot(w, w) + dot(d, a)) / (distance_squared * inverse_masses);
     add_force(scene, end, -lambda, d);
-    return lambda * sqrt(square);
+    return lambda * sqrt(distance_squared);
 }
 
-/* Adds all forces to the accelerations. */
-static void forces(const scene_t *scene)
+/* Adds gravity to the accelerations; those of fixed bodies are zero. */
+static void gravity(const scene_t *scene)
 {
     for (int64_t body = 0; body < scene->bodies; body++) {
         double *a = column(scene, body, scene->acceleration);
         for (int i = 0; i < 3; i++) {
             a[i] += scene->gravity[i];
-            if (scene->fixed[body]) /* it stays */
+            if (scene->fixed[body])
                 a[i] = 0.0;
         }
     }
+}
+
+/* Adds all forces to the accelerations; those of the rods last, for they depend on all others. */
+static void forces(const scene_t *scene)
+{
+    gravity(scene);
     for (int64_t k = 0; k < scene->springs; k++)
         spring(scene, scene->spring_end + 2 * k, (const spring_row *)scene->spring + k);
     for (int64_t k = 0; k < scene->dashpots; k++)
@@ -173,17 +188,19 @@ static void forces(const scene_t *scene)
         scene->tension[k] = rod(scene, scene->rod_end + 2 * k, scene->rod_anchor + 3 * k);
 }
 
-/* Rates of the further equations; y: per body attitude (w, x, y, z) and omega in body axes. */
+/* Rates of the further equations: y has for each body that turns its attitude q = (q0, q1, q2, q3)
+ * and its angular velocity w (3) in body axes. */
 static void euler(const scene_t *scene, double *restrict rate, const double *restrict y)
 {
     for (int64_t k = 0; k < scene->turning; k++, y += 7, rate += 7) {
         const double *j = scene->inertia + 3 * k;
+        const double *q = y;
         const double *w = y + 4;
         /* q' = q (0, w)/2. */
-        rate[0] = 0.5 * (-y[1] * w[0] - y[2] * w[1] - y[3] * w[2]);
-        rate[1] = 0.5 * (y[0] * w[0] + y[2] * w[2] - y[3] * w[1]);
-        rate[2] = 0.5 * (y[0] * w[1] + y[3] * w[0] - y[1] * w[2]);
-        rate[3] = 0.5 * (y[0] * w[2] + y[1] * w[1] - y[2] * w[0]);
+        rate[0] = 0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]);
+        rate[1] = 0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]);
+        rate[2] = 0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]);
+        rate[3] = 0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]);
         /* J1 w1' = (J2 - J3) w2 w3, and cyclically. */
         rate[4] = (j[1] - j[2]) * w[1] * w[2] / j[0];
         rate[5] = (j[2] - j[0]) * w[2] * w[0] / j[1];
@@ -191,6 +208,9 @@ static void euler(const scene_t *scene, double *restrict rate, const double *res
     }
 }
 
+/* One callback for each of 128 places of the user's pointer, in words of 8 bytes: forces_000 for
+ * byte 0, forces_001 for byte 8, up to forces_0177 for byte 1016. EIGHT(X, n) makes X of the octal
+ * numbers n0 to n7, PLACES(X) of all. */
 #define EIGHT(X, n) X(n##0) X(n##1) X(n##2) X(n##3) X(n##4) X(n##5) X(n##6) X(n##7)
 #define PLACES(X)                                                                                  \
     EIGHT(X, 0)                                                                                    \
@@ -204,26 +224,26 @@ static void euler(const scene_t *scene, double *restrict rate, const double *res
     EIGHT(X, 010)                                                                                  \
     EIGHT(X, 011)                                                                                  \
     EIGHT(X, 012) EIGHT(X, 013) EIGHT(X, 014) EIGHT(X, 015) EIGHT(X, 016) EIGHT(X, 017)
-/* The places are octal numbers of 8-byte words: 000 .. 0177. */
-#define KEPT(owner, place)                                                                         \
+/* The scene to which the pointer at that word of a simulation or set of equations points. */
+#define SCENE_AT(owner, place)                                                                     \
     (*(const scene_t *const *)(const void *)((const char *)(owner) + 8 * (place)))
 #define FORCES(place)                                                                              \
     static void forces_##place(void *simulation)                                                   \
     {                                                                                              \
-        forces(KEPT(simulation, place));                                                           \
+        forces(SCENE_AT(simulation, place));                                                       \
     }
 #define EULER(place)                                                                               \
     static void euler_##place(void *ode, double *rate, const double *y, double t)                  \
     {                                                                                              \
         (void)t;                                                                                   \
-        euler(KEPT(ode, place), rate, y);                                                          \
+        euler(SCENE_AT(ode, place), rate, y);                                                      \
     }
 #define NAME_FORCES(place) forces_##place,
 #define NAME_EULER(place) euler_##place,
 PLACES(FORCES)
 PLACES(EULER)
 
-/* True for the byte of one of these words. */
+/* True for the byte at which one of these words begins. */
 static int has_callback(int64_t place)
 {
     return place % 8 == 0 && place >= 0 && place < 1024;
@@ -245,7 +265,8 @@ void *refdem_rebound_euler(int64_t place)
     return (void *)all[place / 8];
 }
 
-/* Writes one sample; returns the place of the next one. */
+/* Writes one sample: the time, the bodies, the equations of those that turn, the tensions of the
+ * rods; returns the address of the next sample. */
 static double *record(const refdem_rebound_engine *engine, const scene_t *scene, double *out)
 {
     *out++ = *engine->clock;
@@ -257,7 +278,7 @@ static double *record(const refdem_rebound_engine *engine, const scene_t *scene,
         memcpy(out, *engine->equations, 7 * (size_t)scene->turning * sizeof(double));
         out += 7 * scene->turning;
     }
-    if (scene->rods) {
+    if (scene->rods) { /* tensions of this sample, not of the last stage of a step */
         engine->update(engine->simulation);
         memcpy(out, scene->tension, (size_t)scene->rods * sizeof(double));
         out += scene->rods;

@@ -78,20 +78,22 @@ def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
 
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
-    """How it is proved, by the case itself where the store has nothing."""
+    """How the truth of a case is proved and witnessed: by its sets in the store, or as the case
+    itself says where the store has none.
+    """
     certified = certified_case(name, sets)
     truth = instance.truth()
     own_witness = certified.own_witness or truth.witness
     known_witness = witnesses().get(name)
-    if known_witness is None:
-        witness = "none"
-    else:
+    witness = "none"
+    if known_witness is not None:
         witness = known_witness.method
     if certified.witnessed:
         witness = certified.witness
+    has_no_witness = known_witness is None and own_witness in ("", "none")
     not_certified: list[tuple[str, str, str]] = []
-    for one in sets:
-        not_certified += [(one.label, t, reason) for t, reason in one.not_certified.items()]
+    for each in sets:
+        not_certified += [(each.label, t, reason) for t, reason in each.not_certified.items()]
     return TruthLine(
         method="; ".join(certified.methods) or truth.method,
         own_witness=own_witness,
@@ -101,8 +103,8 @@ def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> Truth
         sets=certified.sets,
         values=certified.values,
         digits=certified.digits,
-        has_no_witness=known_witness is None and own_witness in ("", "none"),
-        labels=tuple(one.label for one in sets),
+        has_no_witness=has_no_witness,
+        labels=tuple(each.label for each in sets),
         not_certified=tuple(not_certified),
     )
 
@@ -141,10 +143,9 @@ def certified_time(instance: Instance) -> str:
 def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
     """Commands that show the same; every one of them ends well."""
     time = certified_time(instance)
+    at = ""
     if time:
         at = f" --at {time}"
-    else:
-        at = ""
     return (
         f"refdem truth {name}{at}",
         f"refdem truth --list {name}",

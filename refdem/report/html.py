@@ -53,19 +53,53 @@ def pages(
     gallery if there is one.
     """
     templates = environment()
-    everywhere = {
+    shared = {
         "contents": contents,
         "counts": contents.counts(),
         "marks": MARKS,
         "meanings": MEANINGS,
         "targets": TARGETS,
     }
+    yield from _case_pages(contents, rows, specs, templates, shared)
+    yield "engines.html", templates.get_template("engines.html").render(shared, root="")
+    cells = {}
+    for sheet in contents.cases:
+        label = sheet.label
+        for engine in contents.engines:
+            cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
+    groups = {
+        outcome: grouped(contents, outcome) for outcome in contents.counts() if outcome != "pass"
+    }
+    text = templates.get_template("index.html").render(
+        shared,
+        root="",
+        rows=rows,
+        cells=cells,
+        has_gallery=has_gallery,
+        advice=advice(contents.counts()),
+        groups=groups,
+        specs=specs[""],
+    )
+    yield "index.html", text
+
+
+def _case_pages(
+    contents: Contents,
+    rows: dict[str, list[Row]],
+    specs: dict[str, dict[str, str]],
+    templates: Environment,
+    shared: dict[str, Any],
+) -> Iterator[tuple[str, str]]:
+    """(file name, text) of the page of every case, with links to the case before and after it;
+    `shared` are the variables of all templates.
+    """
+    template = templates.get_template("case.html")
     labels = [sheet.label for sheet in contents.cases]
     neighbours = [None, *labels, None]
     for index, sheet in enumerate(contents.cases):
         label = sheet.label
-        text = templates.get_template("case.html").render(
-            everywhere,
+        text = template.render(
+            shared,
             root="../",
             sheet=sheet,
             engines=by_engine(contents, label),
@@ -78,25 +112,6 @@ def pages(
             after=neighbours[index + 2],
         )
         yield f"cases/{page(label)}.html", text
-    yield "engines.html", templates.get_template("engines.html").render(everywhere, root="")
-    cells = {}
-    for label in labels:
-        for engine in contents.engines:
-            cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
-    groups = {
-        outcome: grouped(contents, outcome) for outcome in contents.counts() if outcome != "pass"
-    }
-    text = templates.get_template("index.html").render(
-        everywhere,
-        root="",
-        rows=rows,
-        cells=cells,
-        has_gallery=has_gallery,
-        advice=advice(contents.counts()),
-        groups=groups,
-        specs=specs[""],
-    )
-    yield "index.html", text
 
 
 def grouped(contents: Contents, outcome: str) -> dict[str, list[tuple[Record, Finding]]]:

@@ -119,11 +119,12 @@ def _tolerance_row(row: Row) -> tuple[Any, ...]:
     record = row.record
     largest_steps: list[float | None] = []
     for step in row.steps:
-        if step is None:
-            largest_steps.append(None)
-        else:
-            largest_steps.append(step[0])
-    apart = row.apart or (None, None, None)
+        size = None
+        if step is not None:
+            size, _ = step
+        largest_steps.append(size)
+    # The engine that is farthest away, and its least and largest distance.
+    farthest_engine = row.apart or (None, None, None)
     return (
         record.case,
         record.label,
@@ -141,7 +142,7 @@ def _tolerance_row(row: Row) -> tuple[Any, ...]:
         row.order_claimed,
         row.constant,
         row.seconds,
-        *apart,
+        *farthest_engine,
     )
 
 

@@ -85,6 +85,7 @@ def worst_rows(rows: Iterable[Row]) -> list[Row]:
 
 
 def _row(record: Record, finding: Finding) -> Row:
+    """The row of one quantity, from the finding that has its levels."""
     levels = finding.levels
     control = control_of(finding)
     held = [level.bound for level in levels if level.error <= level.bound]
@@ -105,8 +106,8 @@ def _row(record: Record, finding: Finding) -> Row:
 
 
 def _joined(record: Record, each: list[Row]) -> Row:
-    """The worst of all quantities; the order is that of the check of the order, where it was
-    measured.
+    """The row of the worst of all quantities, from the rows of each; its order is that of the check
+    of the order, where that was measured.
     """
     by_level: dict[float, list[Level]] = {}
     for row in each:
@@ -115,23 +116,23 @@ def _joined(record: Record, each: list[Row]) -> Row:
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
     # The bound that all hold; none if some quantity holds none.
     held = [row.bound_held for row in each if row.bound_held is not None]
+    bound_held = None
     if len(held) == len(each):
         bound_held = max(held)
-    else:
-        bound_held = None
     orders = [finding.order_seen for finding in record.findings if finding.check == "order"]
-    seen = [order for order in orders if order is not None]
+    measured_orders = [order for order in orders if order is not None]
     constants = [row.constant for row in each if row.constant is not None]
+    worst_outcome = min((row.outcome for row in each), key=WORST_FIRST.index)
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record,
         quantity=WORST,
         control=each[0].control,
         levels=levels,
-        outcome=min((row.outcome for row in each), key=WORST_FIRST.index),
+        outcome=worst_outcome,
         bound_held=bound_held,
         steps=steps,
-        order_seen=min(seen, default=None),
+        order_seen=min(measured_orders, default=None),
         order_claimed=each[0].order_claimed,
         constant=max(constants, default=None),
         seconds=_seconds_at(levels, steps[1]),
@@ -150,17 +151,17 @@ def _worst(same: list[Level]) -> Level:
 
 
 def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | None:
-    """The largest level at which, and below which, the error stays under the target; and whether it
-    is the coarsest.
+    """The largest step or tolerance from which on to the finest every error is at most the target,
+    and True if it is the coarsest of all; None if the finest has a larger error.
     """
-    held = None
+    largest = None
     for index in range(len(levels) - 1, -1, -1):
         if not levels[index].error <= target:
             break
-        held = index
-    if held is None:
+        largest = index
+    if largest is None:
         return None
-    return (levels[held].level, held == 0)
+    return (levels[largest].level, largest == 0)
 
 
 def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:

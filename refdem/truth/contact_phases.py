@@ -29,6 +29,7 @@ from flint import arb
 from refdem.truth.balls import arb_of
 from refdem.truth.events.crossing import sign
 from refdem.truth.events.system import Entry, Guard, Mode
+from refdem.truth.exact import sign_of
 from refdem.truth.reals import Number, near
 from refdem.truth.sphere_pair import TouchingPair
 from refdem.truth.traced_field import Program, traced
@@ -360,8 +361,7 @@ class PlanarPhases(LinearContact):
         if self.pair.angle:
             return sign(ball(self.slip, y), "the slip at touch")
         # A head-on pair slips by its spins alone, which are exact numbers.
-        slip = -self.pair.surface_spin[2]
-        return (slip > 0) - (slip < 0)
+        return sign_of(-self.pair.surface_spin[2])
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
         """The entry where the force begins: from zero (`rising`), or at once as a dashpot's does.

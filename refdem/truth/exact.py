@@ -35,6 +35,11 @@ def vector(p: Mapping[str, Exact], name: str) -> tuple[Fraction, ...]:
     return value
 
 
+def sign_of(value: Any) -> int:
+    """The sign -1, 0 or 1 of an exact number: a rational, or any other that decides `>` and `<`."""
+    return int(value > 0) - int(value < 0)
+
+
 def refuse_rounded(
     constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]
 ) -> None:

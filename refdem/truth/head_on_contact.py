@@ -9,6 +9,7 @@ Schwager and Poeschel, Granular Matter 9 (2007) 465.
 from flint import arb
 
 from refdem.truth.balls import arb_of
+from refdem.truth.exact import sign_of
 from refdem.truth.sphere_pair import SpherePair
 
 
@@ -23,7 +24,7 @@ class HeadOnContact:
         self.pair = pair
         self.decay = arb_of(pair.half_decay)
         squared = pair.stiffness / pair.effective_mass - pair.half_decay**2
-        self.regime = (squared > 0) - (squared < 0)
+        self.regime = sign_of(squared)
         self.rate = arb_of(abs(squared)).sqrt()
         if self.regime > 0:
             self.angle = arb.atan2(self.rate, self.decay)

@@ -12,6 +12,7 @@ from typing import Union
 from flint import arb
 
 from refdem.truth.balls import Enclosed, arb_of
+from refdem.truth.exact import sign_of
 
 Rational = Fraction | int
 
@@ -37,12 +38,12 @@ class Surd(Enclosed):
         a + b sqrt(q) has the sign that a and b share; where they differ, that of the larger of a^2
         and b^2 q.
         """
-        first = _sign(self.rational)
-        second = _sign(self.factor) * _sign(self.square)
+        first = sign_of(self.rational)
+        second = sign_of(self.factor) * sign_of(self.square)
         if first * second >= 0:
-            return _sign(first + second)
+            return sign_of(first + second)
         larger = self.rational**2 - self.factor**2 * self.square
-        return first * _sign(larger)
+        return first * sign_of(larger)
 
     def __add__(self, other: Union["Surd", Rational]) -> "Surd":
         if not isinstance(other, Surd):
@@ -86,7 +87,7 @@ def sign(value: Number) -> int:
     """The sign -1, 0 or 1 of an exact number."""
     if isinstance(value, Surd):
         return value.sign()
-    return _sign(value)
+    return sign_of(value)
 
 
 def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:
@@ -96,8 +97,3 @@ def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:
     if above * above == square.numerator and below * below == square.denominator:
         return Surd(rational + factor * Fraction(above, below), Fraction(0), square)
     return Surd(rational, factor, square)
-
-
-def _sign(value: Rational) -> int:
-    """The sign -1, 0 or 1 of a rational."""
-    return (value > 0) - (value < 0)

@@ -94,17 +94,23 @@ def test_an_impact_keeps_momentum_and_angular_momentum_as_claimed(engine, method
 @pytest.mark.parametrize(("engine", "method"), IN_PLANE)
 def test_a_restitution_that_is_combined_wrongly_shows(monkeypatch, engine, method, power):
     always = simulation._always
-    shares = shapes.shares
+    factors = shapes.factors
+
+    def wrong(value, *, is_alone):
+        return factors(value**power, is_alone=is_alone)
+
     monkeypatch.setattr(simulation, "_always", lambda value: always(value**power))
-    monkeypatch.setattr(shapes, "shares", lambda value, *, alone: shares(value**power, alone=alone))
+    monkeypatch.setattr(shapes, "factors", wrong)
     assert error(engine, method, {"restitution": "1/2"}, 1024) > 3e-2
 
 
 def test_a_friction_that_is_combined_wrongly_shows(monkeypatch):
-    shares = shapes.shares
-    monkeypatch.setattr(
-        shapes, "shares", lambda value, *, alone: tuple(1.5 * x for x in shares(value, alone=alone))
-    )
+    factors = shapes.factors
+
+    def wrong(value, *, is_alone):
+        return tuple(1.5 * x for x in factors(value, is_alone=is_alone))
+
+    monkeypatch.setattr(shapes, "factors", wrong)
     rough = {"friction": "1/10", "restitution": "0"}
     assert error("pymunk", "semi-implicit-euler", rough, 1024) > 3e-2
 

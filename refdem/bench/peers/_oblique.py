@@ -1,8 +1,15 @@
-"""Two spheres that touch, hold or slip, and part in a plane: equations between events, those of the
-mode that a contact is in.
+"""Two spheres that touch, hold or slip, and part in a plane, by heyoka: a system of equations for
+each mode of the contact, which lasts until an event.
 
-State: overlap d, its rate g, transverse velocity q of the second from the first, angle of the line
-of centres, spins, tangential spring s.
+The state is (d, g, q, a, w1, w2, s): overlap d and its rate g, transverse velocity q of the second
+sphere from the first, angle a of the line of centres, spins w1 and w2 about z, stretch s of the
+tangential spring. With the distance r = R1 + R2 - d of the centres, the normal force N = k d + c g,
+the tangential force T and 1/m = 1/m1 + 1/m2
+
+    d' = g,   g' = -q a' - N/m,   q' = g a' - T/m,   a' = q/r,   w_i' = A_i T/J_i,
+
+where A_i is the lever of T on sphere i, and the slip is A1 w1 + A2 w2 - q. While the spring holds,
+s' = slip and T = -k_t s; while it slips, T = -+mu N and s rests; without friction T = 0.
 """
 
 from dataclasses import dataclass
@@ -20,7 +27,9 @@ from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
+"""The part of the overlap by which the lever of the tangential force is shorter than the radius."""
 HOLDS, SLIPS, FREE, APART = range(4)
+"""Modes: the spring holds, the contact slips, it has no friction, the spheres have parted."""
 INSIDE = 1 - 1e-14
 """A spring that begins to hold is shorter than its longest by this, so that no event is seen where
 it begins.
@@ -46,111 +55,101 @@ class Oblique:
         )
 
     @property
-    def share(self) -> float:
-        """The spring at its longest over the normal force [m/N]."""
+    def longest_stretch(self) -> float:
+        """mu/k_t, the length of the tangential spring at Coulomb's limit over the normal force
+        [m/N]; 0 without friction.
+        """
         if self.law.friction:
             return self.law.friction / self.law.tangential_stiffness
         return 0.0
 
     def start(self) -> tuple[list[float], int, float]:
-        """The initial state, the mode of the contact and the side of the slip."""
+        """The initial state, the mode of the contact and the side of the slip, 1 or -1."""
         bodies = self.scene.bodies
         relative = bodies.velocity[1] - bodies.velocity[0]
-        p, r = bodies.omega[:, 2]
+        spin1, spin2 = bodies.omega[:, 2]
         overlap_rate = -relative[0]
-        slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
-        state = [0.0, overlap_rate, relative[1], 0.0, p, r, 0.0]
+        slip = float(bodies.radius[0] * spin1 + bodies.radius[1] * spin2 - relative[1])
+        state = [0.0, overlap_rate, relative[1], 0.0, spin1, spin2, 0.0]
+        side = -1.0
         if slip > 0:
             side = 1.0
-        else:
-            side = -1.0
         if not self.law.friction:
             return state, FREE, side
-        # It holds while k_t |slip| grows no faster than mu k g; with a dashpot the normal force
-        # is above 0 at once.
-        most = self.share * self.law.stiffness * overlap_rate
-        is_held = bool(self.law.damping) or abs(slip) <= most
-        if is_held:
-            mode = HOLDS
-        else:
-            mode = SLIPS
-        return state, mode, side
+        # The spring holds if k_t |slip|, the rate of its force, is at most that of Coulomb's limit,
+        # mu k g; with a dashpot the limit is above 0 at once.
+        longest_rate = self.longest_stretch * self.law.stiffness * overlap_rate
+        if self.law.damping or abs(slip) <= longest_rate:
+            return state, HOLDS, side
+        return state, SLIPS, side
 
     def integrators(self, tolerance: float | None) -> list[Any]:
-        """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction.
+        """heyoka's integrators of the modes HOLDS, SLIPS and FREE; without friction of FREE alone.
 
-        Each stops at what ends it.
+        Each stops at the events that end its mode.
+        """
+        modes: tuple[int, ...] = (FREE,)
+        if self.law.friction:
+            modes = (HOLDS, SLIPS, FREE)
+        return [self._integrator(mode, tolerance) for mode in modes]
+
+    def _integrator(self, mode: int, tolerance: float | None) -> Any:
+        """heyoka's integrator of one mode: the equations of the module's docstring, and as events
+        what ends the mode where it falls to 0, the overlap first.
         """
         import heyoka
 
         bodies = self.scene.bodies
         law = self.law
-        down = {"direction": heyoka.event_direction.negative}
         r1, r2 = bodies.radius.tolist()
         j1, j2 = bodies.inertia[:, 0].tolist()
         d, g, q, _, spin1, spin2, s = names = heyoka.make_vars("d", "g", "q", "a", "u", "v", "s")
-        force = law.stiffness * d + law.damping * g
+        # The side of the slip, which only SLIPS has.
         side = heyoka.par[0]
-        ease = float(np.sum(1 / bodies.mass))
-        turn = q / (r1 + r2 - d)
-        arm1 = r1 - BRANCH[law.branch] * d
-        arm2 = r2 - BRANCH[law.branch] * d
-        slip = arm1 * spin1 + arm2 * spin2 - q
-        bend = -q * turn - ease * force
-        ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
-        slip_ends = [ends]
-        if law.damping:
-            slip_ends.append(force)
-        # What ends each mode where it falls to 0, after the overlap itself.
-        watched = {
-            HOLDS: [self.share * force - s, self.share * force + s],
-            SLIPS: slip_ends,
-            FREE: [],
-        }
-        # The tangential force in each mode.
-        acting = {
-            HOLDS: -law.tangential_stiffness * s,
-            SLIPS: -side * law.friction * force,
-            FREE: 0.0,
-        }
-        integrators = []
-        modes: tuple[int, ...] = (FREE,)
-        if law.friction:
-            modes = (HOLDS, SLIPS, FREE)
-        for mode in modes:
-            across = acting[mode]
-            # d' = g, and so on in the order of the names; the spring stretches while it holds.
-            if mode == HOLDS:
-                stretching = slip
-            else:
-                stretching = 0.0
-            rates = [
-                g,
-                bend,
-                g * turn - ease * across,
-                turn,
-                arm1 * across / j1,
-                arm2 * across / j2,
-                stretching,
-            ]
-            events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
-            expressions = []
-            for rate in rates:
-                if isinstance(rate, float):
-                    expressions.append(heyoka.expression(rate))
-                else:
-                    expressions.append(rate)
-            system = list(zip(names, expressions, strict=True))
-            # Only a slip has a side.
-            if mode == SLIPS:
-                pars = [1.0]
-            else:
-                pars = []
-            integrator = heyoka.taylor_adaptive(
-                system, [0.0] * 7, pars=pars, t_events=events, tol=tolerance
-            )
-            integrators.append(integrator)
-        return integrators
+        inverse_mass = float(np.sum(1 / bodies.mass))
+        force = law.stiffness * d + law.damping * g
+        angle_rate = q / (r1 + r2 - d)
+        lever1 = r1 - BRANCH[law.branch] * d
+        lever2 = r2 - BRANCH[law.branch] * d
+        slip = lever1 * spin1 + lever2 * spin2 - q
+        acceleration = -q * angle_rate - inverse_mass * force
+        tangential: Any = 0.0
+        stretching: Any = 0.0
+        parameters: list[float] = []
+        endings: list[Any] = []
+        if mode == HOLDS:
+            tangential = -law.tangential_stiffness * s
+            stretching = slip
+            # |k_t s| reaches mu N, on either side.
+            endings = [self.longest_stretch * force - s, self.longest_stretch * force + s]
+        elif mode == SLIPS:
+            tangential = -side * law.friction * force
+            parameters = [1.0]
+            # The spring of length mu N/k_t holds again once N grows faster than the slip stretches
+            # it: side slip - (mu/k_t) (k g + c g') falls below 0.
+            force_rate = law.stiffness * g + law.damping * acceleration
+            endings = [side * slip - self.longest_stretch * force_rate]
+            if law.damping:
+                endings.append(force)
+        rates = [
+            g,
+            acceleration,
+            g * angle_rate - inverse_mass * tangential,
+            angle_rate,
+            lever1 * tangential / j1,
+            lever2 * tangential / j2,
+            stretching,
+        ]
+        system = []
+        for name, rate in zip(names, rates, strict=True):
+            if isinstance(rate, float):
+                rate = heyoka.expression(rate)
+            system.append((name, rate))
+        falling = heyoka.event_direction.negative
+        events = [heyoka.t_event(margin, direction=falling) for margin in (d, *endings)]
+        return heyoka.taylor_adaptive(
+            system, [0.0] * len(names), pars=parameters, t_events=events, tol=tolerance
+        )
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
         """States in touch at the samples, then the one at which they part, if they do, with its
@@ -166,79 +165,68 @@ class Oblique:
         seconds = 0.0
         while len(states) < len(t):
             # Without friction there is one mode, and one integrator.
+            number = 0
             if self.law.friction:
                 number = mode
-            else:
-                number = 0
             integrator = integrators[number]
             integrator.time = now
             integrator.state[:] = state
             if mode == SLIPS:
                 integrator.pars[0] = side
-            grid = np.concatenate([[now], t[len(states) :]])
-            if len(grid) == 2:
-                started = perf_counter()
-                outcome = integrator.propagate_until(t[-1])
-                seconds += perf_counter() - started
-            else:
-                started = perf_counter()
-                outcome = integrator.propagate_grid(grid)
-                seconds += perf_counter() - started
-                states += list(outcome[-1][1:])
-            # Samples within the step that an event has cut.
-            while len(states) < len(t) and t[len(states)] <= integrator.time:
-                sample = integrator.update_d_output(t[len(states)])
-                states.append(sample.copy())
-            steps += int(outcome[3])
+            event, new_steps, new_seconds = _propagated(integrator, t, states)
+            steps += new_steps
+            seconds += new_seconds
             if len(states) == len(t):
                 break
             now = integrator.time
             state = integrator.state.copy()
-            mode, side = self._after(mode, side, -int(outcome[0]) - 1, state)
+            mode, side = self._after(mode, side, event, state)
             if mode == APART:
                 states.append(np.array([*state, now]))
                 break
         return states, steps, seconds
 
     def _after(self, mode: int, side: float, event: int, state: Array) -> tuple[int, float]:
-        """Mode and side after an event; the spring where it begins to hold."""
+        """Mode and side of the slip after event number `event` of the mode; the spring of the state
+        is set in place where it begins to hold.
+        """
+        # The first event of every mode is the end of the overlap.
         if event == 0:
             return APART, side
+        if mode == HOLDS and event == 1:
+            return SLIPS, 1.0
         if mode == HOLDS:
-            if event == 1:
-                new_side = 1.0
-            else:
-                new_side = -1.0
-            return SLIPS, new_side
+            return SLIPS, -1.0
+        # The second event of a slip is the end of a force that a dashpot would turn round.
         if event != 1:
             return FREE, side
         overlap = state[0]
         rate = state[1]
         force = self.law.stiffness * overlap + self.law.damping * rate
-        state[6] = side * INSIDE * self.share * force
+        state[6] = side * INSIDE * self.longest_stretch * force
         return HOLDS, side
 
     def trajectory(self, t: Array, states: list[Array]) -> Trajectory:
-        """The motion of both, straight on once they have parted."""
+        """The motion of both spheres, straight on once they have parted."""
         bodies = self.scene.bodies
-        parted = len(states[-1]) == 8
-        touch = np.array([row[:7] for row in states])
-        d, _, q, angle, p, r, _ = touch.T
-        reach = bodies.radius.sum() - d
-        g = touch[:, 1]
+        # Numbers 0 to 6 are the state; a last state of 8 has the time at which they part, too.
+        has_parted = len(states[-1]) == 8
+        d, g, q, angle, spin1, spin2, _ = np.array([row[:7] for row in states]).T
+        # The branch vector r (cos a, sin a), r = R1 + R2 - d, and its rate.
+        distance = bodies.radius.sum() - d
         c = np.cos(angle)
         s = np.sin(angle)
-        place = reach * np.array([c, s])
-        speed = np.array([-g * c - q * s, -g * s + q * c])
-        spins = np.array([p, r])
-        if parted:
+        branch = distance * np.array([c, s])
+        branch_rate = np.array([-g * c - q * s, -g * s + q * c])
+        spins = np.array([spin1, spin2])
+        if has_parted:
             # Straight on with the last velocities, from the time at which they part.
             since = t[len(states) - 1 :] - states[-1][7]
-            flown = place[:, -1:] + speed[:, -1:] * since
-            place = np.concatenate([place[:, :-1], flown], axis=1)
-            speed = _held(speed, len(since))
+            flight = branch[:, -1:] + branch_rate[:, -1:] * since
+            branch = np.concatenate([branch[:, :-1], flight], axis=1)
+            branch_rate = _held(branch_rate, len(since))
             spins = _held(spins, len(since))
-        # Of the way from the first to the second, m1/(m1 + m2) is ahead of the centre of mass.
+        # About the centre of mass: r1 = -m2/(m1 + m2) of the branch vector, r2 = m1/(m1 + m2).
         total = bodies.mass.sum()
         share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total
         centre = bodies.mass @ bodies.position / total
@@ -246,36 +234,63 @@ class Oblique:
         position = np.zeros((len(t), 2, 3))
         velocity = np.zeros((len(t), 2, 3))
         omega = np.zeros((len(t), 2, 3))
-        position[:, :, :2] = place.T[:, None] * share
-        velocity[:, :, :2] = speed.T[:, None] * share
+        position[:, :, :2] = branch.T[:, None] * share
+        velocity[:, :, :2] = branch_rate.T[:, None] * share
         omega[:, :, 2] = spins.T
         position += centre + drift * (t - t[0])[:, None, None]
-        still = np.broadcast_to(bodies.attitude, (len(t), 2, 4)).copy()
-        return Trajectory(
-            t=t, position=position, velocity=velocity + drift, attitude=still, omega=omega
-        )
+        velocity += drift
+        attitude = np.broadcast_to(bodies.attitude, (len(t), 2, 4)).copy()
+        return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
+
+
+def _propagated(integrator: Any, t: Array, states: list[Array]) -> tuple[int, int, float]:
+    """Runs one mode until an event or the last sample, and appends the states at the samples until
+    then; number of the event, steps, seconds.
+    """
+    later = t[len(states) :]
+    if len(later) == 1:
+        started = perf_counter()
+        outcome = integrator.propagate_until(t[-1])
+        seconds = perf_counter() - started
+    else:
+        grid = np.concatenate([[integrator.time], later])
+        started = perf_counter()
+        outcome = integrator.propagate_grid(grid)
+        seconds = perf_counter() - started
+        states += list(outcome[-1][1:])
+    # Samples within the step that an event has cut.
+    while len(states) < len(t) and t[len(states)] <= integrator.time:
+        sample = integrator.update_d_output(t[len(states)])
+        states.append(sample.copy())
+    # heyoka reports event number n that stops it as -n - 1.
+    event = -int(outcome[0]) - 1
+    steps = int(outcome[3])
+    return event, steps, seconds
 
 
 def _held(column: Array, samples: int) -> Array:
-    """A quantity (2, M) whose last value stays for so many samples, in place of that one."""
-    later = np.repeat(column[:, -1:], samples, axis=1)
-    return np.concatenate([column[:, :-1], later], axis=1)
+    """A quantity (2, M) whose last value is repeated so that it stands for `samples` samples."""
+    repeated = np.repeat(column[:, -1:], samples, axis=1)
+    return np.concatenate([column[:, :-1], repeated], axis=1)
 
 
 def oblique(scene: Scene) -> Oblique | None:
-    """The pair, if it parts where the overlap ends, and the reference's series say it too."""
+    """The pair of the scene, or None where these equations are not those of the scene.
+
+    They need two spheres along x in the plane z = 0 and a contact that ends where the overlap does;
+    for the rest the pair is supported where the reference's series support it.
+    """
     laws = scene.all(Contact)
-    reference = discovery.engine("reference")
     if not laws or laws[0].cutoff != "zero_overlap" or len(scene.bodies) != 2:
         return None
-    if reference.unsupported_motion(
-        Motion(scene, np.array([0.0, 1.0])), reference.method("oblique-contact")
-    ):
+    reference = discovery.engine("reference")
+    motion = Motion(scene, np.array([0.0, 1.0]))
+    if reference.unsupported_motion(motion, reference.method("oblique-contact")):
         return None
-    line = np.diff(scene.bodies.position, axis=0)[0]
+    branch = np.diff(scene.bodies.position, axis=0)[0]
     velocity = scene.bodies.velocity
-    spins = scene.bodies.omega
-    aside = (*line[1:], *velocity[:, 2], *spins[:, :2].ravel())
-    if line[0] > 0 and not any(aside):
+    omega = scene.bodies.omega
+    out_of_plane = (*branch[1:], *velocity[:, 2], *omega[:, :2].ravel())
+    if branch[0] > 0 and not any(out_of_plane):
         return Oblique(scene, laws[0])
     return None

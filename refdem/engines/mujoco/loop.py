@@ -40,11 +40,11 @@ def clock_address(data: Any) -> int:
     address = data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
     # A number that stands nowhere else is written by name and read back at the address.
     probe = 0.1234567890123
-    kept = data.time
+    time = data.time
     data.time = probe
-    seen = ctypes.c_double.from_address(address).value
-    data.time = kept
-    if seen != probe:
+    value_at_address = ctypes.c_double.from_address(address).value
+    data.time = time
+    if value_at_address != probe:
         raise EngineError(
             "mujoco: mjData.time does not stand before mjData.energy as in 4.0.0; the adapter must"
             " be brought up to date"

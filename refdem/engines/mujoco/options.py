@@ -79,17 +79,16 @@ def unneeded(scene: Scene) -> tuple[str, ...]:
     """Names of the mjtDisableBit flags of what the scene does not have."""
     features = scene.features
     # A slider on a belt is a contact with a body that moves; others are MuJoCo's frictionloss.
-    belt = "slider:belt" in features
-    meets = belt or ("contact" in features and scene.has_shapes())
+    has_belt = "slider:belt" in features
+    has_contacts = has_belt or ("contact" in features and scene.has_shapes())
+    has_joint_friction = any(not slider.belt_velocity for slider in scene.all(Slider))
+    # Without springs and dampers MuJoCo leaves out its callback as well.
+    has_callback = any(is_passive(element, scene) for element in scene.elements)
     off = {
-        "CONTACT": not meets,
-        "CONSTRAINT": not meets and "slider" not in features,
-        "FRICTIONLOSS": all(slider.belt_velocity for slider in scene.all(Slider)),
-        "SPRING": (
-            # Without springs and dampers MuJoCo leaves out its callback as well.
-            "spring" not in features
-            and not any(is_passive(element, scene) for element in scene.elements)
-        ),
+        "CONTACT": not has_contacts,
+        "CONSTRAINT": not has_contacts and "slider" not in features,
+        "FRICTIONLOSS": not has_joint_friction,
+        "SPRING": "spring" not in features and not has_callback,
         "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,
     }

@@ -72,27 +72,26 @@ def _refuse_warnings(data: Any, warnings: list[str]) -> None:
 
 
 def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -> Trajectory:
-    """The recorded rows in the scene's terms."""
+    """The recorded rows (T, nq + nv + 1) of coordinates, velocities and clock as a trajectory."""
     q = rows[:, : model.nq]
     v = rows[:, model.nq : -1]
-    places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
-    read = [
-        freedom.read(q[:, a], v[:, b]) for freedom, (a, b) in zip(freedoms, places, strict=True)
-    ]
+    bodies = []
+    for number, freedom in enumerate(freedoms):
+        q_columns, v_columns = _columns(model, freedoms, number)
+        bodies.append(freedom.read(q[:, q_columns], v[:, v_columns]))
     columns: Any = {
-        name: np.stack([getattr(body, name) for body in read], axis=1)
+        name: np.stack([getattr(body, name) for body in bodies], axis=1)
         for name in ("position", "velocity", "attitude", "omega")
     }
-    if any(isinstance(f, Hinge) for f in freedoms):
-        channels = {"rod_force": _rod_force(mujoco, model, q, v)}
-    else:
-        channels = {}
+    channels = {}
+    if any(isinstance(freedom, Hinge) for freedom in freedoms):
+        channels["rod_force"] = _rod_force(mujoco, model, q, v)
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
 
 
 def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int], list[int]]:
-    """Which coordinates and which velocities of the model tell the state of body `number`: those of
-    its lineage.
+    """The indices in qpos, and those in qvel, of the joints that move body `number`: its own and
+    those of the bodies from which it hangs.
     """
     q: list[int] = []
     v: list[int] = []
@@ -100,11 +99,11 @@ def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int
         # A body that is fixed has no joint.
         if not freedom.nq:
             continue
-        if freedom is freedoms[number]:
-            own = number
-        else:
-            own = freedoms.index(freedom)
-        joint = int(model.body(f"body {own}").jntadr[0])
+        # Two bodies may have equal joints: the body itself is told apart by its number.
+        owner = number
+        if freedom is not freedoms[number]:
+            owner = freedoms.index(freedom)
+        joint = int(model.body(f"body {owner}").jntadr[0])
         first_q = int(model.jnt_qposadr[joint])
         first_v = int(model.jnt_dofadr[joint])
         q += range(first_q, first_q + freedom.nq)

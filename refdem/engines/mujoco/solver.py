@@ -64,13 +64,20 @@ def linear_rubbing(scene: Scene, law: Contact, step: float) -> dict[str, Any]:
     normal force as it is, and stops the slip within a step (b_t = 1/step) or holds friction at
     mu f_n.
     """
+    # Direct form: hardly any stiffness, and b_t = 1/step times the impedance that cancels it.
+    tangential = [-np.finfo(float).tiny, -ANY / step]
     return {
         "condim": 3,
-        "friction": (law.friction, law.friction, 0.0, 0.0, 0.0),
+        "friction": _coulomb(law.friction),
         "solref": linear_law(scene, law),
         "solimp": impedance(ANY),
-        "solreffriction": [-np.finfo(float).tiny, -ANY / step],
+        "solreffriction": tangential,
     }
+
+
+def _coulomb(friction: float) -> tuple[float, ...]:
+    """The five coefficients of a pair: both tangents have the same, torsion and rolling none."""
+    return friction, friction, 0.0, 0.0, 0.0
 
 
 def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
@@ -87,13 +94,14 @@ def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
     """
     normal = [-1 / (4 * step**2), -1 / step]
     tangential = [-np.finfo(float).tiny, -SLIDING / step]
-    own = {
+    return {
         "condim": 3,
-        "friction": (friction, friction, 0.0, 0.0, 0.0),
+        "friction": _coulomb(friction),
+        "solref": normal,
         "solimp": impedance(SLIDING),
+        "solreffriction": tangential,
         "margin": ROUNDING * size,
     }
-    return own | {"solref": normal, "solreffriction": tangential}
 
 
 def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, Any]:
@@ -102,10 +110,10 @@ def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, A
         return {"condim": 1, "solref": linear_law(scene, law), "solimp": impedance(ANY)}
     sliding = (law.friction, 0.0, 0.0)
     rigid = {"solref": stiffest(step), "solimp": impedance(HARDEST), "margin": ROUNDING * size}
+    # condim: the normal alone, or with two tangents.
+    dimension = 1
     if law.friction > 0:
         dimension = 3
-    else:
-        dimension = 1
     return rigid | {"condim": dimension, "friction": sliding}
 
 

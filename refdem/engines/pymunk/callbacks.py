@@ -1,5 +1,5 @@
-"""What Chipmunk says by functions that it calls in every step: friction that depends on the speed,
-and forces on a body that follow the clock, its place or its velocity.
+"""Functions that Chipmunk calls in every step: for friction that depends on the speed, and for
+forces on a body that depend on the time, its position or its velocity.
 """
 
 from collections.abc import Callable, Iterator
@@ -34,8 +34,9 @@ def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
     joint.error_bias = 1.0
 
     def limited(joint: pymunk.Constraint, space: pymunk.Space) -> None:
-        apart = joint.a.velocity - joint.b.velocity
-        joint.max_force = load * link.coefficient(abs(x * apart.x + y * apart.y))
+        relative = joint.a.velocity - joint.b.velocity
+        speed = abs(x * relative.x + y * relative.y)
+        joint.max_force = load * link.coefficient(speed)
 
     if link.law != "coulomb":
         joint.pre_solve = limited
@@ -77,8 +78,8 @@ def _periodic(drive: Force) -> BodyForce:
     (x, y) = drive.axis[:2]
 
     def force(t: float, body: pymunk.Body) -> Planar:
-        size = drive.amplitude * cos(drive.frequency * t + drive.phase)
-        return size * x, size * y
+        strength = drive.amplitude * cos(drive.frequency * t + drive.phase)
+        return strength * x, strength * y
 
     return force
 
@@ -104,10 +105,10 @@ def _slope(field: PiecewiseField) -> BodyForce:
         (x, y) = body.position
         s = (x - point_x) * axis_x + (y - point_y) * axis_y
         if s <= 0:
-            size = field.k1 * max(s - field.x1, 0.0)
+            strength = field.k1 * max(s - field.x1, 0.0)
         else:
-            size = field.k2 * min(s - field.x2, 0.0)
-        return size * axis_x, size * axis_y
+            strength = field.k2 * min(s - field.x2, 0.0)
+        return strength * axis_x, strength * axis_y
 
     return force
 
@@ -119,8 +120,8 @@ def _resistance(dashpot: Dashpot) -> BodyForce:
     def force(t: float, body: pymunk.Body) -> Planar:
         (x, y) = body.position
         (v_x, v_y) = body.velocity
-        square = (x - anchor_x) ** 2 + (y - anchor_y) ** 2
-        coefficient = dashpot.damping + dashpot.van_der_pol * square
+        distance_squared = (x - anchor_x) ** 2 + (y - anchor_y) ** 2
+        coefficient = dashpot.damping + dashpot.van_der_pol * distance_squared
         return -coefficient * v_x, -coefficient * v_y
 
     return force

@@ -37,12 +37,13 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     began = perf_counter()
     if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
         raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
-    columns = request.problem.scene.bodies
+    scene = request.problem.scene
+    columns = scene.bodies
+    start = request.problem.times[0]
+    step = request.signed_step
     is_as_shipped = request.method.endswith("-as-shipped")
-    space, bodies = space_of(request.problem.scene, is_tuned=not is_as_shipped)
-    drive(
-        space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step
-    )
+    space, bodies = space_of(scene, is_tuned=not is_as_shipped)
+    drive(space, scene, bodies, float(start), step)
     ffi = kernels.load("chipmunk").ffi
     lib = kernels.load("chipmunk").lib
     can_turn = (columns.inertia[:, 2] > 0) & ~columns.fixed
@@ -56,19 +57,16 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     rows[..., OMEGA] = 0.0
     out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()
-    lib.refdem_chipmunk_record(
-        engine, len(bodies), handles, request.signed_step, samples, stride, out
-    )
+    lib.refdem_chipmunk_record(engine, len(bodies), handles, step, samples, stride, out)
     ended = perf_counter()
     steps = int(engine_lib.cpSpaceGetTimestamp(space._space))
     if steps != (samples - 1) * stride:
         raise EngineError(
             f"pymunk: the engine counted {steps} steps; expected {(samples - 1) * stride}"
         )
-    t = request.problem.times[0] + np.arange(samples) * stride * request.signed_step
-    return _trajectory(request, t, rows), Cost(
-        seconds=ended - started, setup=started - began, steps=steps
-    )
+    t = start + np.arange(samples) * stride * step
+    cost = Cost(seconds=ended - started, setup=started - began, steps=steps)
+    return _trajectory(request, t, rows), cost
 
 
 def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
@@ -76,14 +74,9 @@ def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
     engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
     for field, function in FUNCTIONS.items():
         if turns or field not in ("angle", "omega"):
-            setattr(
-                engine,
-                field,
-                ffi.cast(
-                    ffi.typeof(getattr(engine, field)),
-                    _number(engine_ffi.addressof(engine_lib, function)),
-                ),
-            )
+            address = _number(engine_ffi.addressof(engine_lib, function))
+            kind = ffi.typeof(getattr(engine, field))
+            setattr(engine, field, ffi.cast(kind, address))
     return engine
 
 

@@ -1,4 +1,4 @@
-"""A scene's shapes and planes in Chipmunk's words, and what each brings to a contact."""
+"""Shapes and planes of a scene as shapes of Chipmunk, with friction and elasticity of each."""
 
 from math import sqrt
 
@@ -16,7 +16,7 @@ WALL = 1e3
 
 
 def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:
-    """Shapes and walls, where there is a rigid contact law; whether there are any."""
+    """Adds shapes and walls to the space if the scene has a rigid contact law; True if it has."""
     law = next(iter(scene.all(Contact)), None)
     if law is None or law.law != "rigid" or not scene.has_shapes():
         return False
@@ -26,46 +26,41 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
             shapes.append(pymunk.Circle(body, shape.radius))
         elif isinstance(shape, Polyhedron):
             shapes.append(pymunk.Poly(body, outline(shape) or []))
-    size = WALL * max(
-        float(np.abs(scene.bodies.position).max()),
-        *(extent(shape) for shape in scene.bodies.shape),
-    )
-    walls = [_wall(space, plane, size) for plane in scene.all(Plane)]
+    farthest = float(np.abs(scene.bodies.position).max())
+    largest = max(extent(shape) for shape in scene.bodies.shape)
+    half_length = WALL * max(farthest, largest)
+    walls = [_wall(space, plane, half_length) for plane in scene.all(Plane)]
     for name, value in (("friction", law.friction), ("elasticity", law.restitution)):
-        own, of_walls = shares(value, alone=len(shapes) == 1)
+        of_shapes, of_walls = factors(value, is_alone=len(shapes) == 1)
         for solid in shapes:
-            setattr(solid, name, own)
+            setattr(solid, name, of_shapes)
         for wall in walls:
             setattr(wall, name, of_walls)
     space.add(*shapes, *walls)
     return True
 
 
-def shares(value: float, *, alone: bool) -> tuple[float, float]:
-    """What a shape and what a wall brings to a pair, of which Chipmunk takes the product: `value`,
-    exactly for a shape that is alone.
+def factors(value: float, *, is_alone: bool) -> tuple[float, float]:
+    """The coefficients of shapes and of walls whose product, which Chipmunk takes for a pair, is
+    `value`: exactly for a shape that is alone.
 
     The square of a rounded root may be less: sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) does not hold a block
     on the slope 3/4.
     """
-    if alone:
-        own = value
-    else:
-        own = sqrt(value)
-    if not own:
-        return own, 0.0
-    return own, value / own
+    of_shapes = value
+    if not is_alone:
+        # Two shapes meet with the root of the value each.
+        of_shapes = sqrt(value)
+    if not of_shapes:
+        return of_shapes, 0.0
+    return of_shapes, value / of_shapes
 
 
-def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
-    """A wide and deep block behind the plane."""
+def _wall(space: pymunk.Space, plane: Plane, half_length: float) -> pymunk.Shape:
+    """A rectangle behind the plane, `half_length` [m] deep and twice as long."""
     point = np.array(plane.point[:2])
     normal = np.array(plane.normal[:2])
-    along = np.array([-normal[1], normal[0]]) * size
-    corners = [
-        point + along,
-        point - along,
-        point - along - size * normal,
-        point + along - size * normal,
-    ]
-    return pymunk.Poly(space.static_body, [tuple(c.tolist()) for c in corners])
+    tangent = np.array([-normal[1], normal[0]]) * half_length
+    depth = half_length * normal
+    corners = [point + tangent, point - tangent, point - tangent - depth, point + tangent - depth]
+    return pymunk.Poly(space.static_body, [tuple(corner.tolist()) for corner in corners])

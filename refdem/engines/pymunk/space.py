@@ -1,4 +1,4 @@
-"""A scene in Chipmunk's words: space, bodies and joints."""
+"""A scene as Chipmunk's space with its bodies and joints."""
 
 from math import exp
 from typing import Any
@@ -28,9 +28,7 @@ def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list
     """
     space = pymunk.Space()
     # Chipmunk's damping is the factor on all velocities in a second, exp(-rate).
-    rate = fading(scene)
-    if rate is None:
-        rate = 0.0
+    rate = fading(scene) or 0.0
     space.damping = exp(-rate)
     # The total of all uniform fields in the plane; zero without one.
     gravity = np.zeros(2)
@@ -59,10 +57,10 @@ def _tune(space: pymunk.Space, *, is_one_joint: bool) -> None:
     """Takes out what pymunk's defaults do to the mechanics of a scene."""
     space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
+    # One joint is solved exactly in one pass.
+    space.iterations = COUPLED_ITERATIONS
     if is_one_joint:
         space.iterations = 1
-    else:
-        space.iterations = COUPLED_ITERATIONS
 
 
 def angle_of(attitude: Any) -> Any:
@@ -90,14 +88,15 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
 
 
 def _belt(space: pymunk.Space, link: Slider) -> pymunk.Body:
-    """A body that nothing stops: what the slider rubs on."""
-    space.add(belt := pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+    """A body of constant velocity, which no force changes: the belt that the slider rubs on."""
+    belt = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    space.add(belt)
     belt.velocity = tuple((link.belt_velocity * np.array(link.axis[:2])).tolist())
     return belt
 
 
 def _is_still(scene: Scene, end: int) -> bool:
-    """The end of a link is the world or a fixed body."""
+    """True if the end of a link is the world or a fixed body."""
     return end < 0 or bool(scene.bodies.fixed[end])
 
 
@@ -112,9 +111,8 @@ def _joint(
     Coulomb's limit.
     """
     a = bodies[link.a]
-    if link.b < 0:
-        b = space.static_body
-    else:
+    b = space.static_body
+    if link.b >= 0:
         b = bodies[link.b]
     if isinstance(link, Slider) and link.belt_velocity:
         b = _belt(space, link)

@@ -66,8 +66,8 @@ def _pressing(a: pymunk.Body, b: pymunk.Body, touching: float, law: Contact) -> 
         if may_pull or not law.damping:
             return True
         elastic = law.stiffness * overlap**law.exponent
-        resisting = law.damping * _closing(joint)
-        return bool(elastic + resisting > 0)
+        viscous = law.damping * _closing_speed(joint)
+        return bool(elastic + viscous > 0)
 
     def push(joint: pymunk.DampedSpring, distance: float) -> float:
         if not is_pressed(distance):
@@ -76,10 +76,9 @@ def _pressing(a: pymunk.Body, b: pymunk.Body, touching: float, law: Contact) -> 
         return pushing
 
     def switched(_: pymunk.Constraint, space: pymunk.Space) -> None:
+        joint.damping = 0.0
         if is_pressed((b.position - a.position).length):
             joint.damping = law.damping
-        else:
-            joint.damping = 0.0
 
     joint.force_func = push
     if law.damping:
@@ -87,8 +86,9 @@ def _pressing(a: pymunk.Body, b: pymunk.Body, touching: float, law: Contact) -> 
     return joint
 
 
-def _closing(joint: pymunk.DampedSpring) -> float:
+def _closing_speed(joint: pymunk.DampedSpring) -> float:
     """The speed [m/s] at which the centres of the joint's two bodies approach each other."""
-    apart = joint.b.position - joint.a.position
+    branch = joint.b.position - joint.a.position
     relative = joint.b.velocity - joint.a.velocity
-    return float(-relative.dot(apart) / apart.length)
+    # -d|r|/dt = -v . r/|r| with the branch vector r.
+    return float(-relative.dot(branch) / branch.length)

@@ -40,8 +40,11 @@ def _is_convex(polygon: Polygon) -> bool:
     """True if the polygon turns left at every corner."""
     corners = np.array(polygon.vertices)
     sides = np.roll(corners, -1, axis=0) - corners
-    after = np.roll(sides, -1, axis=0)
-    return bool(np.all(sides[:, 0] * after[:, 1] > sides[:, 1] * after[:, 0]))
+    next_sides = np.roll(sides, -1, axis=0)
+    x, y = sides.T
+    next_x, next_y = next_sides.T
+    # The cross product of a side and the next one is positive in a turn to the left.
+    return bool(np.all(x * next_y > y * next_x))
 
 
 ANSWERS: dict[str, Callable[..., Any]] = {

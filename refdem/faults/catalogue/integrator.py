@@ -38,7 +38,9 @@ def _first_kick_twice(p: Parts) -> dict[str, Any]:
 def _old_velocity(p: Parts) -> dict[str, Any]:
     """The drift goes with the velocity that the step before drifted with."""
     previous = Late(lambda v: v)
-    return forgetting(p, previous.kept.clear, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
+    return forgetting(
+        p, previous.answers.clear, drifted=lambda r, v, h: p.drifted(r, previous(v), h)
+    )
 
 
 def _lopsided(p: Parts) -> dict[str, Any]:
@@ -62,7 +64,7 @@ def _averaged(p: Parts) -> dict[str, Any]:
     def central_force(*arguments: Any) -> Any:
         return vec.times(0.5, vec.plus(p.central_force(*arguments), previous(*arguments)))
 
-    return forgetting(p, previous.kept.clear, central_force=central_force)
+    return forgetting(p, previous.answers.clear, central_force=central_force)
 
 
 FAULTS = (

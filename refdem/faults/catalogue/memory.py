@@ -1,4 +1,8 @@
-"""State that leaks from run to run, numbers that were never set, caches that went stale."""
+"""State that leaks from run to run, numbers that were never set, caches that went stale.
+
+Each helper here makes `inside` of a fault: from the sound parts `p` of the transparent engine it
+makes the faulty ones by name. What the closures remember is the state that leaks.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,69 +20,90 @@ memory = partial(Fault, kind="memory", on=("oscillator",))
 AGAIN = ("determinism", "repeated")
 
 
-def _counted(size: float) -> Callable[[Parts], dict[str, Any]]:
-    """A number that was never set: another one in every run (imitated by counting runs)."""
+def _differs_from_run_to_run(largest: float) -> Callable[[Parts], dict[str, Any]]:
+    """A number that was never set: another one in every run.
+
+    Memory that is never set cannot be made on purpose; it is imitated by the number of the run,
+    modulo 7, times `largest` [N], which is added to the force along x.
+    """
 
     def inside(p: Parts) -> dict[str, Any]:
-        runs: list[None] = []
+        runs = 0
+
+        def count_run() -> None:
+            nonlocal runs
+            runs += 1
 
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-            never_set = size * (len(runs) % 7)
+            never_set = largest * (runs % 7)
             return p.kicked(v, (force[0] + never_set, *force[1:]), mass, h)
 
-        return forgetting(p, lambda: runs.append(None), kicked=kicked)
+        return forgetting(p, count_run, kicked=kicked)
 
     return inside
 
 
 def _kept_spring(p: Parts) -> dict[str, Any]:
-    """The tangential spring of the last contact of the run before is there at the first one of
-    this.
-    """
-    last: dict[str, Any] = {"stretch": vec.ZERO}
+    """The tangential spring at the end of a run is there when the next run begins."""
+    last_stretch = vec.ZERO
+    is_first_of_run = True
+
+    def begin() -> None:
+        nonlocal is_first_of_run
+        is_first_of_run = True
 
     def stretched(stretch: Any, before: Any, now: Any, h: Any) -> Any:
-        if last["new"]:
-            stretch = last["stretch"]
-            last["new"] = False
-        last["stretch"] = p.stretched(stretch, before, now, h)
-        return last["stretch"]
+        nonlocal last_stretch, is_first_of_run
+        if is_first_of_run:
+            stretch = last_stretch
+            is_first_of_run = False
+        last_stretch = p.stretched(stretch, before, now, h)
+        return last_stretch
 
-    return forgetting(p, lambda: last.update(new=True), stretched=stretched)
+    return forgetting(p, begin, stretched=stretched)
 
 
-def _kept_late(p: Parts) -> dict[str, Any]:
+def _kept_force(p: Parts) -> dict[str, Any]:
     """The first force of a run is the last one of the run before."""
-    kept: dict[str, Any] = {}
+    last_force: Any = None
+    is_first_of_run = False
+
+    def begin() -> None:
+        nonlocal is_first_of_run
+        # The very first run has no run before it.
+        is_first_of_run = last_force is not None
 
     def spring_force(spring: Any, a: Any, b: Any) -> Any:
-        if kept.get("first"):
-            kept["first"] = False
-            return kept["last"]
-        kept["last"] = p.spring_force(spring, a, b)
-        return kept["last"]
+        nonlocal last_force, is_first_of_run
+        if is_first_of_run:
+            is_first_of_run = False
+        else:
+            last_force = p.spring_force(spring, a, b)
+        return last_force
 
-    return forgetting(p, lambda: kept.update(first="last" in kept), spring_force=spring_force)
+    return forgetting(p, begin, spring_force=spring_force)
 
 
 def _forwards(request: Request, run: Trajectory) -> Trajectory:
-    """A run backwards is answered with its start, moved on forwards by twice the way."""
+    """The answer to a run backwards: its positions, moved on forwards by v times twice the time."""
     if request.problem.interval > 0:
         return run
-    ahead = (request.problem.times[0] - request.problem.times)[:, None, None]
-    return replace(run, position=run.position + 2 * ahead * run.velocity)
+    # Time from each sample to the start, which is later, shaped for (T, bodies, axes).
+    times = request.problem.times
+    elapsed = (times[0] - times)[:, None, None]
+    return replace(run, position=run.position + 2 * elapsed * run.velocity)
 
 
 def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
-    """An argument of the first kick ever made serves for all kicks of all runs."""
+    """An argument of the first kick ever made, `mass` or `h`, serves for all kicks of all runs."""
 
     def inside(p: Parts) -> dict[str, Any]:
-        kept: dict[str, Any] = {}
+        cache: dict[str, Any] = {}
 
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-            asked = {"mass": mass, "h": h}
-            asked[argument] = kept.setdefault(argument, asked[argument])
-            return p.kicked(v, force, asked["mass"], asked["h"])
+            arguments = {"mass": mass, "h": h}
+            arguments[argument] = cache.setdefault(argument, arguments[argument])
+            return p.kicked(v, force, arguments["mass"], arguments["h"])
 
         return {"kicked": kicked}
 
@@ -90,21 +115,21 @@ FAULTS = (
         name="never-set",
         sentence="A force has a part of 1e-13 N that was never set.",
         sees=AGAIN,
-        inside=_counted(1e-13),
+        inside=_differs_from_run_to_run(1e-13),
     ),
     memory(
         name="never-set-large",
         sentence="A force has a part of 1e-3 N that was never set.",
         on=("orbit",),
         sees=AGAIN,
-        inside=_counted(1e-3),
+        inside=_differs_from_run_to_run(1e-3),
     ),
     memory(
         name="never-set-contact",
         sentence="A contact force has a part of 1e-12 N that was never set.",
         on=("knock",),
         sees=AGAIN,
-        inside=_counted(1e-12),
+        inside=_differs_from_run_to_run(1e-12),
     ),
     memory(
         name="spring-kept",
@@ -117,7 +142,7 @@ FAULTS = (
         name="force-kept",
         sentence="The first force of a run is the last one of the run before.",
         sees=AGAIN,
-        inside=_kept_late,
+        inside=_kept_force,
     ),
     memory(
         name="step-kept",

@@ -9,7 +9,7 @@ import numpy as np
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.core.problem import Request
 from refdem.faults.catalogue import chosen
-from refdem.gallery.runs import Array, Seen, remember, seen
+from refdem.gallery.runs import Array, ObservedRun, observed, remember
 from refdem.mechanics.quaternion import matrix, rotated
 
 CORNER = np.array([0.0, 0.0, 0.02])
@@ -30,8 +30,8 @@ def figure() -> Figure:
     """The way of the body in flight and then on the slope, and the angular velocity about the first
     and second axis.
     """
-    flight = seen("neglected-gyroscopic", samples=600)
-    fall = seen("neglected-gyroscopic", **TUMBLING)
+    flight = observed("neglected-gyroscopic", samples=600)
+    fall = observed("neglected-gyroscopic", **TUMBLING)
     wrong_flight = without_gyroscopic_term(flight, STEPS)
     wrong_fall = without_gyroscopic_term(fall, SLOPE_STEPS)
     spin = float(np.linalg.norm(omega(flight)[0]))
@@ -52,7 +52,7 @@ def figure() -> Figure:
         " from a solver."
     )
     panels = (
-        ways(flight, wrong_flight),
+        paths(flight, wrong_flight),
         spins(flight, wrong_flight),
         slope(fall, wrong_fall),
         spins(fall, wrong_fall),
@@ -67,18 +67,18 @@ def figure() -> Figure:
     )
 
 
-def ways(right: Seen, wrong: Seen) -> Panel:
+def paths(right: ObservedRun, wrong: ObservedRun) -> Panel:
     """The path of a point of the body."""
-    paths = []
+    series = []
     for run, ink, label in (
         (wrong, GREY, "without the nonlinear terms"),
         (right, 1, "Euler's equations"),
     ):
         corner = np.broadcast_to(CORNER, (len(run.t), 3))
         place = centre(run) + rotated(run.trajectory.attitude[:, 0], corner)
-        paths.append(Series(x=place[:, 0], y=place[:, 2], ink=ink, label=label))
+        series.append(Series(x=place[:, 0], y=place[:, 2], ink=ink, label=label))
     return Panel(
-        series=tuple(paths),
+        series=tuple(series),
         x=Axis(title="x [m]"),
         y=Axis(title="z [m]"),
         size=SIZE,
@@ -86,7 +86,7 @@ def ways(right: Seen, wrong: Seen) -> Panel:
     )
 
 
-def spins(right: Seen, wrong: Seen) -> Panel:
+def spins(right: ObservedRun, wrong: ObservedRun) -> Panel:
     """Angular velocities about two principal axes."""
     rates = []
     for run, ink in ((wrong, GREY), (right, 1)):
@@ -102,7 +102,7 @@ def spins(right: Seen, wrong: Seen) -> Panel:
     )
 
 
-def slope(right: Seen, wrong: Seen) -> Panel:
+def slope(right: ObservedRun, wrong: ObservedRun) -> Panel:
     """The slope, the paths of the centre, and the edges of the box at some times."""
     drawn = []
     for run, ink in ((wrong, GREY), (right, 1)):
@@ -123,7 +123,7 @@ def slope(right: Seen, wrong: Seen) -> Panel:
     )
 
 
-def outlines(run: Seen, sample: int) -> Array:
+def outlines(run: ObservedRun, sample: int) -> Array:
     """The edges (36, 3) [m] of the box at one sample, each with a break after it."""
     shape: Any = run.instance.scene.bodies.shape[0]
     turn = matrix(run.trajectory.attitude[sample, 0])
@@ -140,7 +140,7 @@ def outlines(run: Seen, sample: int) -> Array:
     return np.array(points)
 
 
-def without_gyroscopic_term(right: Seen, steps: int) -> Seen:
+def without_gyroscopic_term(right: ObservedRun, steps: int) -> ObservedRun:
     """The same question, answered by the transparent engine that carries the fault, with `steps` a
     sample.
     """
@@ -149,21 +149,21 @@ def without_gyroscopic_term(right: Seen, steps: int) -> Seen:
     request = Request(problem=motion, method=METHOD, step=motion.interval / steps)
     trajectory, _ = fault.carrier().run(request)
     remember("refdem faults --fault no-gyroscopic-term")
-    return Seen(right.instance, trajectory, right.instance.observe(trajectory))
+    return ObservedRun(right.instance, trajectory, right.instance.observe(trajectory))
 
 
-def centre(run: Seen) -> Array:
+def centre(run: ObservedRun) -> Array:
     """The places (T, 3) [m] of the centre of mass."""
     place: Array = run.trajectory.position[:, 0]
     return place
 
 
-def omega(run: Seen) -> Array:
+def omega(run: ObservedRun) -> Array:
     """The angular velocity (T, 3) [rad/s] in body axes."""
     return np.stack([run[f"omega_body.{axis}"] for axis in "xyz"], axis=1)
 
 
-def apart(one: Seen, other: Seen) -> float:
+def apart(one: ObservedRun, other: ObservedRun) -> float:
     """The largest distance of the angular velocities [rad/s]."""
     differences = np.linalg.norm(omega(one) - omega(other), axis=1)
     return float(differences.max())

@@ -5,7 +5,7 @@ several dampings (1.105), (1.106).
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.runs import Array, moved, seen
+from refdem.gallery.runs import Array, observed, observed_at
 from refdem.mechanics.response import linear_peak
 
 DAMPINGS = (0.1, 0.15, 0.2, 0.3, 0.5)
@@ -22,7 +22,7 @@ def figure() -> Figure:
         a = np.array([steady_amplitude(w, delta) for w in drives])
         curves.append(Series(x=drives, y=a, label=f"delta = {delta:g}", ink=ink))
         numbers[f"largest |A| seen, delta = {delta:g} [m]"] = float(a.max())
-    seen("driven-oscillator", delta=DAMPINGS[0], drive=drives[57])
+    observed("driven-oscillator", delta=DAMPINGS[0], drive=drives[57])
     dampings = np.geomspace(DAMPINGS[0], 0.7, 60)
     peaks = np.array([linear_peak(1.0, delta, 1.0) for delta in dampings])
     maxima = Series(x=peaks[:, 0], y=peaks[:, 1], label="maxima (1.106)", ink=GREY, dashed=True)
@@ -43,5 +43,5 @@ def figure() -> Figure:
 def steady_amplitude(drive: float, delta: float) -> float:
     """hypot(x, v/w) [m] of the reference's run from rest, SETTLED/delta later."""
     late: Array = np.array([0.0, SETTLED / delta])
-    run = moved("driven-oscillator", late, delta=delta, drive=float(drive), x0=0, v0=0)
+    run = observed_at("driven-oscillator", late, delta=delta, drive=float(drive), x0=0, v0=0)
     return float(np.hypot(run["x"][-1], run["v"][-1] / drive))

@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.figure import Figure
 from refdem.gallery.outline import carried
 from refdem.gallery.portrait import arrows, heads, portrait, trajectories
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import observed
 
 ENDS = (-1.45, 1.45)
 
@@ -16,7 +16,7 @@ def figure() -> Figure:
     """Circles, and the head after every fifth of a period."""
     clock = {"duration": repr(2 * np.pi), "samples": 240}
     starts = ("1/4", "1/2", "3/4", "1", "5/4")
-    runs = [seen("harmonic-oscillator", x0=x, v0=0, **clock) for x in starts]
+    runs = [observed("harmonic-oscillator", x0=x, v0=0, **clock) for x in starts]
     outline = carried(2 * np.pi, 10, flow="harmonic")
     series = [*trajectories(runs), arrows(runs, 30, ENDS), *heads(outline, (0, 2, 4, 6, 8))]
     panel = portrait(series, ENDS)

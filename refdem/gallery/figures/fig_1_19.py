@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.figure import Figure
 from refdem.gallery.outline import carried
 from refdem.gallery.portrait import arrows, heads, portrait, trajectories
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import observed
 
 ENDS = (-1.45, 1.45)
 
@@ -16,7 +16,7 @@ def figure() -> Figure:
     """Spirals, and the head shrinking."""
     starts = ((1.3, 0), (-1.3, 0), (0, 1.3), (0, -1.3))
     runs = [
-        seen("viscous-oscillator", x0=x, v0=v, delta="0.1", duration=20, samples=800)
+        observed("viscous-oscillator", x0=x, v0=v, delta="0.1", duration=20, samples=800)
         for x, v in starts
     ]
     outline = carried(3 * np.pi, 9, flow="viscous")

@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.outline import Outline, carried
 from refdem.gallery.portrait import arrows, heads, portrait, trajectories
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import observed
 
 ENDS = (-1.45, 1.45)
 FRICTION = 0.15
@@ -17,7 +17,7 @@ FRICTION = 0.15
 def figure() -> Figure:
     """Half circles that shrink, the head on its way, and a close look at where it is deposited."""
     starts = ((1.3, 0), (-1.3, 0), (0, 1.3), (0, -1.3), (0.7, 1.1))
-    runs = [seen("coulomb-oscillator", x0=x, v0=v, duration=16, samples=640) for x, v in starts]
+    runs = [observed("coulomb-oscillator", x0=x, v0=v, duration=16, samples=640) for x, v in starts]
     outline = carried(5 * np.pi, 20, flow="coulomb")
     flow = [*trajectories(runs), arrows(runs, 40, ENDS)]
     whole = portrait([*flow, *heads(outline, (0, 2, 4, 6, 8, 10)), segment()], ENDS)

@@ -5,7 +5,7 @@ pendulum (1.92), (1.112), (1.113).
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.runs import Seen, moved, seen
+from refdem.gallery.runs import ObservedRun, observed, observed_at
 from refdem.mechanics.oscillation import period
 
 CLOCK = {"duration": 14, "samples": 700}
@@ -13,40 +13,12 @@ ISOCHRONOUS = "1.195254"
 """The amplitude [m] at which n = 2 has the period 2 pi."""
 AMPLITUDES = np.geomspace(0.1, 3.0, 48)
 LONG = np.linspace(0.0, 45.0, 901)
+"""Samples [s] from which a period is measured: the longest is 20 s."""
+INKS = {"linear": GREY, "n = 2": 0, "pendulum": 1}
 
 
 def figure() -> Figure:
     """Motions from two amplitudes, and the periods over the amplitude."""
-    pairs = {
-        "linear": [linear(2), linear(1)],
-        "n = 2": [square(2), square(ISOCHRONOUS)],
-        "pendulum": [swing(2), swing("1/5")],
-    }
-    inks = {"linear": GREY, "n = 2": 0, "pendulum": 1}
-    curves = []
-    for kind, (large, small) in pairs.items():
-        if kind == "pendulum":
-            name = "theta"
-        else:
-            name = "x"
-        curves.append(Series(x=large.t, y=large[name], ink=inks[kind], label=kind))
-        curves.append(Series(x=small.t, y=small[name], ink=inks[kind], dashed=True))
-    motions = Panel(
-        series=tuple(curves),
-        x=Axis(title="t [s]", ends=(0, 14)),
-        y=Axis(title="x [m], angle [rad]"),
-        size=(430, 300),
-    )
-    over = []
-    for kind in pairs:
-        periods = np.array([measured(kind, a) for a in AMPLITUDES])
-        over.append(Series(x=AMPLITUDES, y=periods, ink=inks[kind], label=kind))
-    periods_panel = Panel(
-        series=tuple(over),
-        x=Axis(title="amplitude [m], of the pendulum [rad]"),
-        y=Axis(title="period [s]", ends=(0.0, 20.0)),
-        size=(330, 300),
-    )
     numbers = {
         f"period of n = 2 at {ISOCHRONOUS} m [s]": measured("n = 2", float(ISOCHRONOUS)),
         "period of n = 2 at 2 m [s]": measured("n = 2", 2.0),
@@ -58,40 +30,75 @@ def figure() -> Figure:
         " one, which has it at every amplitude, 1). A force that grows slower than its stretch"
         " makes the period longer with the amplitude, one that grows faster makes it shorter."
     )
-    title = "Period and amplitude"
     return Figure(
         id="1.21",
-        title=title,
+        title="Period and amplitude",
         caption=caption,
-        panels=(motions, periods_panel),
+        panels=(motions(), periods()),
         columns=2,
         numbers=numbers,
     )
 
 
-def linear(amplitude: object) -> Seen:
+def motions() -> Panel:
+    """Each oscillator let go at a large and at a small amplitude, over the time."""
+    pairs = {
+        "linear": [linear(2), linear(1)],
+        "n = 2": [square(2), square(ISOCHRONOUS)],
+        "pendulum": [swing(2), swing("1/5")],
+    }
+    curves = []
+    for kind, (large, small) in pairs.items():
+        name = "x"
+        if kind == "pendulum":
+            name = "theta"
+        curves.append(Series(x=large.t, y=large[name], ink=INKS[kind], label=kind))
+        curves.append(Series(x=small.t, y=small[name], ink=INKS[kind], dashed=True))
+    return Panel(
+        series=tuple(curves),
+        x=Axis(title="t [s]", ends=(0, 14)),
+        y=Axis(title="x [m], angle [rad]"),
+        size=(430, 300),
+    )
+
+
+def periods() -> Panel:
+    """The period of each oscillator over the amplitude."""
+    curves = []
+    for kind, ink in INKS.items():
+        values = np.array([measured(kind, a) for a in AMPLITUDES])
+        curves.append(Series(x=AMPLITUDES, y=values, ink=ink, label=kind))
+    return Panel(
+        series=tuple(curves),
+        x=Axis(title="amplitude [m], of the pendulum [rad]"),
+        y=Axis(title="period [s]", ends=(0.0, 20.0)),
+        size=(330, 300),
+    )
+
+
+def linear(amplitude: object) -> ObservedRun:
     """The linear oscillator let go at an amplitude [m]."""
-    return seen("harmonic-oscillator", x0=amplitude, v0=0, **CLOCK)
+    return observed("harmonic-oscillator", x0=amplitude, v0=0, **CLOCK)
 
 
-def square(amplitude: object) -> Seen:
+def square(amplitude: object) -> ObservedRun:
     """The oscillator whose force grows as the square."""
-    return seen("power-oscillator", exponent=2, amplitude=amplitude, **CLOCK)
+    return observed("power-oscillator", exponent=2, amplitude=amplitude, **CLOCK)
 
 
-def swing(amplitude: object) -> Seen:
+def swing(amplitude: object) -> ObservedRun:
     """The pendulum let go at an angle [rad]."""
-    return seen("pendulum", gravity=1, theta0=amplitude, **CLOCK)
+    return observed("pendulum", gravity=1, theta0=amplitude, **CLOCK)
 
 
 def measured(kind: str, amplitude: float) -> float:
     """The period [s] from the turning points of a run."""
     a = float(amplitude)
     if kind == "pendulum":
-        run = moved("pendulum", LONG, gravity=1, theta0=a)
+        run = observed_at("pendulum", LONG, gravity=1, theta0=a)
         return period(run.t, run["theta"], run["thetadot"])
     if kind == "linear":
-        run = moved("harmonic-oscillator", LONG, x0=a, v0=0)
+        run = observed_at("harmonic-oscillator", LONG, x0=a, v0=0)
     else:
-        run = moved("power-oscillator", LONG, exponent=2, amplitude=a)
+        run = observed_at("power-oscillator", LONG, exponent=2, amplitude=a)
     return period(run.t, run["x"], run["v"])

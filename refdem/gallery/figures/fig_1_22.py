@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.outline import Outline, carried
 from refdem.gallery.portrait import arrows, heads, trajectories
-from refdem.gallery.runs import seen
+from refdem.gallery.runs import observed
 
 WIDE = (-4.0, 9.5)
 HIGH = (-2.4, 3.4)
@@ -15,26 +15,9 @@ HIGH = (-2.4, 3.4)
 
 def figure() -> Figure:
     """Swinging and rotating, and two heads: one inside the separatrix, one outside."""
-    names = ("theta", "thetadot")
-    clock = {"gravity": 1, "samples": 400}
-    swings = [
-        seen("pendulum", theta0=a, thetadot0=0, duration="13", **clock)
-        for a in ("1/2", "1.2", "2", "2.8")
-    ]
-    turns = [
-        seen("pendulum", theta0="-3", thetadot0=v, duration="7", **clock)
-        for v in ("1.2", "1.9", "2.6")
-    ]
+    series = flow()
     inside = carried(8.0, 8, flow="pendulum", centre=(1.3, 0), size=0.45)
     outside = unrolled(carried(4.5, 12, flow="pendulum", centre=(-2.6, 1.9), size=0.45))
-    curves = [
-        Series(x=np.unwrap(run["theta"]), y=run["thetadot"], ink=GREY, width=1) for run in turns
-    ]
-    series = [
-        *trajectories(swings, names=names),
-        *curves,
-        arrows(swings, 50, (-2.5, 2.5), names=names),
-    ]
     series += [*heads(inside, (0, 2, 4, 6, 8)), *heads(outside, (0, 4, 8, 12), ink=1)]
     panel = Panel(
         series=tuple(series),
@@ -59,6 +42,27 @@ def figure() -> Figure:
         panels=(panel,),
         numbers=numbers,
     )
+
+
+def flow() -> list[Series]:
+    """Curves of swinging and of rotating pendulums in the plane of angle and rate, with arrows."""
+    names = ("theta", "thetadot")
+    clock = {"gravity": 1, "samples": 400}
+    swings = [
+        observed("pendulum", theta0=a, thetadot0=0, duration="13", **clock)
+        for a in ("1/2", "1.2", "2", "2.8")
+    ]
+    rotations = [
+        observed("pendulum", theta0="-3", thetadot0=v, duration="7", **clock)
+        for v in ("1.2", "1.9", "2.6")
+    ]
+    series = trajectories(swings, names=names)
+    for run in rotations:
+        # The angle goes on over the top.
+        angle = np.unwrap(run["theta"])
+        series.append(Series(x=angle, y=run["thetadot"], ink=GREY, width=1))
+    series.append(arrows(swings, 50, (-2.5, 2.5), names=names))
+    return series
 
 
 def unrolled(outline: Outline) -> Outline:

@@ -5,7 +5,7 @@
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.sweep import ALPHA, BETA, FORCE, amplitudes, shown
+from refdem.gallery.sweep import ALPHA, BETA, FORCE, amplitudes, remember_run
 from refdem.mechanics.response import balanced_drives, balanced_frequency, fold
 
 DAMPINGS = (0.05, 0.1, 0.2, 0.3)
@@ -19,16 +19,7 @@ def figure() -> Figure:
     """
     series = []
     for ink, delta in enumerate(DAMPINGS):
-        lower, higher = balanced_drives(AMPLITUDES, ALPHA, BETA, delta, FORCE)
-        x = np.r_[lower, higher[::-1]]
-        y = np.r_[AMPLITUDES, AMPLITUDES[::-1]]
-        # A gap where (1.121) has no real root.
-        drives = np.where(np.isfinite(x), x, np.nan)
-        series.append(Series(x=drives, y=y, ink=ink, label=f"delta = {delta:g}"))
-        up = amplitudes(delta, DRIVES)
-        down = amplitudes(delta, DRIVES[::-1])[::-1]
-        for settled in (up, down):
-            series.append(Series(x=np.array(DRIVES), y=settled, ink=ink, mark="points"))
+        series += resonance(delta, ink)
     free = balanced_frequency(AMPLITUDES, ALPHA, BETA)
     series.append(Series(x=free, y=AMPLITUDES, ink=GREY, dashed=True, label="free, undamped"))
     grid = np.linspace(0.5, 3.0, 20001)
@@ -37,7 +28,7 @@ def figure() -> Figure:
         frequency = fold(grid, ALPHA, BETA, delta, FORCE)
         if frequency is not None:
             numbers[f"fold of (1.121), delta = {delta:g} [rad/s]"] = frequency
-    shown(DAMPINGS[1], 1.5)
+    remember_run(DAMPINGS[1], 1.5)
     panel = Panel(
         series=tuple(series),
         x=Axis(title="frequency W of the drive [rad/s]", ends=(0.6, 2.6)),
@@ -56,3 +47,20 @@ def figure() -> Figure:
         panels=(panel,),
         numbers=numbers,
     )
+
+
+def resonance(delta: float, ink: int) -> list[Series]:
+    """One damping [1/s]: both branches of (1.121) as one curve, and the amplitudes of a sweep up
+    and of a sweep down as points.
+    """
+    lower, higher = balanced_drives(AMPLITUDES, ALPHA, BETA, delta, FORCE)
+    x = np.r_[lower, higher[::-1]]
+    y = np.r_[AMPLITUDES, AMPLITUDES[::-1]]
+    # A gap where (1.121) has no real root.
+    drives = np.where(np.isfinite(x), x, np.nan)
+    series = [Series(x=drives, y=y, ink=ink, label=f"delta = {delta:g}")]
+    up = amplitudes(delta, DRIVES)
+    down = amplitudes(delta, DRIVES[::-1])[::-1]
+    for settled in (up, down):
+        series.append(Series(x=np.array(DRIVES), y=settled, ink=ink, mark="points"))
+    return series

@@ -5,7 +5,7 @@
 import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
-from refdem.gallery.runs import Array, Seen, seen
+from refdem.gallery.runs import Array, ObservedRun, observed
 from refdem.mechanics.spectrum import spectrum
 
 FORCES = ("0", "1/25", "2/5")
@@ -26,7 +26,7 @@ def figure() -> Figure:
     panels: list[Panel] = []
     numbers = {}
     for ink, force in enumerate(FORCES):
-        run = seen("van-der-pol", p=force, x0="1/2", v0=0, duration=DURATION, samples=SAMPLES)
+        run = observed("van-der-pol", p=force, x0="1/2", v0=0, duration=DURATION, samples=SAMPLES)
         frequency, height = spectrum(run.t[SETTLED:], run["x"][SETTLED:])
         panels += [
             motion(run, force, ink),
@@ -48,7 +48,7 @@ def figure() -> Figure:
     )
 
 
-def motion(run: Seen, force: str, ink: int) -> Panel:
+def motion(run: ObservedRun, force: str, ink: int) -> Panel:
     """The place over the time, its beginning in grey."""
     begin = slice(0, SETTLED + 1)
     rest = slice(SETTLED, END_OF_CURVE)
@@ -64,7 +64,7 @@ def motion(run: Seen, force: str, ink: int) -> Panel:
     )
 
 
-def cycle(run: Seen, ink: int) -> Panel:
+def cycle(run: ObservedRun, ink: int) -> Panel:
     """The settled motion in the plane of place and velocity."""
     settled = slice(SETTLED, SETTLED + 2500)
     return Panel(

@@ -5,7 +5,7 @@ continuum of states.
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.iterates import doubling, late, shown
+from refdem.gallery.iterates import doubling, late, remember_run
 
 LOW = 2.8
 """Least eta of the diagram: below, all motions have settled to one period."""
@@ -27,19 +27,9 @@ def figure() -> Figure:
         mark="cloud",
         width=1.5,
     )
-    lines = []
-    for eta in doublings.values():
-        x = np.array([eta, eta])
-        y = np.array([0.27, 0.97])
-        lines.append(Series(x=x, y=y, ink=GREY, dashed=True, width=1))
-    words = tuple(f"{n} to {2 * n}" for n in doublings)
-    height = np.array([0.985, 0.985, 1.02])
-    names = Series(
-        x=np.array(list(doublings.values())), y=height, ink=GREY, mark="text", words=words
-    )
-    shown("3.5")
+    remember_run("3.5")
     panel = Panel(
-        series=(cloud, *lines, names),
+        series=(cloud, *marks(doublings)),
         x=Axis(title="eta", ends=(LOW, HIGH)),
         y=Axis(title="x", ends=(0.25, 1.05)),
         size=(640, 340),
@@ -55,3 +45,18 @@ def figure() -> Figure:
     return Figure(
         id="1.26", title="Bifurcation scenario", caption=caption, panels=(panel,), numbers=numbers
     )
+
+
+def marks(doublings: dict[int, float]) -> list[Series]:
+    """A dashed line at each eta at which a period, the key, doubles, and above it its words."""
+    etas = list(doublings.values())
+    lines = []
+    for eta in etas:
+        x = np.array([eta, eta])
+        y = np.array([0.27, 0.97])
+        lines.append(Series(x=x, y=y, ink=GREY, dashed=True, width=1))
+    words = tuple(f"{n} to {2 * n}" for n in doublings)
+    # The last one is higher, for it is close to the one before.
+    heights = np.array([0.985, 0.985, 1.02])
+    texts = Series(x=np.array(etas), y=heights, ink=GREY, mark="text", words=words)
+    return [*lines, texts]

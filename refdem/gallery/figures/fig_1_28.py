@@ -14,36 +14,18 @@ def figure() -> Figure:
     the limits.
     """
     whole = law()
-    no_growth = law(lambda1=0)
-    plain = law(lambda0=0, lambda1=0, mu0="1/10")
-    size = whole.coefficient(np.abs(SPEEDS))
+    coefficients = whole.coefficient(np.abs(SPEEDS))
     law_panel = Panel(
-        series=(Series(x=SPEEDS, y=size, ink=0, width=2),),
+        series=(Series(x=SPEEDS, y=coefficients, ink=0, width=2),),
         x=Axis(title="v [m/s]"),
         y=Axis(title="mu(v)", ends=(0.0, 0.45)),
         size=(330, 260),
         title="the law",
     )
-    kinds = (
-        ("mu0, mu1, lambda0, lambda1", whole, 0),
-        ("without lambda1", no_growth, 1),
-        ("mu1 alone", plain, GREY),
-    )
-    series = [
-        Series(x=SPEEDS, y=signed(slider), ink=ink, label=label, dashed=ink == GREY)
-        for label, slider, ink in kinds
-    ]
-    force = Panel(
-        series=tuple(series),
-        x=Axis(title="v [m/s]"),
-        y=Axis(title="mu(v) Sgn(v)"),
-        size=(330, 260),
-        title="the force",
-    )
     numbers = {
         "at rest": float(whole.coefficient(0.0)),
-        "least": float(size.min()),
-        "speed of the least [m/s]": abs(float(SPEEDS[size.argmin()])),
+        "least": float(coefficients.min()),
+        "speed of the least [m/s]": abs(float(SPEEDS[coefficients.argmin()])),
     }
     caption = (
         "The coefficients of the scene that the stick-slip runs are made of. Friction first falls"
@@ -54,9 +36,27 @@ def figure() -> Figure:
         id="1.28",
         title="Friction that depends on the speed",
         caption=caption,
-        panels=(law_panel, force),
+        panels=(law_panel, forces(whole)),
         columns=2,
         numbers=numbers,
+    )
+
+
+def forces(whole: Slider) -> Panel:
+    """The force over the speed: with the whole law, and with some of its terms left out."""
+    no_growth = law(lambda1=0)
+    constant = law(lambda0=0, lambda1=0, mu0="1/10")
+    series = (
+        Series(x=SPEEDS, y=signed(whole), ink=0, label="mu0, mu1, lambda0, lambda1"),
+        Series(x=SPEEDS, y=signed(no_growth), ink=1, label="without lambda1"),
+        Series(x=SPEEDS, y=signed(constant), ink=GREY, label="mu1 alone", dashed=True),
+    )
+    return Panel(
+        series=series,
+        x=Axis(title="v [m/s]"),
+        y=Axis(title="mu(v) Sgn(v)"),
+        size=(330, 260),
+        title="the force",
     )
 
 
@@ -70,6 +70,7 @@ def law(**parameters: object) -> Slider:
 
 def signed(slider: Slider) -> Array:
     """mu(v) Sgn(v), from limit to limit at rest."""
-    size = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape)
-    force: Array = size * np.sign(SPEEDS)
+    # A constant law gives one number for all speeds.
+    coefficients = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape)
+    force: Array = coefficients * np.sign(SPEEDS)
     return force

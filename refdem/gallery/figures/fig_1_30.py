@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.belt import orbit, section
 from refdem.gallery.runs import Array
-from refdem.gallery.space import axis, seen_from_above
+from refdem.gallery.space import axis, projected
 
 ETAS = ("0.95", "1.05", "1.15", "1.25", "1.35")
 LOW = 0.95
@@ -26,25 +26,7 @@ def figure() -> Figure:
     crossings = section(MANY, skip=60, keep=40)
     etas = np.repeat(MANY, [len(x) for x in crossings.places])
     places = np.column_stack((np.concatenate(crossings.places), etas, np.zeros(len(etas))))
-    series = [drawn(places, mark="cloud", ink=GREY, width=2)]
-    for n, eta in enumerate(ETAS):
-        run = orbit(eta, periods=6)
-        x = run["x"][1:]
-        v = run["v"][1:]
-        points = np.column_stack((x, np.full(len(x), float(eta)), v))
-        series.append(drawn(points, ink=n, label=f"eta = {eta}"))
-    for n, eta in enumerate(ETAS):
-        cuts = section(np.array([float(eta)]), skip=60, keep=6).places[0]
-        points = np.column_stack((cuts, np.full(len(cuts), float(eta)), np.zeros(len(cuts))))
-        series.append(drawn(points, mark="points", ink=n))
-    frame = [
-        ((-3.5, LOW, -3), (3.5, LOW, -3), "x [m]"),
-        ((3.5, LOW, -3), (3.5, HIGH, -3), "eta"),
-        ((-3.5, LOW, -3), (-3.5, LOW, 1.5), "v"),
-    ]
-    for begin, end, name in frame:
-        first, last = stretched(np.array([begin, end]))
-        series += axis(first, last, name)
+    series = [drawn(places, mark="cloud", ink=GREY, width=2), *orbits(), *frame()]
     panel = Panel(
         series=tuple(series), x=Axis(is_hidden=True), y=Axis(is_hidden=True), size=(640, 420)
     )
@@ -62,6 +44,37 @@ def figure() -> Figure:
     )
 
 
+def orbits() -> list[Series]:
+    """The orbits at ETAS as curves, and their crossings of v = 0 as points."""
+    series = []
+    for n, eta in enumerate(ETAS):
+        run = orbit(eta, periods=6)
+        # The first sample stands for the periods that were left out.
+        x = run["x"][1:]
+        v = run["v"][1:]
+        points = np.column_stack((x, np.full(len(x), float(eta)), v))
+        series.append(drawn(points, ink=n, label=f"eta = {eta}"))
+    for n, eta in enumerate(ETAS):
+        x = section(np.array([float(eta)]), skip=60, keep=6).places[0]
+        points = np.column_stack((x, np.full(len(x), float(eta)), np.zeros(len(x))))
+        series.append(drawn(points, mark="points", ink=n))
+    return series
+
+
+def frame() -> list[Series]:
+    """The three axes x, eta and v along edges of the box that is drawn, with their names."""
+    edges = [
+        ((-3.5, LOW, -3), (3.5, LOW, -3), "x [m]"),
+        ((3.5, LOW, -3), (3.5, HIGH, -3), "eta"),
+        ((-3.5, LOW, -3), (-3.5, LOW, 1.5), "v"),
+    ]
+    series: list[Series] = []
+    for begin, end, name in edges:
+        first, last = stretched(np.array([begin, end]))
+        series += axis(first, last, name)
+    return series
+
+
 def counted(crossings: object) -> dict[str, float]:
     """How many passages were drawn, and the largest place."""
     places = np.concatenate(crossings.places)  # type: ignore[attr-defined]
@@ -75,5 +88,5 @@ def stretched(points: Array) -> Array:
 
 def drawn(points: Array, **style: object) -> Series:
     """A curve, or dots, through points (N, 3) of x, eta and v, as they are seen from above."""
-    right, up, _ = seen_from_above(stretched(points))
+    right, up, _ = projected(stretched(points))
     return Series(x=right, y=up, **style)  # type: ignore[arg-type]

@@ -5,7 +5,7 @@
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.iterates import late, shown
+from refdem.gallery.iterates import late, remember_run
 
 WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.5875), (0.455, 0.555)))
 """eta and x of the whole, of the middle branch from its second doubling on, and of the middle
@@ -33,7 +33,7 @@ def figure() -> Figure:
         else:
             up = Axis(title="", ends=ends)
         panels.append(Panel(series=tuple(series), x=across, y=up, size=(255, 255)))
-    shown("3.57")
+    remember_run("3.57")
     caption = (
         "Iterates of x -> eta x (1 - x) after 4096 others. Each panel is the part of the one before"
         " that is framed: the same forks, upside down every time, 4.67 times narrower."

@@ -2,13 +2,13 @@
 (1.137), (1.138).
 """
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
-from refdem.gallery.runs import Array, moved, seen
-from refdem.gallery.space import axis, seen_from_above
+from refdem.gallery.runs import Array, observed, observed_at
+from refdem.gallery.space import axis, projected
 
 INERTIA = np.array([1.0, 2.0, 3.0])
 ENERGY = 1.0
@@ -27,71 +27,83 @@ def figure() -> Figure:
     the ellipsoid.
     """
     series = [border()]
-    lengths = {}
-    for ink, first in ((0, 0), (1, 2)):
-        for angle in ANGLES:
-            for sign in (1, -1):
-                round_one = np.zeros(3)
-                round_one[first] = sign * np.cos(angle)
-                round_one[2 - first] = np.sin(angle)
-                curve = momentum(round_one)
-                series += [drawn(curve, ink, is_front=False), drawn(curve, ink, is_front=True)]
-                length = np.linalg.norm(curve, axis=1)
-                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(np.ptp(length))
-    # J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 with w = L/J on the ellipsoid: L/HALF_AXES = n
-    j1, j2, j3 = INERTIA
-    ratio = np.sqrt(j2 * (j3 - j2) / (j2 * (j2 - j1)))
-    for start in ((ratio, 1.0), (-ratio, 1.0), (ratio, -1.0), (-ratio, -1.0)):
-        near = np.array([start[0], 0.0, start[1]]) / np.hypot(*start)
-        for forward in (True, False):
-            curve = momentum(near, forward=forward)
-            series.append(drawn(curve, GREY, is_front=True, dashed=True))
+    changes = []
+    for first, ink in ((0, 0), (2, 1)):
+        for curve in closed_curves(first):
+            series += [drawn(curve, ink, is_front=False), drawn(curve, ink, is_front=True)]
+            changes.append(float(np.ptp(np.linalg.norm(curve, axis=1))))
+    for curve in separatrices():
+        series.append(drawn(curve, GREY, is_front=True, dashed=True))
     for n, name in enumerate(("L1", "L2", "L3")):
         unit = np.eye(3)[n]
         begin = HALF_AXES[n] * unit
         end = (HALF_AXES[n] + BEYOND[n]) * unit
         series += axis(begin, end, name)
-    axes: dict[str, Any] = {
-        "x": Axis(ends=(-VIEW_HALF_WIDTH, VIEW_HALF_WIDTH), is_hidden=True),
-        "y": Axis(ends=(-VIEW_HALF_WIDTH, VIEW_HALF_WIDTH), is_hidden=True),
-    }
-    panel = Panel(series=tuple(series), size=(540, 540), **axes)
+    hidden = Axis(ends=(-VIEW_HALF_WIDTH, VIEW_HALF_WIDTH), is_hidden=True)
+    panel = Panel(series=tuple(series), size=(540, 540), x=hidden, y=hidden)
     caption = (
         "J = (1, 2, 3), kinetic energy 1. The angular momentum in body axes, as the reference's"
         " runs have it, runs along closed curves about axis 1 (blue) and axis 3 (orange), thin"
         " behind; the dashed separatrix leads from axis 2 to its opposite."
     )
-    numbers = {"largest change of |L| of all": max(lengths.values())}
+    numbers = {"largest change of |L| of all": max(changes)}
     return Figure(
         id="1.36", title="Poinsot's ellipsoid", caption=caption, panels=(panel,), numbers=numbers
     )
 
 
-def momentum(round_one: Array, *, forward: bool = True) -> Array:
-    """L (T, 3) in body axes of a run whose start is at this place of the unit sphere, stretched to
-    the ellipsoid.
+def closed_curves(first: int) -> Iterator[Array]:
+    """The momenta (T, 3) of runs that start ANGLES off either end of axis number `first`, 0 or 2,
+    towards the other one.
     """
-    omega = tuple(f"{w:.12g}" for w in HALF_AXES * round_one / INERTIA)
+    for angle in ANGLES:
+        for sign in (1, -1):
+            direction = np.zeros(3)
+            direction[first] = sign * np.cos(angle)
+            direction[2 - first] = np.sin(angle)
+            yield momentum(direction)
+
+
+def separatrices() -> Iterator[Array]:
+    """The momenta (T, 3) of runs forwards and backwards from the plane of axes 1 and 3, which come
+    to rest on axis 2.
+    """
+    j1, j2, j3 = INERTIA
+    # J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 with w = L/J on the ellipsoid: L/HALF_AXES = n, so that
+    # n1^2 (J2 - J1) = n3^2 (J3 - J2).
+    ratio = np.sqrt(j2 * (j3 - j2) / (j2 * (j2 - j1)))
+    for n1, n3 in ((ratio, 1.0), (-ratio, 1.0), (ratio, -1.0), (-ratio, -1.0)):
+        direction = np.array([n1, 0.0, n3]) / np.hypot(n1, n3)
+        for forward in (True, False):
+            yield momentum(direction, forward=forward)
+
+
+def momentum(direction: Array, *, forward: bool = True) -> Array:
+    """L (T, 3) in body axes of a run whose start is the point HALF_AXES n of the ellipsoid, for a
+    unit vector n (3,), the `direction`.
+    """
+    # w = L/J.
+    omega = tuple(f"{w:.12g}" for w in HALF_AXES * direction / INERTIA)
     if forward:
-        run = seen("free-rigid-body", omega_body=omega, duration="24", samples=480)
+        run = observed("free-rigid-body", omega_body=omega, duration="24", samples=480)
     else:
-        run = moved("free-rigid-body", -np.linspace(0.0, 24.0, 481), omega_body=omega)
+        run = observed_at("free-rigid-body", -np.linspace(0.0, 24.0, 481), omega_body=omega)
     return INERTIA * np.stack([run[f"omega_body.{axis}"] for axis in "xyz"], axis=1)
 
 
 def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> Series:
-    """The part of a curve on the side of the ellipsoid that is seen, or on the other."""
-    right, up, _ = seen_from_above(points)
+    """The part of a curve on the front of the ellipsoid, towards the eye, or the part behind."""
+    right, up, _ = projected(points)
     # omega = L/J is normal to the ellipsoid.
-    *_, towards = seen_from_above(points / INERTIA)
-    hidden = (towards >= 0) != is_front
+    *_, towards = projected(points / INERTIA)
+    is_left_out = (towards >= 0) != is_front
+    # What is behind is thin.
+    width = 0.5
     if is_front:
         width = 1.8
-    else:
-        width = 0.5
     return Series(
-        x=np.where(hidden, np.nan, right),
-        y=np.where(hidden, np.nan, up),
+        x=np.where(is_left_out, np.nan, right),
+        y=np.where(is_left_out, np.nan, up),
         ink=ink,
         width=width,
         dashed=dashed,
@@ -101,12 +113,12 @@ def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> S
 def border() -> Series:
     """The outline of the ellipsoid: where its normal is at right angles to the view."""
     # The direction to the eye: how much each axis points towards it.
-    *_, eye = seen_from_above(np.eye(3))
+    *_, eye = projected(np.eye(3))
     normal = eye / HALF_AXES / np.linalg.norm(eye / HALF_AXES)
     one = np.cross(normal, [1.0, 0.0, 0.0])
     one /= np.linalg.norm(one)
     other = np.cross(normal, one)
     turn = np.linspace(0, 2 * np.pi, 181)[:, None]
     circle = np.cos(turn) * one + np.sin(turn) * other
-    right, up, _ = seen_from_above(HALF_AXES * circle)
+    right, up, _ = projected(HALF_AXES * circle)
     return Series(x=right, y=up, ink=GREY, width=1)

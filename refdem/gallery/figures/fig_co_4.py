@@ -2,13 +2,14 @@
 Gorham and Salman 2001 measured.
 """
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.core.problem import Motion
-from refdem.gallery.measured import readings
+from refdem.gallery.measured import Reading, readings
 from refdem.gallery.runs import Array, answer, command, instance, remember
 
 CASE = "impact-benchmarks"
@@ -35,36 +36,12 @@ def figure() -> Figure:
     """Four panels over the impact angle: two laws, and two readings of the same measured points."""
     laws = [curves(member) for member in ("co-4", "dem-05-mindlin")]
     measured = readings("kharaz_2001")
-    panels = []
-    for quantity, title in AXES.items():
-        series = []
-        for k, law in enumerate(laws):
-            curve = Series(
-                x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=k == 1, width=2
-            )
-            series.append(curve)
-        for one in measured:
-            if one.quantity == quantity:
-                x, y = one.places
-                ink = 2 + one.by.startswith("Kratos")
-                series.append(Series(x=x, y=y, ink=ink, mark="points", label=LABELS[ink]))
-        panels.append(
-            Panel(
-                series=tuple(series),
-                x=Axis(title="impact angle [degrees]", ends=(0, 90)),
-                y=Axis(title=title),
-                size=(370, 260),
-            )
-        )
-    near = []
-    for one in measured:
-        if one.quantity.startswith("tang"):
-            curve_there = np.interp(one.angle, ANGLES, laws[0][one.quantity])
-            near.append(np.abs(curve_there - one.value))
-    mean = float(np.mean(np.concatenate(near)))
-    points = sum(len(one.angle) for one in measured)
+    panels = [panel(quantity, laws, measured) for quantity in AXES]
+    distance = farthest(laws[0])
+    points = sum(len(reading.angle) for reading in measured)
+    mean = mean_distance(laws[0], measured)
     numbers = {
-        "largest distance of the curve from certified values, of their size": farthest(laws[0]),
+        "largest distance of the curve from certified values, of their size": distance,
         "measured points": float(points),
         "mean distance of measured tangential restitution from the curve (not judged)": mean,
     }
@@ -85,6 +62,38 @@ def figure() -> Figure:
     )
 
 
+def panel(quantity: str, laws: Sequence[dict[str, Array]], measured: Sequence[Reading]) -> Panel:
+    """One quantity over the impact angle: a curve a law, and the measured points."""
+    series = []
+    for k, law in enumerate(laws):
+        is_dashed = k == 1
+        series.append(
+            Series(x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=is_dashed, width=2)
+        )
+    for reading in measured:
+        if reading.quantity == quantity:
+            x, y = reading.places
+            # MFiX's reading has the third label, that of Kratos the fourth.
+            ink = 2 + reading.by.startswith("Kratos")
+            series.append(Series(x=x, y=y, ink=ink, mark="points", label=LABELS[ink]))
+    return Panel(
+        series=tuple(series),
+        x=Axis(title="impact angle [degrees]", ends=(0, 90)),
+        y=Axis(title=AXES[quantity]),
+        size=(370, 260),
+    )
+
+
+def mean_distance(law: dict[str, Array], measured: Sequence[Reading]) -> float:
+    """The mean distance of the measured tangential restitutions from the curve of a law."""
+    distances = []
+    for reading in measured:
+        if reading.quantity == "tangential restitution":
+            on_curve = np.interp(reading.angle, ANGLES, law[reading.quantity])
+            distances.append(np.abs(on_curve - reading.value))
+    return float(np.mean(np.concatenate(distances)))
+
+
 def curves(member: str) -> dict[str, Array]:
     """Every quantity of AXES (N,) at ANGLES, from the state long after the impact."""
     remember(command(instance(CASE, member=member)))
@@ -94,10 +103,10 @@ def curves(member: str) -> dict[str, Array]:
         first_and_last = asked.times[[0, -1]]
         end = asked.observe(answer(Motion(asked.scene, first_and_last)))
         ends.append((-end["v.x"][-1], end["v.y"][-1], -end["omega.z"][-1], end["v.y"][0]))
-    return seen_in(*np.array(ends).T)
+    return impact_quantities(*np.array(ends).T)
 
 
-def seen_in(normal: Array, across: Array, spin: Array, before: Array) -> dict[str, Array]:
+def impact_quantities(normal: Array, across: Array, spin: Array, before: Array) -> dict[str, Array]:
     """Quantities from velocities [m/s] away from the wall and along it, the spin [rad/s], and the
     velocity along the wall before.
     """
@@ -120,8 +129,8 @@ def farthest(law: dict[str, Array]) -> float:
         certified = asked.truth().at(last)
         end = {name: np.array([float(ball.mid)]) for name, ball in certified.items()}
         before = asked.scene.bodies.velocity[0, 1:2]
-        proved = seen_in(-end["v.x"], end["v.y"], -end["omega.z"], before)
+        expected = impact_quantities(-end["v.x"], end["v.y"], -end["omega.z"], before)
         for name in ("spin", "tangential restitution"):
-            there = law[name][angle == ANGLES]
-            deviations.append(abs(there / proved[name] - 1))
+            on_curve = law[name][angle == ANGLES]
+            deviations.append(abs(on_curve / expected[name] - 1))
     return float(np.max(deviations))

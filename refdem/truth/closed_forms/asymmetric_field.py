@@ -24,7 +24,7 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
-from refdem.truth.exact import numbers
+from refdem.truth.exact import numbers, sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import linear
 from refdem.truth.refiner import Refiner, Size
@@ -79,7 +79,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         """All phases, the last without an end."""
         x = self.exact["x0"]
         v = self.exact["v0"]
-        start = Start(x, v * v, (v > 0) - (v < 0))
+        start = Start(x, v * v, sign_of(v))
         phases = []
         begin = arb(0)
         region = self.region(x, start.sense)

@@ -10,7 +10,7 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.pymunk import ENGINE
-from refdem.engines.pymunk.shapes import shares
+from refdem.engines.pymunk.shapes import factors
 from refdem.engines.pymunk.space import space_of
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
@@ -77,8 +77,8 @@ def test_the_product_of_two_shapes_is_the_contact_s_value(balls, planes):
 
 @pytest.mark.parametrize("value", [0.0, 0.1, 0.3, 0.75, 1.0])
 def test_a_block_alone_feels_exactly_the_friction_of_the_law(value):
-    own, of_walls = shares(value, alone=True)
-    assert own * of_walls == value
+    of_shapes, of_walls = factors(value, is_alone=True)
+    assert of_shapes * of_walls == value
 
 
 def test_a_block_that_friction_just_holds_stays_where_it_is():

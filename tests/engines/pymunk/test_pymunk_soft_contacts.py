@@ -103,8 +103,8 @@ def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
 
 def test_the_force_that_must_not_pull_asks_how_fast_the_discs_close(monkeypatch):
     given = {"cutoff": "zero_force", "damping": "8"}
-    right = springs._closing
-    monkeypatch.setattr(springs, "_closing", lambda joint: -right(joint))
+    right = springs._closing_speed
+    monkeypatch.setattr(springs, "_closing_speed", lambda joint: -right(joint))
     assert largest_error(ENGINE, METHOD, "two-spheres", given, 1024) > 3e-2
 
 

@@ -22,6 +22,7 @@ from flint import arb, arb_mat
 
 from refdem.truth.balls import Guarded, UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.exact import sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
@@ -237,7 +238,7 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         k_over_m = arb_of(self.stiffness / self.mass)
         # The overlap goes with the speed at touch to the power 2/(n + 1).
         power = arb_of(Fraction(2) / (HERTZ + 1))
-        side = (self.slip() > 0) - (self.slip() < 0)
+        side = sign_of(self.slip())
         mu = arb_of(self.friction * side * slides)
         mu_turn = mu * arb_of(Fraction(5, 2) / self.radius)
         zero = arb(0)
@@ -323,7 +324,7 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         """
         x, y, vx, vy, spin = (arb_of(value) for value in self.begin)
         overlap, rate = self.normal(t)
-        side = (self.slip() > 0) - (self.slip() < 0)
+        side = sign_of(self.slip())
         mu = arb_of(self.friction * side)
         stop = self.stop()
         first_overlap = x + arb_of(self.radius)

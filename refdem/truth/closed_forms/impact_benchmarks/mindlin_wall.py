@@ -37,6 +37,7 @@ from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     impact_constants,
 )
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
+from refdem.truth.exact import sign_of
 from refdem.truth.growth import (
     UPWARDS,
     Grows,
@@ -367,7 +368,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         """
         _, y, _, vy, spin = (arb_of(value) for value in self.begin)
         depth, rate = self.normal(t)
-        side = (self.slip() > 0) - (self.slip() < 0)
+        side = sign_of(self.slip())
         radius = arb_of(self.radius)
         slip, displacement = self.across(t)
         w = vy - arb_of(Fraction(2, 5)) * radius * spin
