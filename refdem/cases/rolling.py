@@ -1,7 +1,5 @@
 """A rigid sphere, disc or ring that slides on a plane until it rolls."""
 
-from fractions import Fraction
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -151,7 +149,7 @@ def _end_of_slip(p: Parameters) -> float:
     from refdem.truth.exact import number
 
     slip = number(p, "speed") + number(p, "radius") * number(p, "spin")
-    ended = incline_of(p).lasts(Fraction(slip))
+    ended = incline_of(p).lasts(slip)
     if ended is None:
         return 0.0
     return float(ended)

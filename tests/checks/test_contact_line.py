@@ -76,10 +76,10 @@ def test_work_of_friction_that_is_not_all_told_is_seen() -> None:
     assert "fail" in outcomes
 
 
-def test_the_end_of_a_slip_that_is_told_late_is_seen() -> None:
-    (late,) = chosen(["rolling-at-the-end-of-the-step"])
+def test_a_slip_that_ends_too_early_is_seen() -> None:
+    (early,) = chosen(["rolling-below-a-threshold"])
     instance = discovery.case("rolling").at(**SHORT)
-    task = task_of(late.carrier(), "verlet", instance, truth_of(instance), 9, ("event-times",))
+    task = task_of(early.carrier(), "verlet", instance, truth_of(instance), 6, ("event-times",))
     outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
     assert outcomes["stick"] == "fail"
 
