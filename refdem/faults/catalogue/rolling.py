@@ -120,11 +120,11 @@ FAULTS = (
     ),
     roll(
         name="rolling-below-a-threshold",
-        sentence="A slip of less than 1/64 m/s counts as none.",
+        sentence="A slip of less than 1/16 m/s counts as none.",
         on=("skid",),
         levels=6,
         sees=("event-times", "stick"),
-        inside=_of_rolling(slips_on=lambda slip, direction: vec.dot(slip, direction) - 1 / 64),
+        inside=_of_rolling(slips_on=lambda slip, direction: vec.dot(slip, direction) - 1 / 16),
     ),
     roll(
         name="rolling-held-too-much",
