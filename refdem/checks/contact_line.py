@@ -86,7 +86,9 @@ class ContactLine(Check):
             allowed = np.minimum(allowed, extrapolated)
         # Friction takes from m R v what it gives to J omega: how far either moves is the signal.
         spun_up = scene.bodies.inertia[0, 0] * (run.omega[:, 0] - run.omega[0, 0])
-        signal: Array = np.linalg.norm(spun_up, axis=1) / _size(subject)
+        # Friction acts: a run in which nothing is exchanged has a signal too small for any bound.
+        exchanged = np.maximum(np.linalg.norm(spun_up, axis=1), np.finfo(float).tiny)
+        signal: Array = exchanged / _size(subject)
         return [
             worst(
                 check=self.name,
