@@ -43,7 +43,7 @@ class Rolling(Case):
     )
     source = (
         "Coriolis 1835, Theorie mathematique des effets du jeu de billard; Sommerfeld 1943,"
-        " Mechanik, section 27; Hopkins and Patterson 1977, Am. J. Phys. 45, 243"
+        " Mechanik, section 27"
     )
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="of the body", above=0),
