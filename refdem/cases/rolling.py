@@ -1,7 +1,5 @@
 """A rigid sphere, disc or ring that slides on a plane until it rolls."""
 
-from fractions import Fraction
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,7 +43,7 @@ class Rolling(Case):
     )
     source = (
         "Coriolis 1835, Theorie mathematique des effets du jeu de billard; Sommerfeld 1943,"
-        " Mechanik, section 27; Hopkins and Patterson 1977, Am. J. Phys. 45, 243"
+        " Mechanik, section 27"
     )
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="of the body", above=0),
@@ -151,7 +149,7 @@ def _end_of_slip(p: Parameters) -> float:
     from refdem.truth.exact import number
 
     slip = number(p, "speed") + number(p, "radius") * number(p, "spin")
-    ended = incline_of(p).lasts(Fraction(slip))
+    ended = incline_of(p).lasts(slip)
     if ended is None:
         return 0.0
     return float(ended)

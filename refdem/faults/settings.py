@@ -403,14 +403,16 @@ SKID: Rows = (
     ("inertia_factor", either("1/4", "3/8", "1/2", "1")),
     ("_side", either(-1, 1)),
     ("_fast", between(2, 3)),
-    ("_turn", between(2, 4)),
+    ("_turn", between(1, 2.5)),
     ("speed", computed(lambda drawn: drawn["_side"] * drawn["_fast"])),
     ("spin", computed(lambda drawn: drawn["_side"] * drawn["_turn"])),
     ("friction", between(0.1875, 0.3125)),
     ("gravity", between(4, 8)),
     ("samples", "16"),
 )
-"""A round body with backspin on a level plane that slides, and rolls in the end."""
+"""A round body with backspin on a level plane that slides, and rolls in the end; R omega is less
+than v, so that it never stops dead, as friction against the centre would have it, too.
+"""
 RAMP: Rows = (
     *SKID,
     ("friction", between(0.375, 0.5)),

@@ -60,6 +60,7 @@ KEPT_BY_STRETCHING = {
     "cooling": "statistics of so few collisions are not known to a per cent",
     "roughness": "statistics of so few collisions are not known to a per cent",
     "limit": "kinked motions and those at round-off have none",
+    "contact-line": "on a level plane both of its parts are a per cent larger: their sum stays",
     "rigid-impact": (
         "both parts of the impulse, and the speeds before and after, are a per cent larger: their"
         " ratios are right"

@@ -3,6 +3,7 @@ limits.
 """
 
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -221,3 +222,33 @@ def test_a_defect_that_cancels_on_the_way_back_has_no_order_to_lack():
     assert {finding.quantity: finding.outcome for finding in record.findings} == {
         "reversed": "pass"
     }
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"spin": "20"}, {"slope": "3/4", "speed": "-2"}, {"slope": "2", "speed": "-4"}],
+    ids=str,
+)
+def test_a_body_slides_and_rolls_as_truth_says_at_any_step(given):
+    """Forces are constant in each phase, which a step of order 2 that is cut at its end does
+    exactly.
+    """
+    instance = discovery.case("rolling").at(**given)
+    truth = instance.truth()
+    last = Fraction(float(instance.times[-1]))
+    told = truth.at(last)
+    for halvings in (0, 3):
+        found = run("rolling", "verlet", halvings, **given)
+        seen = instance.observe(found)
+        for name, quantity in instance.quantities.items():
+            error = abs(seen[name][-1] - float(told[name].mid))
+            assert error <= 1e-12 * truth.sensitivity(last) * quantity.scale
+        assert len(found.events) == ("roll_time" in truth.scalars())
+
+
+def test_a_slip_that_turns_is_refused():
+    engine = Transparent()
+    scene = discovery.case("rolling").at(slope="1/2").scene
+    turning = replace(scene.bodies, velocity=np.array([[1.0, 0.0, 1.0]]))
+    problem = Motion(Scene(turning, scene.elements), np.array([0.0, 1.0]))
+    assert engine.unsupported_motion(problem, engine.method("verlet")) == "a slip that turns"

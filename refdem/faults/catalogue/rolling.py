@@ -5,6 +5,7 @@ friction, and what keeps it rolling.
 from functools import partial
 from typing import Any
 
+from refdem.faults import rolling
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
@@ -24,6 +25,11 @@ roll = partial(Fault, kind="rolling")
 
 def _of_rolling(**parts: Any) -> Inside:
     return within("rolling", of_parts(**parts))
+
+
+def _resisted(along: Any, inverse_mass: Any, turn: Any) -> Any:
+    """Friction that holds the slip at 0, and a thousandth of it more."""
+    return vec.times(1.001, rolling.holding(along, inverse_mass, turn))
 
 
 FAULTS = (
@@ -73,6 +79,7 @@ FAULTS = (
         name="rolling-friction-against-the-centre",
         sentence="Friction acts against the velocity of the centre, not of the point that touches.",
         on=("skid",),
+        levels=4,
         sees=("error", "vx"),
         inside=of_arguments(slip=lambda velocity, spin, normal: (velocity, vec.ZERO, normal)),
     ),
@@ -86,7 +93,7 @@ FAULTS = (
     roll(
         name="rolling-friction-of-the-weight",
         sentence="Friction is mu times the weight, not times the part of it that presses.",
-        on=("ramp", "chute"),
+        on=("chute",),
         sees=("error", "vx"),
         inside=_of_rolling(pressing=lambda force, normal: vec.size(force)),
     ),
@@ -112,11 +119,18 @@ FAULTS = (
         before=of_elements(Contact, friction=scaled(1 + 1e-4)),
     ),
     roll(
-        name="rolling-at-the-end-of-the-step",
-        sentence="The slip ends at the end of the step in which it would turn round.",
+        name="rolling-below-a-threshold",
+        sentence="A slip of less than 1/16 m/s counts as none.",
         on=("skid",),
-        levels=9,
+        levels=6,
         sees=("event-times", "stick"),
-        inside=of_parts(located=lambda margin, first, last, resolution: 1.0),
+        inside=_of_rolling(slips_on=lambda slip, direction: vec.dot(slip, direction) - 1 / 16),
+    ),
+    roll(
+        name="rolling-held-too-much",
+        sentence="Friction on a body that rolls is larger by a thousandth than rolling needs.",
+        on=("ramp",),
+        sees=("error", "vx"),
+        inside=_of_rolling(holding=_resisted),
     ),
 )

@@ -1,5 +1,7 @@
 """Dry friction from 0 to huge, and contacts with vanishing tangential speed."""
 
+from fractions import Fraction
+
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.parameters import Parameters
 
@@ -15,6 +17,10 @@ GRIPS = (
 BEYOND = (
     "a fixed step continues past the end of the force, where friction is mu"
     " times as large and points the wrong way"
+)
+ROLLS = (
+    "a slip ends in closed form, and one that is a rounding of the speeds is none; what friction"
+    " holds needs no more of it than rolling does"
 )
 RUBS = "sliding friction has a direction at every speed except 0, where it is 0"
 
@@ -58,6 +64,44 @@ BATTERY = Battery(
             promised="0",
             basis=STOPS,
             measure=Parameters(lambda x: {"friction": f"{x / 2}"}),
+        ),
+        Ladder(
+            name="more and more on what rolls",
+            case="rolling",
+            along="mu",
+            rungs=MORE,
+            promised="1e12",
+            basis=ROLLS,
+            measure=Parameters(lambda x: {"friction": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="less and less on what rolls",
+            case="rolling",
+            along="mu",
+            rungs=LESS,
+            promised="0",
+            basis=ROLLS,
+            measure=Parameters(lambda x: {"friction": f"{x / 2}"}, samples=8),
+        ),
+        Ladder(
+            name="nearer and nearer to the slope on which it just rolls",
+            case="rolling",
+            along="1 - tan a/(mu (1 + m R^2/J))",
+            rungs=SLOWER,
+            promised="0",
+            basis=ROLLS,
+            measure=Parameters(
+                lambda x: {"slope": f"{Fraction(7, 8) * (1 - x / 2)}", "speed": "0"}, samples=8
+            ),
+        ),
+        Ladder(
+            name="less and less slip of what rolls",
+            case="rolling",
+            along="1 - R omega/v",
+            rungs=SLOWER,
+            promised="0",
+            basis=ROLLS,
+            measure=Parameters(lambda x: {"spin": f"{-8 * (1 - x)}"}, samples=8),
         ),
         Ladder(
             name="less and less between spheres",

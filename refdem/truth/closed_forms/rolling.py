@@ -61,7 +61,7 @@ class Phase:
     spin_up: Number
 
     def after(self, t: Number) -> tuple[Number, Number, Number]:
-        """Place [m], speed [m/s] and spin [rad/s] at the time t [s]."""
+        """Place [m], speed [m/s] and spin [rad/s] at the time t [s], exactly."""
         since = t - self.begin
         place = self.place + self.speed * since + self.acceleration * (since * since) / 2
         speed = self.speed + self.acceleration * since
@@ -69,7 +69,7 @@ class Phase:
         return place, speed, spin
 
     def at(self, t: arb) -> tuple[arb, arb, arb]:
-        """The same in balls."""
+        """Place [m], speed [m/s] and spin [rad/s] at the time t [s], in balls."""
         since = t - arb_of(self.begin)
         gained = arb_of(self.acceleration) * since
         place = arb_of(self.place) + arb_of(self.speed) * since + gained * since / 2

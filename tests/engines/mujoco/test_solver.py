@@ -97,3 +97,20 @@ def test_the_heavy_spheres_of_a_prescribed_path_are_refused(engine):
     problem = discovery.case("impact-benchmarks").at(member="contact-path", friction="0").problem
     reasons = [engine.unsupported(problem, engine.method(name)) for name in ("rk4", "euler")]
     assert all("mjMINVAL" in reason for reason in reasons)
+
+
+def test_what_is_round_slides_and_rolls_at_any_step_and_is_not_lifted(played):
+    """With the ratio of impedances of MuJoCo's default what slides leaves the plane at steps below
+    mu v d/g (here 1e-4 s), and hops; a finer step must be better, and stay down.
+    """
+    instance = discovery.case("rolling").at(duration="1/4", friction="1/2", samples="16")
+    ends = []
+    for step in (2.0**-10, 2.0**-13, 2.0**-16):
+        trajectory, _ = played(instance.scene, step=step, duration=0.25)
+        # While it slides; at first the contact takes on the weight.
+        assert np.abs(trajectory.velocity[8:, 0, 1]).max() <= 1e-7
+        ends.append(trajectory.velocity[-1, 0, 0])
+    # It rolls at 5/7 of 4 m/s from t = 2 v/(7 mu g) = 0.233 s on.
+    errors = np.abs(np.array(ends) - 20 / 7)
+    assert errors[0] < 1e-2
+    assert errors[2] < errors[1] < errors[0]
