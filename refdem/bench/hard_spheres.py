@@ -61,6 +61,43 @@ def box_of_spheres(n: int, part: float) -> Scene:
     return Scene.of(bodies, [Contact(law="rigid", restitution=1.0), *walls])
 
 
+SPACING = 1.1
+"""Diameters between the places of a cage: no sphere fits through the gap between four of it."""
+HEAVY = 1e9
+"""Mass of a sphere of a cage, those within being 1: ten million impacts move it by a hundredth of a
+diameter."""
+
+
+def caged_spheres(along: int, friction: float) -> Scene:
+    """Rough elastic spheres of unit diameter on a cubic lattice, alone in space: those of its
+    surface are a heavy cage of the others, which move and spin in it.
+
+    Nothing acts from outside and nobody comes out, so that impacts go on without end while momentum
+    and angular momentum stay. Planes and a periodic box would change the latter.
+    """
+    cells = np.indices((along, along, along)).reshape(3, -1).T
+    is_cage = np.any((cells == 0) | (cells == along - 1), axis=1)
+    places = (cells - (along - 1) / 2) * SPACING
+    draws = np.random.default_rng(0).normal(size=(2, len(cells), 3))
+    draws[:, is_cage] = 0.0
+    bodies = []
+    for place, velocity, omega, caging in zip(places, draws[0], draws[1], is_cage, strict=True):
+        mass = 1.0
+        if caging:
+            mass = HEAVY
+        body = Body(
+            mass=mass,
+            inertia=(0.1 * mass, 0.1 * mass, 0.1 * mass),
+            shape=Sphere(radius=0.5),
+            position=tuple(place.tolist()),
+            velocity=tuple(velocity.tolist()),
+            omega=tuple((2.0 * omega).tolist()),
+        )
+        bodies.append(body)
+    law = Contact(law="rigid", restitution=1.0, friction=friction, tangential_restitution=1.0)
+    return Scene.of(bodies, [law])
+
+
 def rates(
     sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda line: None
 ) -> list[Rate]:

@@ -165,7 +165,7 @@ def _relative(velocity: Array) -> Array:
 
 
 def lateness(subject: Subject, window: Window) -> float:
-    """By how much later than where the flights touch an impact may be seen [s]: nothing where
+    """The delay [s] with which an impact may be seen after the flights touch: nothing where
     events are located, else a step; the bound on its time for a tolerance.
     """
     method = subject.method
@@ -177,7 +177,7 @@ def lateness(subject: Subject, window: Window) -> float:
 
 
 def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
-    """By how much a speed of the impact may be off [m/s], in a direction in which gravity has the
+    """The error [m/s] that a speed of the impact may have, in a direction in which gravity has the
     part `pull` [m/s^2].
 
     - Late by t gravity adds g t, and an order below 2 adds what it gives in a step once more.

@@ -259,8 +259,8 @@ def predicted(
 def late_by(
     subject: Subject, truth: SampledTruth, known: list[Crossing], run: Trajectory
 ) -> list[float]:
-    """By how much each of these crossings may come at another time in a run [s], up to the first
-    one of which nothing is known.
+    """The time [s] by which each of these crossings may come earlier or later in a run, up to the
+    first one of which nothing is known.
 
     As far as the claims do not tell, what the run is observed to be off by does.
     """

@@ -197,7 +197,7 @@ def _flights(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
 
 
 def _late_by(subject: Subject, truth: SampledTruth, run: Trajectory) -> list[float]:
-    """By how much each certified impact may come at another time in the run [s]."""
+    """The time [s] by which each certified impact may come earlier or later in the run."""
     return late_by(subject, truth, crossings(subject, truth)["contact"], run)
 
 

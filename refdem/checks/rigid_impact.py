@@ -160,7 +160,7 @@ def _list(subject: Subject) -> list[Impact]:
 
 @dataclass(frozen=True)
 class Departure:
-    """By how much one impact departs from the law, and by how much a sound method may [1].
+    """The departure of one impact from the law, and the one that a sound method may show [1].
 
     `words` say what is seen and when.
     """

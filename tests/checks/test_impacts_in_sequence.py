@@ -103,6 +103,7 @@ def due(setting: str, *, is_told: bool) -> set[str]:
         ("pymunk", "semi-implicit-euler"),
         ("rebound", "leapfrog"),
         ("rebound", "leapfrog-line"),
+        ("rebound", "leapfrog-uncut"),
     ],
 )
 def test_sound_programs_pass(engine: str, method: str, setting: str) -> None:

@@ -17,6 +17,7 @@ IN_PLANE = [
     ("pymunk", "semi-implicit-euler"),
     ("rebound", "leapfrog"),
     ("rebound", "leapfrog-line"),
+    ("rebound", "leapfrog-uncut"),
 ]
 UNEQUAL = {"masses": "1,3", "radii": "1/2,3/4"}
 FRICTIONLESS = [

@@ -102,6 +102,8 @@ TELLS = {
     "square-of-one-sign": ("quadratic-response", 2),
     "small-world": ("harmonic-oscillator", 2),
     "friction-off-by-a-millionth": ("impact-benchmarks", 3),
+    "impacts-of-a-pair-once": ("newtons-cradle", 1),
+    "bounce-friction-from-weight": ("bouncing-ball", 1),
 }
 """By fault of the catalogue: the case, and the number, from 1, of the setting that tells it."""
 

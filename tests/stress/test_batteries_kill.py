@@ -183,6 +183,24 @@ FAULTS: list[Killed] = [
         ),
     ),
     (
+        "impacts-in-sequence",
+        "cradle that loses more and more",
+        "impacts",
+        ("1", "1/4"),
+        lambda: carrier(
+            "some rebound always", before=changed_elements(restitution=lambda e: max(e, 1 / 3))
+        ),
+    ),
+    (
+        "impacts-in-sequence",
+        "bounces with more and more friction",
+        "impacts",
+        ("1e-3", "1/4"),
+        lambda: carrier(
+            "little friction", before=changed_elements(friction=lambda mu: min(mu, 1 / 64))
+        ),
+    ),
+    (
         "impacts",
         "slower and slower impact",
         "impacts",

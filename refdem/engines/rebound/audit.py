@@ -136,7 +136,15 @@ AUDIT = (
         "1",
         "1",
         "ias15 and bs cut their step to meet a sample and start from the one before the cut: more"
-        " samples change the steps",
+        " samples change the steps; leapfrog-uncut samples copies, and its steps end nowhere else",
+    ),
+    Default(
+        "all of it as shipped",
+        "-",
+        "ias15-as-shipped sets gravity none, the collisions of the scene and its forces, and"
+        " nothing else",
+        "what a scene does not say stays: without forces ias15 doubles its step until a sample"
+        " cuts it, and collisions are seen at the ends of such steps alone",
     ),
     Default(
         "warnings",

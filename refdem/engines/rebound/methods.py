@@ -33,9 +33,43 @@ LEAPFROG_LINE = replace(
 )
 """The same step with REBOUND's other search for collisions."""
 
+LEAPFROG_UNCUT = replace(
+    LEAPFROG,
+    name="leapfrog-uncut",
+    summary=(
+        "leapfrog with collisions (direct) whose steps of constant size do not end at samples: a"
+        " sample is made by a copy that goes on to it in one shorter step, as"
+        " Simulationarchive.getSimulation(mode='exact') does"
+    ),
+)
+"""The same step as long runs are made with it: output does not choose where collisions are seen."""
+IAS15 = Method(
+    name="ias15",
+    summary=(
+        "Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel"
+        " 2015, Pham et al. 2024)"
+    ),
+    control="exact",
+    backward=True,
+    summed_clock=True,
+    cost_rank=2,
+)
+AS_SHIPPED = replace(
+    IAS15,
+    name="ias15-as-shipped",
+    summary=(
+        "sim.integrate(t) with REBOUND's defaults: ias15 with epsilon 1e-9, a first step of 0.001,"
+        " steps cut at samples, collisions (direct) searched for at the ends of steps and resolved"
+        " in an order drawn from the clock"
+    ),
+    deterministic=False,
+    as_shipped=True,
+)
+
 METHODS = (
     LEAPFROG,
     LEAPFROG_LINE,
+    LEAPFROG_UNCUT,
     Method(
         name="leapfrog-8",
         summary="17 leapfrog steps composed to order 8 (Blanes and Casas 2016)",
@@ -60,17 +94,8 @@ METHODS = (
         backward=True,
         cost_rank=0,
     ),
-    Method(
-        name="ias15",
-        summary=(
-            "Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel"
-            " 2015, Pham et al. 2024)"
-        ),
-        control="exact",
-        backward=True,
-        summed_clock=True,
-        cost_rank=2,
-    ),
+    IAS15,
+    AS_SHIPPED,
     Method(
         name="bs",
         summary=(

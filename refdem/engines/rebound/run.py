@@ -14,7 +14,8 @@ from refdem import kernels
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.rebound.fields import FAMILY, Fields, fields_of
-from refdem.engines.rebound.simulation import function_address, simulation_of
+from refdem.engines.rebound.methods import LEAPFROG_UNCUT
+from refdem.engines.rebound.simulation import function_address, set_collisions, simulation_of
 from refdem.errors import EngineError, UsageError
 from refdem.mechanics.quaternion import rotated
 
@@ -39,6 +40,8 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     began = perf_counter()
     fields = fields_of(request.problem.scene)
     sim, ode = simulation_of(request, fields)
+    if request.method == LEAPFROG_UNCUT.name:
+        return _uncut(request, fields, sim, began)
     engine = _engine(sim, ode)
     times = np.ascontiguousarray(request.problem.times)
     if request.step:
@@ -67,6 +70,60 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     return _trajectory(request, fields, rows), Cost(
         seconds=ended - started, setup=started - began, steps=int(sim.steps_done)
     )
+
+
+UNCUT = (5**0.5 - 1) / 2
+"""Size of a step that never ends at a sample, in units of the step that is asked for: the golden
+section, whose multiples stay as far from whole numbers as any can.
+"""
+
+
+def _uncut(
+    request: Request, fields: Fields, sim: rebound.Simulation, began: float
+) -> tuple[Trajectory, Cost]:
+    """Steps of constant size, and for every sample a copy of the simulation that goes on to it in
+    one shorter step: sampling leaves the steps, and the collisions at their ends, as they are.
+    """
+    times = request.problem.times
+    step = UNCUT * request.signed_step
+    sim.dt = step
+    rows = [_row(sim, float(times[0]))]
+    started = perf_counter()
+    done = 0
+    for time in times[1:]:
+        elapsed = float(time - times[0])
+        whole = int(elapsed / step)
+        sim.steps(whole - done)
+        done = whole
+        copy = _copy(sim, request)
+        copy.dt = elapsed - whole * step
+        copy.steps(1)
+        _refuse_failure(copy, request, failed=0)
+        rows.append(_row(copy, float(time)))
+    ended = perf_counter()
+    _refuse_failure(sim, request, failed=0)
+    seconds = ended - started
+    cost = Cost(seconds=seconds, setup=started - began, steps=done + len(times) - 1)
+    return _trajectory(request, fields, np.array(rows)), cost
+
+
+def _copy(sim: rebound.Simulation, request: Request) -> rebound.Simulation:
+    """A copy of the simulation with its collisions: REBOUND copies no pointers to functions, which
+    it warns of.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        copy = sim.copy()
+    set_collisions(copy, request.problem.scene, request.method)
+    return copy
+
+
+def _row(sim: rebound.Simulation, time: float) -> list[float]:
+    """The row of `recorded` at a sample, of particles that do not turn."""
+    row = [time]
+    for body in sim.particles:
+        row += [body.x, body.y, body.z, body.vx, body.vy, body.vz]
+    return row
 
 
 def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:

@@ -12,6 +12,7 @@ from rebound.simulation import AFF
 from refdem import kernels
 from refdem.core.problem import Request
 from refdem.engines.rebound.fields import FAMILY, Fields
+from refdem.engines.rebound.methods import AS_SHIPPED
 from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
@@ -41,7 +42,7 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     _set_integrator(sim, request)
     first = _add_particles(sim, scene)
     _place(sim, fields, first)
-    _set_collisions(sim, scene, request.method)
+    set_collisions(sim, scene, request.method)
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
         sim._additional_forces = AFF(
@@ -58,6 +59,9 @@ def function_address(name: str) -> int:
 
 def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
     """The integrator of the method and its first step, with the direction of time."""
+    if request.method == AS_SHIPPED.name:
+        # All of it stays as a new simulation has it, the first step too.
+        return
     name, _, _ = request.method.partition("-")
     sim.integrator = name
     if name == "leapfrog":
@@ -116,7 +120,7 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
     return len(centres[:1])
 
 
-def _set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
+def set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
     """REBOUND's own hard spheres, where the contact law is rigid: searched for at the end of every
     step, and resolved with the law's restitution.
 
@@ -131,8 +135,9 @@ def _set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
             sim.collision = "direct"
         sim.collision_resolve = "hardsphere"
         sim.coefficient_of_restitution = _always(float(law.restitution))
-        # Collisions of a step are resolved in a random order, whose seed is else the clock's.
-        sim.rand_seed = ORDER_OF_COLLISIONS
+        if method != AS_SHIPPED.name:
+            # Those of a step are resolved in a random order, whose seed is else the clock's.
+            sim.rand_seed = ORDER_OF_COLLISIONS
 
 
 def _always(restitution: float) -> Callable[[Any, float], float]:

@@ -4,6 +4,13 @@ import numpy as np
 
 from refdem.core.problem import Motion
 from refdem.core.refusal import adapter_lacks, engine_cannot
+from refdem.engines.rebound.methods import (
+    AS_SHIPPED,
+    IAS15,
+    LEAPFROG,
+    LEAPFROG_LINE,
+    LEAPFROG_UNCUT,
+)
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.element import Link
 from refdem.scene.elements.central_field import CentralField
@@ -32,6 +39,10 @@ finds.
 MOST_TOUCHING = 64
 """Spheres up to which every pair is looked at in every evaluation of the forces."""
 NO_FRICTION = engine_cannot("friction between particles (they have no spin)")
+COLLIDING = frozenset(
+    method.name for method in (LEAPFROG, LEAPFROG_LINE, LEAPFROG_UNCUT, AS_SHIPPED)
+)
+"""Methods that make the collisions of hard spheres."""
 UNKNOWN = {
     "slider": engine_cannot("dry friction (no force that jumps with the velocity)"),
     "plane": adapter_lacks("walls (a force by the callback)"),
@@ -139,12 +150,17 @@ def _method_reason(scene: Scene, method: str) -> str | None:
                 f"{kind} (its force depends on velocities, which leapfrog has only half a step"
                 " apart)"
             )
-    if method in ("leapfrog-8", "ias15") and any(
+    if method in ("leapfrog-8", IAS15.name, AS_SHIPPED.name) and any(
         spring.exponent % 2 != 1 for spring in scene.all(Spring)
     ):
         return engine_cannot(
             "a spring whose force is not smooth where it changes sign (order 8 needs its"
             " derivatives, ias15's steps shrink to nothing)"
+        )
+    if method == AS_SHIPPED.name and {"spring", "rod"} & scene.features:
+        return engine_cannot(
+            "springs and rods with the step control that ias15 is shipped with (prs23: steps shrink"
+            " to nothing where the acceleration goes through zero)"
         )
     if method == "whfast" and not (
         scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
@@ -154,12 +170,14 @@ def _method_reason(scene: Scene, method: str) -> str | None:
 
 
 def _edge_reason(scene: Scene, method: str) -> str | None:
-    """Leapfrog alone takes forces that set in at an edge, and both its searches find collisions."""
+    """Leapfrog alone takes forces that set in at an edge; collisions are found by its searches, and
+    by what REBOUND is shipped with.
+    """
     if "contact:rigid" in scene.features:
-        if method in ("leapfrog", "leapfrog-line"):
+        if method in COLLIDING:
             return None
         return adapter_lacks("hard spheres by an integrator other than leapfrog of order 2")
-    if method == "leapfrog-line":
+    if method in (LEAPFROG_LINE.name, LEAPFROG_UNCUT.name):
         return adapter_lacks("a scene without hard spheres (it would be leapfrog once more)")
     if method != "leapfrog" and {"contact", "piecewise_field"} & scene.features:
         return engine_cannot(
