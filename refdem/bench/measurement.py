@@ -63,15 +63,17 @@ class Measured:
         """One point a level, coarse to fine; the error is the largest among `names`."""
         points = []
         for level, errors in self.errors.items():
-            shown = [errors[name] for name in names & errors.keys()]
+            compared = [errors[name] for name in names & errors.keys()]
             costs = self.rounds.get(level, [])
-            if not shown or not costs:
+            if not compared or not costs:
                 continue
+            seconds = [cost.seconds for cost in costs]
+            setup = statistics.median(cost.setup for cost in costs)
             point = Point(
                 level=level,
-                error=max(shown),
-                rounds=[cost.seconds for cost in costs],
-                setup=statistics.median(cost.setup for cost in costs),
+                error=max(compared),
+                rounds=seconds,
+                setup=setup,
                 steps=self.first[level].steps,
                 beside=self.beside.get(level, []),
             )
@@ -88,7 +90,7 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     """
     measured = Measured(entrant)
     best = float("inf")
-    risen = 0
+    levels_without_gain = 0
     for level in entrant.levels:
         try:
             trajectory, cost = entrant.run(level)
@@ -100,12 +102,12 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         measured.first[level] = cost
         measured.rounds[level] = []
         worst = max(errors.values())
+        # Two levels in sequence that do not lower the error are at its floor.
+        levels_without_gain += 1
         if worst < 0.7 * best:
-            risen = 0
-        else:
-            risen = risen + 1
+            levels_without_gain = 0
         best = min(best, worst)
-        if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
+        if best <= ENOUGH or levels_without_gain >= 2 or cost.seconds > longest:
             break
     if measured.errors:
         measured.refusal = ""

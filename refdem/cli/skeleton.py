@@ -165,13 +165,15 @@ def text_of(template: str, name: str) -> str:
     """A template with the name in every form in which it is needed."""
     module = name.replace("-", "_")
     words = name.split("-")
+    name_class = "".join(word.capitalize() for word in words)
+    title = " ".join(words).capitalize()
     source = Template((TEMPLATES / template).read_text(encoding="utf-8"))
     return source.substitute(
         name=name,
         module=module,
         upper=module.upper(),
-        name_class="".join(word.capitalize() for word in words),
-        title=" ".join(words).capitalize(),
+        name_class=name_class,
+        title=title,
         declaration=signature(module, ";"),
         definition=signature(module, ""),
     )

@@ -42,8 +42,8 @@ def figure(name: str) -> Figure:
 
 
 def figures(chosen: Iterable[str] = ()) -> list[Figure]:
-    """The figures chosen, or all of them."""
-    asked = list(chosen) or names()
-    for name in asked:
+    """The figures of these ids, or all of them; raises UsageError before any is made."""
+    ids = list(chosen) or names()
+    for name in ids:
         refuse_unknown(name)
-    return [figure(name) for name in asked]
+    return [figure(name) for name in ids]

@@ -68,29 +68,31 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
         json_as(Accepted, line, f"baseline {path}, line {number}")
         for number, line in enumerate(lines[1:], 2)
     ]
-    accepted_so_far: set[str] = set()
-    for number, entry in enumerate(entries, 2):
-        where = f"baseline {path}, line {number}"
-        if entry.id.count("/") < PARTS - 1:
-            raise UsageError(
-                f"{where}: id is {one_line(entry.id, 80)!r}; expected"
-                " case/engine/method/check/quantity"
-            )
-        if not entry.id.isprintable():
-            raise UsageError(
-                f"{where}: id {one_line(entry.id, 80)!r} has characters that do not print; expected"
-                " one that `refdem gate --bless` wrote"
-            )
-        if entry.id in accepted_so_far:
-            raise UsageError(
-                f"{where}: {one_line(entry.id, 80)!r} is there twice; take one away, or bless anew"
-            )
-        accepted_so_far.add(entry.id)
+    _refuse_wrong_ids(path, entries)
     if header.format != FORMAT:
         raise UsageError(
             f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew"
         )
     return header, {entry.id: entry for entry in entries}
+
+
+def _refuse_wrong_ids(path: Path, entries: list[Accepted]) -> None:
+    """Raises UsageError for an id that names no finding, does not print, or is there twice."""
+    ids: set[str] = set()
+    # The header is line 1.
+    for number, entry in enumerate(entries, 2):
+        where = f"baseline {path}, line {number}"
+        shown = repr(one_line(entry.id, 80))
+        if entry.id.count("/") < PARTS - 1:
+            raise UsageError(f"{where}: id is {shown}; expected case/engine/method/check/quantity")
+        if not entry.id.isprintable():
+            raise UsageError(
+                f"{where}: id {shown} has characters that do not print; expected one that"
+                " `refdem gate --bless` wrote"
+            )
+        if entry.id in ids:
+            raise UsageError(f"{where}: {shown} is there twice; take one away, or bless anew")
+        ids.add(entry.id)
 
 
 def write(path: Path, records: list[Record], why: str) -> int:

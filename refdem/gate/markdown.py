@@ -18,16 +18,12 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
     pairs = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in pairs)
     broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
+    verdict = "open"
     if broken:
         verdict = "closed"
-    else:
-        verdict = "open"
+    totals = ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
     lines = [f"## refdem: the gate of {markdown_text(engine)} is {verdict}", ""]
-    lines += [
-        ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
-        or "nothing was found",
-        "",
-    ]
+    lines += [totals or "nothing was found", ""]
     if broken:
         lines += [
             "| outcome | finding | why |",
@@ -44,18 +40,20 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 def _row(record: Record, finding: Finding) -> str:
     """The row of a finding in the table, its sentence cut after MAX_SENTENCE characters."""
     name = markdown_text(record.id(finding))
-    if len(finding.sentence) <= MAX_SENTENCE:
-        sentence = finding.sentence
-    else:
-        sentence = f"{finding.sentence[:MAX_SENTENCE]} ..."
+    sentence = finding.sentence
+    if len(sentence) > MAX_SENTENCE:
+        sentence = f"{sentence[:MAX_SENTENCE]} ..."
     return f"| {finding.outcome} | {name} | {markdown_text(sentence)} |"
 
 
 def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
-    """A command for each case that is broken, at most ten."""
-    how = {sheet.label: sheet.reproduce for sheet in sheets if isinstance(sheet, CaseSheet)}
-    labels = list(dict.fromkeys(record.label for record in broken))
-    return [f"{how[label]} --engine refdem.toml" for label in labels if label in how][:10]
+    """A command that repeats each case of the broken records, at most ten."""
+    reproduce = {sheet.label: sheet.reproduce for sheet in sheets if isinstance(sheet, CaseSheet)}
+    labels = dict.fromkeys(record.label for record in broken)
+    commands = [
+        f"{reproduce[label]} --engine refdem.toml" for label in labels if label in reproduce
+    ]
+    return commands[:10]
 
 
 def annotations(sheets: list[Sheet]) -> list[str]:

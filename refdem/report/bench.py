@@ -38,8 +38,8 @@ def chart(section: Section) -> ChartData | None:
     writer.writerow(("series", "quantity", "seconds", "error", "shown_error"))
     for engine, method, _, time, error in section.points:
         series = f"{engine} {method}"
-        shown = max(error, floor)
-        writer.writerow((series, "largest", rounded(time), rounded(error), rounded(shown)))
+        drawn_error = max(error, floor)
+        writer.writerow((series, "largest", rounded(time), rounded(error), rounded(drawn_error)))
     largest = max(1e-1, max(positive))
     ends = {
         "error": (floor, 10.0 * largest),

@@ -72,11 +72,13 @@ def picture(spec: str, store: Store | None) -> bytes:
 
 
 def _picture(spec: str) -> bytes:
+    """The SVG of a Vega-Lite specification on paper, the same bytes in every run."""
     import vl_convert
 
-    drawn: dict[str, Any] = json.loads(spec)
-    drawn["background"] = PAPER["background"]
-    return _normalised(vl_convert.vegalite_to_svg(drawn, config=PAPER)).encode()
+    chart: dict[str, Any] = json.loads(spec)
+    chart["background"] = PAPER["background"]
+    svg = vl_convert.vegalite_to_svg(chart, config=PAPER)
+    return _normalised(svg).encode()
 
 
 def _normalised(svg: str) -> str:

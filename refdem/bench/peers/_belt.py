@@ -18,6 +18,14 @@ from refdem.scene.elements.force import Force
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
+Slip = Callable[
+    [float, float, float, float, float, float], tuple[float, float, list[tuple[float, float]]]
+]
+"""slip(t, x, u, side, end, frequency) -> (t, x, crossings): follows a slip from time t to its end,
+or to the time `end`; the crossings of v = 0 on its way are pairs of time and place.
+"""
+Stick = Callable[[float, float, float, float], float]
+"""stick(t, pull, end, frequency) -> t: the time at which the pull passes the limit, or `end`."""
 BEGIN = 1e-14
 """The slip with which one begins [m/s]: a zero at its very start would be taken for its end."""
 
@@ -60,14 +68,10 @@ class Belt:
         frequency: float,
         periods: int,
         skip: int,
-        slip: Callable[..., Any],
-        stick: Callable[..., Any],
+        slip: Slip,
+        stick: Stick,
     ) -> list[float]:
-        """Places > 0 [m] at which v = 0 after `skip` of the periods, from x = v = 0.
-
-        slip(t, x, u, side, end, frequency) -> (t, x, places with times), stick(t, pull, end,
-        frequency) -> t.
-        """
+        """Places > 0 [m] at which v = 0 after `skip` of the periods, from x = v = 0."""
         t = 0.0
         x = -self.anchor
         u = -self.slider.belt_velocity
@@ -77,120 +81,150 @@ class Belt:
         # The side to which the mass slips, the sign of u; stick and slip alternate from here on.
         side = math.copysign(1.0, u)
         while True:
-            t, x, passed = slip(t, x, u, side, end, frequency)
-            places += [place for when, place in passed if when >= begin and place > 0]
+            t, x, crossings = slip(t, x, u, side, end, frequency)
+            places += [place for time, place in crossings if time >= begin and place > 0]
             if t < end and abs(self.pull(t, frequency, x)) <= self.limit:
-                before = t
+                stick_begin = t
                 t = stick(t, self.pull(t, frequency, x), end, frequency)
-                x += self.slider.belt_velocity * (t - before)
+                x += self.slider.belt_velocity * (t - stick_begin)
             if t >= end:
                 return places
             side = math.copysign(1.0, self.pull(t, frequency, x))
             u = side * BEGIN
 
 
-def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """heyoka's slip and stick, as `Belt.walked` calls them: integrators compiled once for all
-    frequencies, with the frequency and the side of the slip as parameters.
+def by_heyoka(belt: Belt, tolerance: float) -> tuple[Slip, Stick]:
+    """heyoka's slip and stick: integrators compiled once for all frequencies, with the frequency
+    and the side of the slip as parameters.
     """
+    return _slip_by_heyoka(belt, tolerance), _stick_by_heyoka(belt, tolerance)
+
+
+def _slip_by_heyoka(belt: Belt, tolerance: float) -> Slip:
+    """heyoka's slip: par[0] is the frequency of the drive, par[1] the side."""
     import heyoka
 
     x, u = heyoka.make_vars("x", "u")
-    pulled = heyoka.make_vars("p")
     w = heyoka.par[0]
     side = heyoka.par[1]
     speed = belt.slider.belt_velocity
-    passed: list[tuple[float, float]] = []
+    crossings: list[tuple[float, float]] = []
 
-    def seen(integrator: Any, when: float, direction: int) -> None:
-        passed.append((when, float(integrator.update_d_output(when)[0]) + belt.anchor))
+    def record_crossing(integrator: Any, t: float, direction: int) -> None:
+        crossings.append((t, float(integrator.update_d_output(t)[0]) + belt.anchor))
 
     # x' = u + belt, u' = F cos(w t) - x - side N mu(side u), with m = k = 1.
     drive = belt.amplitude * heyoka.cos(w * heyoka.time)
     acceleration = drive - x - side * belt.friction(side * u)
-    rates = [(x, u + speed), (u, acceleration)]
-    down = heyoka.event_direction.negative
-    up = heyoka.event_direction.positive
-    stops = [heyoka.t_event(side * u, direction=down)]
-    turns = [heyoka.nt_event(u + speed, callback=seen)]
-    slips = heyoka.taylor_adaptive(
-        rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance
+    falling = heyoka.event_direction.negative
+    integrator = heyoka.taylor_adaptive(
+        [(x, u + speed), (u, acceleration)],
+        [0.0, 0.0],
+        pars=[1.0, 1.0],
+        t_events=[heyoka.t_event(side * u, direction=falling)],
+        nt_events=[heyoka.nt_event(u + speed, callback=record_crossing)],
+        tol=tolerance,
     )
-    # While it sticks x' = belt: the pull P = F cos(w t) - x has P' = -F w sin(w t) - belt.
-    held = [(pulled, -belt.amplitude * w * heyoka.sin(w * heyoka.time) - speed)]
-    limits = [
-        heyoka.t_event(pulled - belt.limit, direction=up),
-        heyoka.t_event(pulled + belt.limit, direction=down),
-    ]
-    sticks = heyoka.taylor_adaptive(held, [0.0], pars=[1.0], t_events=limits, tol=tolerance)
 
     def slip(
         t: float, x: float, u: float, side: float, end: float, frequency: float
     ) -> tuple[float, float, list[tuple[float, float]]]:
-        passed.clear()
-        slips.time = t
-        slips.state[:] = (x, u)
-        slips.pars[:] = (frequency, side)
-        slips.propagate_until(end)
-        return slips.time, float(slips.state[0]), list(passed)
+        crossings.clear()
+        integrator.time = t
+        integrator.state[:] = (x, u)
+        integrator.pars[:] = (frequency, side)
+        integrator.propagate_until(end)
+        return integrator.time, float(integrator.state[0]), list(crossings)
+
+    return slip
+
+
+def _stick_by_heyoka(belt: Belt, tolerance: float) -> Stick:
+    """heyoka's stick: par[0] is the frequency of the drive."""
+    import heyoka
+
+    pull = heyoka.make_vars("p")
+    w = heyoka.par[0]
+    # While it sticks x' = belt: the pull P = F cos(w t) - x has P' = -F w sin(w t) - belt.
+    speed = belt.slider.belt_velocity
+    rates = [(pull, -belt.amplitude * w * heyoka.sin(w * heyoka.time) - speed)]
+    limits = [
+        heyoka.t_event(pull - belt.limit, direction=heyoka.event_direction.positive),
+        heyoka.t_event(pull + belt.limit, direction=heyoka.event_direction.negative),
+    ]
+    integrator = heyoka.taylor_adaptive(rates, [0.0], pars=[1.0], t_events=limits, tol=tolerance)
 
     def stick(t: float, pull: float, end: float, frequency: float) -> float:
-        sticks.time = t
-        sticks.state[0] = pull
-        sticks.pars[0] = frequency
-        sticks.propagate_until(end)
-        return float(sticks.time)
+        integrator.time = t
+        integrator.state[0] = pull
+        integrator.pars[0] = frequency
+        integrator.propagate_until(end)
+        return float(integrator.time)
 
-    return slip, stick
+    return stick
 
 
-def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """SciPy's DOP853 with its events, as `Belt.walked` calls it; the right-hand side in Python.
+def by_scipy(belt: Belt, tolerance: float) -> tuple[Slip, Stick]:
+    """SciPy's slip and stick, DOP853 with its events; the right-hand side is in Python."""
+    # A relative tolerance below 2.3e-14 is one that DOP853 does not take.
+    options = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
+    return _slip_by_scipy(belt, options), _stick_by_scipy(belt, options)
 
-    A tolerance below 2.3e-14 is one that DOP853 does not take.
-    """
+
+def _slip_by_scipy(belt: Belt, options: dict[str, Any]) -> Slip:
+    """SciPy's slip, with these options of solve_ivp."""
     from scipy.integrate import solve_ivp
 
-    given = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
     speed = belt.slider.belt_velocity
 
     def slip(
         t: float, x: float, u: float, side: float, end: float, frequency: float
     ) -> tuple[float, float, list[tuple[float, float]]]:
-        def rates(now: float, y: np.ndarray) -> tuple[float, float]:
+        def rates(t: float, y: np.ndarray) -> tuple[float, float]:
             x, u = y
             # x' = u + belt, u' = pull - side N mu(side u), with m = k = 1.
             friction = side * belt.friction(side * u)
-            return u + speed, belt.pull(now, frequency, x) - friction
+            return u + speed, belt.pull(t, frequency, x) - friction
 
-        def stops(now: float, y: np.ndarray) -> float:
+        def stops(t: float, y: np.ndarray) -> float:
             _, u = y
             return float(side * u)
 
-        def turns(now: float, y: np.ndarray) -> float:
+        def turns(t: float, y: np.ndarray) -> float:
             _, u = y
             return float(u + speed)
 
         # A slip ends where u comes to 0 from its side; turning points, v = u + belt = 0, go on.
         stops.terminal = True  # type: ignore[attr-defined]
         stops.direction = -1  # type: ignore[attr-defined]
-        solution = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
-        passed = [
-            (float(when), float(y[0]) + belt.anchor)
-            for when, y in zip(solution.t_events[1], solution.y_events[1], strict=True)
-        ]
-        return float(solution.t[-1]), float(solution.y[0, -1]), passed
+        solution = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **options)
+        _, turn_times = solution.t_events
+        _, turn_states = solution.y_events
+        crossings = []
+        for turn_time, y in zip(turn_times, turn_states, strict=True):
+            crossings.append((float(turn_time), float(y[0]) + belt.anchor))
+        return float(solution.t[-1]), float(solution.y[0, -1]), crossings
+
+    return slip
+
+
+def _stick_by_scipy(belt: Belt, options: dict[str, Any]) -> Stick:
+    """SciPy's stick, with these options of solve_ivp."""
+    from scipy.integrate import solve_ivp
+
+    speed = belt.slider.belt_velocity
 
     def stick(t: float, pull: float, end: float, frequency: float) -> float:
-        def rates(now: float, y: np.ndarray) -> tuple[float]:
-            return (-belt.amplitude * frequency * math.sin(frequency * now) - speed,)
+        def rates(t: float, y: np.ndarray) -> tuple[float]:
+            # P' = -F w sin(w t) - belt.
+            return (-belt.amplitude * frequency * math.sin(frequency * t) - speed,)
 
-        def passes(now: float, y: np.ndarray) -> float:
+        def passes(t: float, y: np.ndarray) -> float:
             return float(belt.limit - abs(y[0]))
 
         passes.terminal = True  # type: ignore[attr-defined]
         passes.direction = -1  # type: ignore[attr-defined]
-        solution = solve_ivp(rates, (t, end), (pull,), events=passes, **given)
+        solution = solve_ivp(rates, (t, end), (pull,), events=passes, **options)
         return float(solution.t[-1])
 
-    return slip, stick
+    return stick

@@ -118,7 +118,9 @@ def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, A
 
 
 def friction(step: float) -> dict[str, Any]:
-    """Parameters of dry friction in a joint."""
+    """solref and solimp of dry friction in a joint: as stiff and as hard as MuJoCo lets it be, so
+    that what sticks creeps least.
+    """
     return {
         "solref_friction": np.array(stiffest(step)),
         "solimp_friction": np.array(impedance(HARDEST)),

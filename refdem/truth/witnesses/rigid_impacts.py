@@ -93,7 +93,7 @@ class Equations:
         self.impulse = 6 * len(spheres)
 
     def blank(self) -> list[arb]:
-        """A row of zeros."""
+        """A row of coefficients that are all zero."""
         return [arb(0)] * self.count
 
     def add(self, row: list[arb], side: arb) -> None:
