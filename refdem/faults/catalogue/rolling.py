@@ -41,11 +41,11 @@ FAULTS = (
         before=of_bodies(inertia=scaled(1.01)),
     ),
     roll(
-        name="rolling-point-mass",
-        sentence="All that is round is taken for a solid sphere.",
+        name="rolling-inertia-of-the-diameter",
+        sentence="Moments of inertia are made with the diameter in place of the radius.",
         on=("skid", "ramp"),
         sees=("error", "omega"),
-        before=of_bodies(inertia=scaled(2.5)),
+        before=of_bodies(inertia=scaled(4.0)),
     ),
     roll(
         name="rolling-lever-of-the-diameter",
