@@ -124,6 +124,37 @@ static inline void estimate_all(crowd *k, int32_t i, double now, int64_t count)
     }
 }
 
+/* The number of the smallest of so many times, the first one of equals; -1 if all are infinite.
+ * Numbers that are not negative are ordered as their bits are, read as whole numbers: the compiler
+ * makes vectors of a search for the smallest of these, which it may not do for numbers. */
+static inline int64_t smallest(const double *restrict due, int64_t count)
+{
+    double soonest = INFINITY;
+    int64_t least = INT64_MAX;
+    int64_t first = -1;
+    for (int64_t n = 0; n < count; n++) {
+        int64_t bits;
+        memcpy(&bits, due + n, sizeof bits);
+        least = bits < least ? bits : least;
+    }
+    memcpy(&soonest, &least, sizeof soonest);
+    if (least >= 0 && !(soonest < INFINITY))
+        return -1;
+    if (least >= 0) {
+        for (first = 0; due[first] != soonest; first++) {
+        }
+        return first;
+    }
+    /* Spheres that overlap by a rounding, or nobody at all: one after the other. */
+    soonest = INFINITY;
+    for (int64_t n = 0; n < count; n++)
+        if (due[n] < soonest) {
+            soonest = due[n];
+            first = n;
+        }
+    return first;
+}
+
 /* The earliest impact of body i with one of the `count` near it, if it is before the plan's own.
  * Estimates say in which order to ask until_spheres, which decides. */
 static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i, double now,
@@ -132,13 +163,7 @@ static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i,
     plan *own = k->plan + i;
     estimate_all(k, i, now, count);
     for (;;) {
-        int64_t first = -1;
-        double soonest = INFINITY;
-        for (int64_t n = 0; n < count; n++)
-            if (k->due[n] < soonest) {
-                soonest = k->due[n];
-                first = n;
-            }
+        const int64_t first = smallest(k->due, count);
         if (first < 0)
             return;
         const int32_t j = k->near[first];
@@ -159,13 +184,18 @@ static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i,
 static void predict_planes(const refdem_impacts *p, crowd *k, int32_t i, double now)
 {
     plan *own = k->plan + i;
+    double r[3], v[3];
+    place(k->m, i, now, r);
+    velocity(k->m, i, now, v);
+    double soonest = own->when;
     for (int64_t n = 0; n < p->planes; n++) {
-        const double when = now + until_plane(p, k->m, i, n, now);
-        if (when < own->when) {
-            own->when = when;
+        const double when = now + until_plane(k->m, p->plane + 6 * n, r, v, p->radius[i]);
+        if (when < soonest) {
+            soonest = when;
             own->partner = (int32_t)(-1 - n);
         }
     }
+    own->when = soonest;
 }
 
 /* The end of the body's stay in its cell, and its place in the queue. */

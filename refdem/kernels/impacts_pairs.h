@@ -33,8 +33,13 @@ static void predict_among_all(const refdem_impacts *p, motion *m, int64_t i, dou
     }
     if (is_fixed(p, i))
         return;
-    for (int64_t k = 0; k < p->planes; k++)
-        offer(m, i, now + until_plane(p, m, i, k, now), -1.0 - (double)k);
+    double r[3], v[3];
+    place(m, i, now, r);
+    velocity(m, i, now, v);
+    for (int64_t k = 0; k < p->planes; k++) {
+        const double wait = until_plane(m, p->plane + 6 * k, r, v, p->radius[i]);
+        offer(m, i, now + wait, -1.0 - (double)k);
+    }
 }
 
 /* The first impacts of all bodies. */

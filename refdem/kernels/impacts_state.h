@@ -188,21 +188,19 @@ static inline double until_passed(double ahead, double v, double a)
     return INFINITY;
 }
 
-/* Time from now until a sphere meets a plane, or infinity: h - c t - a t^2/2 = 0 with the height h,
- * the closing speed c and the pull a towards the plane. The first root is 2 h/(c + sqrt(q)) with
- * q = c^2 + 2 a h, and (sqrt(q) - c)/a if the sphere moves away and is pulled back. */
-static inline double until_plane(const refdem_impacts *p, const motion *m, int64_t i, int64_t k,
-                                 double now)
+/* Time until a sphere at r with velocity v meets a plane (6), or infinity: h - c t - a t^2/2 = 0
+ * with the height h, the closing speed c and the pull a towards the plane. The first root is 2 h/(c
+ * + sqrt(q)) with q = c^2 + 2 a h, and (sqrt(q) - c)/a if the sphere moves away and is pulled back.
+ */
+static inline double until_plane(const motion *m, const double *restrict plane,
+                                 const double *restrict r, const double *restrict v, double radius)
 {
-    const double *point = p->plane + 6 * k;
-    const double *normal = point + 3;
-    double r[3], v[3], from[3];
-    place(m, i, now, r);
-    velocity(m, i, now, v);
+    const double *normal = plane + 3;
+    double from[3];
     for (int c = 0; c < 3; c++)
-        from[c] = r[c] - point[c];
+        from[c] = r[c] - plane[c];
     const double closing = -dot(v, normal);
-    const double height = dot(from, normal) - p->radius[i];
+    const double height = dot(from, normal) - radius;
     const double pull = -dot(m->gravity, normal);
     const bool comes_near = closing > ROUNDINGS * size(v);
     if (pull == 0.0)
