@@ -132,6 +132,11 @@ def test_a_site_keeps_its_name_while_the_code_of_its_function_stays(tmp_path, fi
     assert len(after & before) == 2
 
 
+def test_what_an_assert_says_is_no_site(tmp_path):
+    text = "static double f(double x)\n{\n    assert(x > 1.0 && x < 4.0);\n    return x + x;\n}\n"
+    assert len(names(tmp_path, "asserted.c", text)) == 1
+
+
 def test_functions_of_equal_code_do_not_share_their_sites(tmp_path):
     text = "def twin(x):\n    return x + x\n"
     assert len(names(tmp_path, "twins.py", text + text)) == 2
