@@ -85,6 +85,17 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), phase)
 
 
+def of_far_places(instance: Instance, method: Method) -> float:
+    """Relative round-off of places that are far from the origin compared with the scale L of their
+    motion: c u |r|/L, as of a large ball that bounces by a little.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 0.0
+    farthest = float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
+    return ROUND_OFF_FACTOR * method.round_off * farthest / instance.scales.length
+
+
 def sweeping(instance: Instance, method: Method) -> float:
     """Factor >= 1 by which round-off grows where rods share bodies.
 
@@ -244,7 +255,8 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     """
     t = instance.times[: truth.until]
     steps = steps_at(instance, method, level)
-    of_method = truncation(instance, method, level, t) + round_off(instance, method, steps)
+    rounding = max(round_off(instance, method, steps), of_far_places(instance, method))
+    of_method = truncation(instance, method, level, t) + rounding
     of_equal_terms = clock(instance, method, level) + flight(instance, method, level)
     return (of_method + of_equal_terms) * truth.growth()
 

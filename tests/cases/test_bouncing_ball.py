@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
@@ -75,3 +76,13 @@ def test_the_end_of_bounces_is_decided_exactly() -> None:
 def test_the_reference_answers_it() -> None:
     problem = CASE.at(friction="1/4", velocity="1,2").problem
     assert [m.name for m in ENGINE.methods if ENGINE.unsupported(problem, m) is None] == ["impacts"]
+
+
+@pytest.mark.parametrize("height", ["1e-2", "1e-4", "1e-6"])
+def test_a_large_ball_that_bounces_by_a_little_alarms_no_right_program(height: str) -> None:
+    """Its place is rounded as its radius is, which is far above round-off of the height."""
+    instance = CASE.at(height=height, radius="1/2")
+    record = record_of(task_of(ENGINE, "impacts", instance, truth_of(instance), 1))
+    outcomes = {f.outcome for f in record.findings}
+    assert outcomes <= {"pass", "undecided"}
+    assert sum(f.outcome == "pass" for f in record.findings) > 5
