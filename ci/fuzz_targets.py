@@ -330,7 +330,7 @@ WORK = [
     "refdem.campaign.kills.FaultTrial.matrix",
     "refdem.campaign.certification.Certification.run",
     "refdem.campaign.reproof.contradictions",
-    "refdem.cli.diagnose._ran",
+    "refdem.cli.diagnose._trajectory",
     "refdem.bench.session.Bench.record",
     "refdem.bench.crowd.costs",
     "refdem.stress.session.Stress.record",

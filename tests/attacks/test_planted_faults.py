@@ -48,7 +48,7 @@ FAULTS = [
     (
         "a wrong inertia axis",
         "engines/mujoco/turning.py",
-        ("inertia=self.body.inertia, explicit", "inertia=self.body.inertia[::-1], explicit"),
+        ("inertia=body.inertia, explicit", "inertia=body.inertia[::-1], explicit"),
         ("free-rigid-body", "mujoco", "rk4"),
         ["error/omega_body.x", "error/attitude"],
     ),
@@ -56,8 +56,8 @@ FAULTS = [
         "no gyroscopic term: a body that is turned as if it were a sphere",
         "engines/mujoco/turning.py",
         (
-            "inertia=self.body.inertia, explicit",
-            "inertia=(sum(self.body.inertia) / 3,) * 3, explicit",
+            "inertia=body.inertia, explicit",
+            "inertia=(sum(body.inertia) / 3,) * 3, explicit",
         ),
         ("intermediate-axis[duration=60]", "mujoco", "rk4"),
         ["flips/flips", "angular-momentum/total"],

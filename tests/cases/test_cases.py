@@ -59,7 +59,10 @@ CATALOGUE = {
         "mass length gravity inertia theta0 phidot0 thetadot0 spin",
         ["theta", "phi", "psi", "thetadot"],
     ),
-    "granular-gas": ("n diameter restitution friction density boundary seed t0", ["temperature"]),
+    "granular-gas": (
+        "n diameter contact restitution friction density boundary seed t0",
+        ["temperature"],
+    ),
     "captured-mass": ("mass speed radius", ["x", "y", "vx", "vy"]),
     "pendulum-wheel-mass": (
         "mass counter_mass wheel_radius wheel_inertia gravity r0 theta0 rdot0 thetadot0",

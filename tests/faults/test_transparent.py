@@ -180,7 +180,7 @@ def test_it_says_what_it_cannot_do():
     times = np.array([0.0, 1.0])
     for elements, word in (
         ([Rod(a=0, b=1, length=1.0, anchor_b=(0.5, 0.0, 0.0))], "rod"),
-        ([Spring(a=0, b=1, stiffness=1.0)], "spring"),
+        ([Spring(a=0, b=1, anchor_a=(0.5, 0.0, 0.0), stiffness=1.0)], "spring"),
         ([StringOverWheel(a=0, b=1, radius=0.5)], "a string over a wheel that has a size"),
         ([BallJoint(a=0, anchor_a=(0.0, 1.0, 1.0))], "a joint off the principal axes"),
     ):

@@ -10,6 +10,7 @@ BASIS = (
     " from impact to impact by the certified S"
 )
 SAMPLES = 32
+"""Samples of a run, of which two lie in most flights of the longest sequences."""
 
 
 def light_between_heavy(ratio: str) -> str:
