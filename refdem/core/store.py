@@ -247,7 +247,13 @@ def _connected(path: Path) -> sqlite3.Connection:
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + PATIENCE
     while True:
-        connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
+        connection = sqlite3.connect(
+            # What is left of a store may be closed by whatever thread collects it.
+            path,
+            timeout=PATIENCE,
+            isolation_level=None,
+            check_same_thread=False,
+        )
         try:
             _prepare(connection)
         except sqlite3.OperationalError as error:

@@ -376,7 +376,7 @@ def remove(folder: Path) -> None:
             )
 
 
-def _opened_up(function: Callable[..., Any], path: str, _: object) -> None:
+def _opened_up(_: Callable[..., Any], path: str, __: object) -> None:
     """Tries once more where a program has taken the rights to a folder away."""
     there = Path(path)
     with contextlib.suppress(OSError):
@@ -385,8 +385,8 @@ def _opened_up(function: Callable[..., Any], path: str, _: object) -> None:
                 place.chmod(stat.S_IRWXU)
         if there.is_dir() and not there.is_symlink():
             shutil.rmtree(there, ignore_errors=True)
-        else:
-            function(path)
+        elif there.exists() or there.is_symlink():
+            there.unlink()
 
 
 def is_orphan(parent: int) -> bool:
