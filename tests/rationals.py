@@ -30,12 +30,11 @@ def hamilton(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     """Hamilton's product p q, component by component."""
     (a, b, c, d) = p
     (e, f, g, h) = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
+    w = a * e - b * f - c * g - d * h
+    x = a * f + b * e + c * h - d * g
+    y = a * g - b * h + c * e + d * f
+    z = a * h + b * g - c * f + d * e
+    return [w, x, y, z]
 
 
 class RandomFractions:

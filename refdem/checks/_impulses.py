@@ -137,19 +137,24 @@ def struck(scene: Scene, run: Trajectory, window: Window) -> Struck | None:
     before = run.velocity[window.first, numbers] + pull * found.wait
     after = run.velocity[window.last, numbers] - pull * (lasting - found.wait)
     omega = run.omega[[window.first, window.last]][:, numbers]
+    # The points that touch move against each other by v_12 + (R_1 w_1 + R_2 w_2) x n.
     surface = np.sum(bodies.radius[:, None] * omega[0], axis=0)
     approach = _relative(before) + np.cross(surface, normal)
     closing = float(approach @ normal)
+    parting = -float(_relative(after) @ normal)
+    impulse = bodies.mass[0] * (after[0] - before[0])
+    spun = bodies.inertia[:, None] * (omega[1] - omega[0])
     spinning = float(bodies.radius @ np.linalg.norm(omega[0], axis=-1))
+    fastest = float(np.linalg.norm(_relative(before))) + spinning
     return Struck(
         window=window,
         normal=normal,
         closing=closing,
-        parting=-float(_relative(after) @ normal),
+        parting=parting,
         slip=approach - closing * normal,
-        impulse=bodies.mass[0] * (after[0] - before[0]),
-        spun=bodies.inertia[:, None] * (omega[1] - omega[0]),
-        fastest=float(np.linalg.norm(_relative(before))) + spinning,
+        impulse=impulse,
+        spun=spun,
+        fastest=fastest,
     )
 
 

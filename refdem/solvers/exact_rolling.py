@@ -157,11 +157,13 @@ class ExactRolling(SceneSolver):
             within = elapsed >= phase.begin
             columns[:, within] = phase.after(elapsed[within] - phase.begin)
         way, speed, angle, spin, work = columns
+        displacement = way[:, None, None] * rolled.direction
+        turned = product(_turn(rolled.axis, angle), bodies.attitude[0])
         trajectory = Trajectory(
             t=times,
-            position=bodies.position + way[:, None, None] * rolled.direction,
+            position=bodies.position + displacement,
             velocity=speed[:, None, None] * rolled.direction,
-            attitude=product(_turn(rolled.axis, angle), bodies.attitude[0])[:, None],
+            attitude=turned[:, None],
             omega=spin[:, None, None] * rolled.axis,
             channels={"dissipated_work": work},
             events=_events(phases, times),

@@ -356,26 +356,26 @@ def test_truth_of_quaternions_is_hamiltons():
     star = [q[0], -q[1], -q[2], -q[3]]
     turned = [x / square for x in hamilton(hamilton(q, v), star)]
     body = [x / square for x in hamilton(hamilton(star, omega), q)]
-    columns = [
-        [
-            x / square
-            for x in hamilton(
-                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]),
-                star,
-            )[1:]
-        ]
-        for k in range(3)
-    ]
+    columns = []
+    for k in range(3):
+        # A column of the matrix is the picture q e_k q*/|q|^2 of a unit vector.
+        unit = [Fraction(0)] * 4
+        unit[1 + k] = Fraction(1)
+        picture = hamilton(hamilton(q, unit), star)
+        columns.append([x / square for x in picture[1:]])
+    matrix = [columns[k][i] for i in range(3) for k in range(3)]
+    p_q = hamilton(p, q)
+    q_p = hamilton(q, p)
     expected = {
-        "p-q": hamilton(p, q),
-        "commutator": [x - y for x, y in zip(hamilton(p, q), hamilton(q, p), strict=True)],
-        "left": hamilton(hamilton(p, q), r),
+        "p-q": p_q,
+        "commutator": [x - y for x, y in zip(p_q, q_p, strict=True)],
+        "left": hamilton(p_q, r),
         "right": hamilton(p, hamilton(q, r)),
         "inverse": [x / square for x in star],
         "one": [Fraction(1), Fraction(0), Fraction(0), Fraction(0)],
         "rotated": turned[1:],
         "rotated-by-minus-u": turned[1:],
-        "matrix": [columns[k][i] for i in range(3) for k in range(3)],
+        "matrix": matrix,
         "omega-body": body[1:],
         "omega-back": omega[1:],
     }

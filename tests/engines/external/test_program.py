@@ -162,7 +162,8 @@ def test_a_program_that_takes_all_memory_is_ended_before_the_machine_is(small: P
 
 def test_memory_that_is_only_reserved_does_not_count(small: Path) -> None:
     # The address sanitizer of C compilers reserves 15 TB; programs built with it must be judged.
-    ran(small, "reserves")
+    trajectory = ran(small, "reserves")
+    assert len(trajectory.t) == 9
 
 
 def test_a_program_dies_with_the_process_that_runs_it_and_leaves_no_folder(
