@@ -41,6 +41,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         truth_scalars=truth.printed,
         truth_reason=truth.reason,
         reproduce=f"refdem run {case.id} {settings}".strip(),
+        motion=case.motion,
     )
 
 
@@ -67,6 +68,7 @@ def engine_sheet(engine: Engine) -> EngineSheet:
         is_reference=engine.is_reference,
         methods={method.name: claims(method) for method in engine.methods},
         audit=tuple((d.setting, d.default, d.used, d.why) for d in engine.audit),
+        default_step=engine.default_step,
     )
 
 

@@ -21,6 +21,7 @@ class Billiards(IterationCase):
 
     id = "billiards"
     title = "Billiards"
+    motion = "formula"
     statement = (
         "A point flies straight at constant speed and is reflected by the wall of its table. In a"
         " rectangle neighbouring paths stay parallel: mirrored tables side by side make one"

@@ -22,6 +22,7 @@ class BlockOnSlope(Case):
 
     id = "block-on-slope"
     title = "Block on a slope"
+    motion = "rubbing"
     statement = (
         "A block is put on a slope and let go. Where the coefficient of friction is at least the"
         " slope's tangent, the boundary included, it does not move, however long one waits; where"

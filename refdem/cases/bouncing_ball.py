@@ -30,6 +30,7 @@ class BouncingBall(Case):
 
     id = "bouncing-ball"
     title = "Bouncing ball"
+    motion = "colliding"
     statement = (
         "A rigid ball falls on a plane, or is thrown, and bounces. Each bounce leaves the part e of"
         " the speed at which it meets the plane, so that each flight is e times as long as the one"

@@ -23,6 +23,7 @@ class CapturedMass(Case):
 
     id = "captured-mass"
     title = "Captured mass"
+    motion = "swinging"
     statement = (
         "A mass flies past a hook in a straight line and is caught where it comes closest, at the"
         " distance r. There its velocity is across the line to the hook, so that it goes on in a"

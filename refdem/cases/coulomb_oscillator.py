@@ -16,6 +16,7 @@ class CoulombOscillator(Case):
 
     id = "coulomb-oscillator"
     title = "Coulomb oscillator"
+    motion = "rubbing"
     statement = (
         "A mass on a spring rubs on the ground with a force of constant size. Every half cycle is"
         " harmonic about a shifted centre and loses 2 f/k of amplitude, until at a turning point"

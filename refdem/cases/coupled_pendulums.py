@@ -24,6 +24,7 @@ class CoupledPendulums(Case):
 
     id = "coupled-pendulums"
     title = "Coupled pendulums"
+    motion = "swinging"
     statement = (
         "Two bobs on rods swing side by side, joined by a spring. Alike, they have two modes: in"
         " step, where the spring never stretches, and against each other, where it makes them"

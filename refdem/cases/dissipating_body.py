@@ -20,6 +20,7 @@ class DissipatingBody(Case):
 
     id = "dissipating-body"
     title = "Dissipating body"
+    motion = "spinning"
     statement = (
         "A free body spins, and something inside it rubs. Its angular momentum stays, for nothing"
         " acts from outside; its energy falls, and from any start but exactly about its first or"

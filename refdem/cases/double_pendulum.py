@@ -20,6 +20,7 @@ class DoublePendulum(Case):
 
     id = "double-pendulum"
     title = "Double pendulum"
+    motion = "swinging"
     statement = (
         "A second pendulum hangs from the bob of a first one. Its rods are constraints; energy is"
         " all that stays. Near the bottom it has two modes, at high energy its motion is chaotic:"

@@ -21,6 +21,7 @@ class DrivenDuffing(Case):
 
     id = "driven-duffing"
     title = "Driven Duffing oscillator"
+    motion = "oscillating"
     statement = (
         "A periodic force drives a damped mass on a hardening spring. When its frequency is raised"
         " slowly the amplitude climbs and then falls off a fold; when it is lowered the amplitude"

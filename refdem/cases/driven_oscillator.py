@@ -24,6 +24,7 @@ class DrivenOscillator(Case):
 
     id = "driven-oscillator"
     title = "Driven oscillator"
+    motion = "oscillating"
     statement = (
         "A periodic force drives a damped mass on a spring. What the start has given decays; what"
         " stays has the drive's frequency and an amplitude that is largest at w^2 = w0^2 - 2"

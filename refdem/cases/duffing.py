@@ -21,6 +21,7 @@ class Duffing(Case):
 
     id = "duffing"
     title = "Duffing oscillator"
+    motion = "oscillating"
     statement = (
         "The force of a spring has a cubic part. The frequency rises with the amplitude if beta > 0"
         " and falls if beta < 0; with alpha < 0 < beta there are two wells and a separatrix. With"

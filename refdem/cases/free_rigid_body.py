@@ -17,6 +17,7 @@ class FreeRigidBody(Case):
 
     id = "free-rigid-body"
     title = "Free rigid body"
+    motion = "spinning"
     statement = (
         "A rigid body spins in space and nothing acts on it. Its angular momentum stays in space"
         " and its energy stays, yet its angular velocity wanders in periods given by Jacobi's"

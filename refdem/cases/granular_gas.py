@@ -40,6 +40,7 @@ class GranularGas(Case):
 
     id = "granular-gas"
     title = "Granular gas"
+    motion = "colliding"
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"
         " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic"

@@ -25,6 +25,7 @@ class HardSpheres(Case):
 
     id = "hard-spheres"
     title = "Hard spheres"
+    motion = "colliding"
     statement = (
         "Two rigid spheres start apart, meet once and part. The impact takes no time: its normal"
         " impulse leaves the part e of the closing speed, its tangential impulse stops the slip of"

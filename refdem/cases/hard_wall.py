@@ -24,6 +24,7 @@ class HardWall(Case):
 
     id = "hard-wall"
     title = "Hard sphere on a wall"
+    motion = "colliding"
     statement = (
         "A rigid sphere flies straight to a wall, meets it once and leaves. The wall is a second"
         " body of infinite mass: the normal velocity is turned round and multiplied by the"

@@ -24,6 +24,7 @@ class HeavyTop(TopOnTip):
 
     id = "heavy-top"
     title = "Heavy top"
+    motion = "spinning"
     statement = (
         "A symmetric top spins about its tip. Its axis nutates between two angles as it goes round"
         " the vertical; at the right speed it goes round steadily, J1 W^2 cos theta - J3 w3 W + m g"

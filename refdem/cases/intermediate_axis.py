@@ -29,6 +29,7 @@ class IntermediateAxis(Case):
 
     id = "intermediate-axis"
     title = "Intermediate axis"
+    motion = "spinning"
     statement = (
         "A free body spins about its intermediate principal axis, a little off. The deviation grows"
         " exponentially until the body turns over, rests there, and turns back; near the other two"

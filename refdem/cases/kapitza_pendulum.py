@@ -25,6 +25,7 @@ class KapitzaPendulum(Case):
 
     id = "kapitza-pendulum"
     title = "Kapitza's pendulum"
+    motion = "swinging"
     statement = (
         "The pivot of a pendulum moves up and down by a law of time. Fast enough, it holds the"
         " pendulum upright: the top is stable where both Floquet multipliers of the motion about it"

@@ -20,6 +20,7 @@ class Logistic(IterationCase):
 
     id = "logistic"
     title = "Logistic map"
+    motion = "formula"
     statement = (
         "Each number is eta times the last one, times what that lacks of 1. Up to eta = 3 the"
         " iterates settle on 1 - 1/eta; at 3 they begin to alternate between two values, at 1 +"

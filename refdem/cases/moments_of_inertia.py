@@ -27,6 +27,7 @@ class MomentsOfInertia(Canonical):
 
     id = "moments-of-inertia"
     title = "Moments of inertia"
+    motion = "formula"
     statement = (
         "Mass, centre of mass and inertia tensor of solids of uniform density: the six of Table"
         " 1.1, a tetrahedron straight and turned, an angle that is not convex, hollow bodies, a"

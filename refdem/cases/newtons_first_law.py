@@ -21,6 +21,7 @@ class NewtonsFirstLaw(Case):
 
     id = "newtons-first-law"
     title = "Newton's first law"
+    motion = "flying"
     statement = (
         "If the forces on a body add up to zero its velocity is constant. A free body flies"
         " straight and spins steadily about its third principal axis; a block on the ground, a"

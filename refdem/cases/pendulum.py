@@ -22,6 +22,7 @@ class Pendulum(Case):
 
     id = "pendulum"
     title = "Pendulum"
+    motion = "swinging"
     statement = (
         "A point mass hangs on a rigid massless rod and swings, or goes round. The rod is a"
         " constraint, not a coordinate: its length must stay, and the force in it (positive in"

@@ -22,6 +22,7 @@ class PendulumEquilibria(Case):
 
     id = "pendulum-equilibria"
     title = "Equilibria of the pendulum"
+    motion = "swinging"
     statement = (
         "A point mass on a rigid rod is let go next to one of its two equilibria. At the bottom it"
         " stays as near as it was. From the top it leaves as delta cosh(w0 t), to first order in"

@@ -22,6 +22,7 @@ class PendulumWheelMass(StringOnWheel):
 
     id = "pendulum-wheel-mass"
     title = "Pendulum, wheel and mass"
+    motion = "swinging"
     statement = (
         "A taut string runs over a wheel and does not slip; a pendulum swings on one side, a mass"
         " hangs on the other. The pendulum's length changes as it swings. Energy stays; another"

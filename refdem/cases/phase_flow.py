@@ -17,6 +17,7 @@ class PhaseFlow(EnsembleCase):
 
     id = "phase-flow"
     title = "Flow in phase space"
+    motion = "oscillating"
     statement = (
         "A closed outline, a cat's head, is carried along. Without friction its area is kept: the"
         " oscillator turns it, the pendulum shears it. In a fluid it falls as exp(-2 delta t), and"

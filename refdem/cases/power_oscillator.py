@@ -20,6 +20,7 @@ class PowerOscillator(Case):
 
     id = "power-oscillator"
     title = "Power-law oscillator"
+    motion = "oscillating"
     statement = (
         "A spring pulls with a power n of its stretch. With n = 1 the period does not depend on the"
         " amplitude; with n > 1 it falls as A^((1 - n)/2): for n = 2 it is 2 pi at A = 1.195254."

@@ -23,6 +23,7 @@ class QuadraticDrag(Case):
 
     id = "quadratic-drag"
     title = "Quadratic drag and terminal velocity"
+    motion = "flying"
     statement = (
         "A body falls in a fluid that resists as the square of its velocity. Its velocity tends to"
         " the terminal velocity, at which drag and weight balance, from below as tanh and from"

@@ -23,6 +23,7 @@ class QuadraticResponse(Case):
 
     id = "quadratic-response"
     title = "Quadratic response"
+    motion = "oscillating"
     statement = (
         "The force of a spring has a quadratic part, so that it resists more on one side. Driven at"
         " w the motion has lines at 2 w and 0, driven at two frequencies also at their sum and"

@@ -17,6 +17,7 @@ class Quaternions(AlgebraCase):
     angles = frozenset({"euler"})
     id = "quaternions"
     title = "Quaternions"
+    motion = "formula"
     statement = (
         "Products do not commute but associate; a conjugate reverses them; the inverse is the"
         " conjugate over the square. A unit quaternion u turns vectors as u v u*, and -u turns them"

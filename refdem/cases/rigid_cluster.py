@@ -24,6 +24,7 @@ class RigidCluster(Case):
 
     id = "rigid-cluster"
     title = "Rigid cluster"
+    motion = "spinning"
     statement = (
         "Four point masses that do not lie in a plane are joined, each with each, by six rigid"
         " rods, and spin freely. They move as the rigid body with their tensor of inertia does:"

@@ -17,6 +17,7 @@ class Rotations(AlgebraCase):
     angles = frozenset({"euler-back", "globe-angle"})
     id = "rotations"
     title = "Rotations"
+    motion = "formula"
     statement = (
         "A turn in the plane is a multiplication by exp(i phi); a mirror has determinant -1 and"
         " changes the sense of angles. In space the order matters: a book turned about z and x ends"

@@ -27,6 +27,7 @@ class StickSlip(Case):
 
     id = "stick-slip"
     title = "Stick-slip oscillator"
+    motion = "rubbing"
     statement = (
         "A driven mass on a spring rubs on a belt. It sticks, moving exactly as the belt, while the"
         " pull P of spring and drive is at most a mu0; it is released when P passes that limit and"

@@ -45,6 +45,7 @@ class TwoBodyOrbit(Case):
 
     id = "two-body-orbit"
     title = "Two-body orbit"
+    motion = "orbiting"
     statement = (
         "A body of unit mass goes round a fixed centre on an ellipse: with Newton's attraction the"
         " centre is a focus, with a spring (parameter stiffness) it is the middle. Energy and"

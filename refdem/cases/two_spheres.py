@@ -23,6 +23,7 @@ class TwoSpheres(Case):
 
     id = "two-spheres"
     title = "Two spheres"
+    motion = "colliding"
     statement = (
         "Two solid spheres meet, press each other like a damped spring, rub, and part. Momentum"
         " stays, and so does total angular momentum where the lever arms add up to the distance of"

@@ -24,6 +24,7 @@ class VanDerPol(Case):
 
     id = "van-der-pol"
     title = "Van der Pol oscillator"
+    motion = "oscillating"
     statement = (
         "Damping that is negative for small amplitudes and positive for large ones makes every"
         " motion tend to one cycle; for mu = 0.2 its amplitude is 2.00041 and its frequency"

@@ -21,6 +21,7 @@ class ViscousOscillator(Case):
 
     id = "viscous-oscillator"
     title = "Viscously damped oscillator"
+    motion = "oscillating"
     statement = (
         "A mass on a spring moves in a fluid that resists in proportion to its velocity. Below"
         " critical damping it oscillates and its amplitude decays as exp(-delta t); at and above it"

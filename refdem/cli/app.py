@@ -12,7 +12,6 @@ app = typer.Typer(
     name="refdem",
     help="Verifies rigid-body and discrete element codes against certified truth.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -38,7 +37,7 @@ def _common(
     """Verifies rigid-body and discrete element codes against certified truth."""
 
 
-_FRAME = ("__init__", "app", "outputs", "progress", "skeleton", "summary")
+_FRAME = ("__init__", "app", "completion", "outputs", "progress", "skeleton", "summary")
 
 for _path in sorted(Path(__file__).parent.glob("*.py")):
     if _path.stem not in _FRAME:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.cli import completion
 from refdem.core.outside import one_line
 
 if TYPE_CHECKING:
@@ -24,9 +25,17 @@ SKIPPED = {
 
 
 def command(
-    case: Annotated[str, typer.Argument(help="The case, also as `pendulum[theta0=2]`.")],
+    case: Annotated[
+        str,
+        typer.Argument(
+            autocompletion=completion.cases, help="The case, also as `pendulum[theta0=2]`."
+        ),
+    ],
     engine: Annotated[
-        list[str] | None, typer.Option(help="Engines; none: all that are installed.")
+        list[str] | None,
+        typer.Option(
+            autocompletion=completion.engines, help="Engines; none: all that are installed."
+        ),
     ] = None,
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
     timeout: Annotated[

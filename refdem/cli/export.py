@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from refdem.cli import completion
 from refdem.core.outside import one_line
 from refdem.errors import UsageError
 
@@ -16,7 +17,10 @@ def command(
     ],
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases; default: those of [gate], or all that the program supports."),
+        typer.Argument(
+            autocompletion=completion.cases,
+            help="Cases; default: those of [gate], or all that the program supports.",
+        ),
     ] = None,
     engine: Annotated[list[Path] | None, typer.Option(help="The refdem.toml of a program.")] = None,
     levels: Annotated[

@@ -4,9 +4,16 @@ from typing import Annotated
 
 import typer
 
+from refdem.cli import completion
+
 
 def command(
-    case: Annotated[str, typer.Argument(help="The case, also as `pendulum[theta0=2]`.")],
+    case: Annotated[
+        str,
+        typer.Argument(
+            autocompletion=completion.cases, help="The case, also as `pendulum[theta0=2]`."
+        ),
+    ],
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
     method: Annotated[
         str, typer.Option(help="Name of the method, as refdem.toml has it.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.cli import completion
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,11 +18,17 @@ if TYPE_CHECKING:
 def command(
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: those of the campaign."),
+        typer.Argument(
+            autocompletion=completion.cases,
+            help="Cases, also as `pendulum[theta0=2]`; default: those of the campaign.",
+        ),
     ] = None,
     engine: Annotated[
         list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
+        typer.Option(
+            autocompletion=completion.engines,
+            help="Engines, or paths of refdem.toml; default: all installed.",
+        ),
     ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engine.")] = "",
     step: Annotated[
@@ -58,6 +65,9 @@ def command(
         int | None, typer.Option(help="Number of worker processes; default: one per core.")
     ] = None,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the outcome as JSON in place of the summary.")
+    ] = False,
 ) -> None:
     """Runs cases in engines and writes a report.
 
@@ -68,7 +78,7 @@ def command(
     from refdem.campaign.campaign import Campaign
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
-    from refdem.cli.summary import exit_status, lines
+    from refdem.cli.summary import exit_status, lines, printed_json
     from refdem.core.store import Store, default_path
     from refdem.report import write_report
 
@@ -88,10 +98,14 @@ def command(
         specification = msgspec.structs.replace(specification, required="")
     sheets = Campaign(specification, store, count, not no_cache, Progress()).sheets()
     write_report(out, sheets, store)
-    print("\n".join(lines(sheets)))
+    changes = []
     if bless:
-        print("\n".join(blessed(base, sheets)))
-    print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
+        changes = blessed(base, sheets)
+    if json:
+        print(printed_json(sheets, out / "index.html", changes))
+    else:
+        print("\n".join([*lines(sheets), *changes]))
+        print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
     raise typer.Exit(exit_status(sheets))
 
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.cli import completion
+
 if TYPE_CHECKING:
     from refdem.core.store import Store
     from refdem.report.markdown import Cells
@@ -20,12 +22,16 @@ def command(
     case: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Only ladders on these cases, also as `pendulum[theta0=2]`; default: all."
+            autocompletion=completion.cases,
+            help="Only ladders on these cases, also as `pendulum[theta0=2]`; default: all.",
         ),
     ] = None,
     engine: Annotated[
         list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
+        typer.Option(
+            autocompletion=completion.engines,
+            help="Engines, or paths of refdem.toml; default: all installed.",
+        ),
     ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
     battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,

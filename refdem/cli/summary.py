@@ -2,8 +2,10 @@
 status.
 """
 
+import json
 from collections import Counter
 from collections.abc import Iterable
+from pathlib import Path
 
 from refdem.core.finding import (
     BROKEN,
@@ -69,6 +71,30 @@ def lines(sheets: list[Sheet]) -> list[str]:
             " what is left out and why"
         )
     return printed
+
+
+def printed_json(sheets: list[Sheet], report: Path, changes: list[str]) -> str:
+    """The outcome of a run as JSON: how many findings have each outcome, every finding that failed
+    or broke, why engines judged nothing, and where the report is.
+
+    `changes` are those to the list of findings that the campaign must make.
+    """
+    findings = worst_first(sheets)
+    counts = Counter[str](finding.outcome for _, finding in findings)
+    broken = [
+        {"id": record.id(finding), "outcome": finding.outcome, "sentence": finding.sentence}
+        for record, finding in findings
+        if finding.outcome in BROKEN
+    ]
+    answer = {
+        "exit_status": exit_status(sheets),
+        "outcomes": {name: counts[name] for name in WORST_FIRST if counts[name]},
+        "broken": broken,
+        "unjudged": unjudged(sheets),
+        "changes": changes,
+        "report": str(report),
+    }
+    return json.dumps(answer, indent=1)
 
 
 def unjudged(sheets: Iterable[Sheet]) -> list[str]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from refdem.cli import completion
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -20,7 +21,12 @@ DEAR = 10.0
 
 
 def command(
-    case: Annotated[str, typer.Argument(help="The case; with --list, default: all.")] = "",
+    case: Annotated[
+        str,
+        typer.Argument(
+            autocompletion=completion.cases, help="The case; with --list, default: all."
+        ),
+    ] = "",
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
     at: Annotated[
         str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,23 @@ def within_binary64(label: str) -> Iterator[None]:
         raise UsageError(f"{label}: {reason} ({error.args[-1]}): take other parameters") from error
 
 
+Moving = Literal[
+    "spinning",
+    "swinging",
+    "oscillating",
+    "rubbing",
+    "colliding",
+    "orbiting",
+    "flying",
+    "formula",
+    "other",
+]
+"""What happens in a case: bodies turn freely or about a joint; hang on rods and strings; move on
+springs or in fields; rub, stick and roll; meet; attract each other; fly without touching anything.
+In a formula nothing moves: identities, tensors and maps. A case that does not say is one of the
+others.
+"""
+
 CLOCK = (
     Parameter(
         name="duration",
@@ -77,6 +94,7 @@ class Canonical(ABC):
 
     id: ClassVar[str]
     title: ClassVar[str]
+    motion: ClassVar[Moving] = "other"
     statement: ClassVar[str]
     latex: ClassVar[str]
     source: ClassVar[str]

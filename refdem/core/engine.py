@@ -142,6 +142,8 @@ class Engine(ABC):
     audit: tuple[Default, ...] = ()
     licence: str = ""
     is_reference: bool = False
+    default_step: float | None = None
+    """The step [s] that the engine takes where its user names none; None where each must."""
     time_limit: float | None = None
     budget: float | None = None
     expected: tuple[Deviation, ...] = ()

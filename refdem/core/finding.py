@@ -144,10 +144,13 @@ class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field
     truth_scalars: dict[str, tuple[str, str]]
     truth_reason: str = ""
     reproduce: str = ""
+    motion: str = "other"
 
 
 class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_field="type"):
-    """An engine as a report shows it: version, methods with claims, audit of defaults."""
+    """An engine as a report shows it: version, methods with claims, audit of defaults, and the step
+    [s] that it takes where its user names none.
+    """
 
     engine: str
     title: str
@@ -156,6 +159,7 @@ class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_f
     is_reference: bool
     methods: dict[str, str]
     audit: tuple[tuple[str, str, str, str], ...]
+    default_step: float | None = None
 
 
 class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", tag_field="type"):

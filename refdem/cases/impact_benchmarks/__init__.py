@@ -40,6 +40,7 @@ class ImpactBenchmarks(Case):
 
     id = "impact-benchmarks"
     title = "Impact benchmarks"
+    motion = "colliding"
     statement = (
         "The collisions by which DEM codes are known: spheres that hit each other or a wall"
         " head-on, obliquely or spinning, that bounce, lie squeezed, or slide until they roll. What"

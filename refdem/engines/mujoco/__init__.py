@@ -25,6 +25,7 @@ class Mujoco(Engine):
     name = "mujoco"
     title = "MuJoCo"
     licence = "Apache-2.0"
+    default_step = 0.002
     methods = METHODS
     audit = AUDIT
 

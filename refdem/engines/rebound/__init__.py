@@ -35,6 +35,7 @@ class Rebound(Engine):
     methods = (*METHODS, ROTATION)
     audit = AUDIT
     licence = "GPL-3.0-or-later"
+    default_step = 0.001
 
     def missing(self) -> str | None:
         """None if REBOUND is installed, else how to install it."""

@@ -5,6 +5,7 @@ planted in it.
 import subprocess
 import sys
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -271,3 +272,8 @@ def test_smoke_blames_the_adapter_for_a_planted_fault(engine, monkeypatch, name)
     monkeypatch.setattr(Free, method, wrong)
     failed = {f.quantity: f.sentence for f in smoke(engine) if f.outcome == "fail"}
     assert words in failed[quantity]
+
+
+def test_the_default_step_is_that_of_the_installed_engine(engine):
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    assert model.opt.timestep == engine.default_step

@@ -127,3 +127,7 @@ def test_the_closed_form_obeys_the_equation(t):
 
 def test_the_closed_form_starts_at_rest_at_one():
     assert state_at(0.0) == pytest.approx([1.0, 0.0], abs=1e-15)
+
+
+def test_the_default_step_is_that_of_the_installed_engine():
+    assert rebound.Simulation().dt == ENGINE.default_step

@@ -1,0 +1,333 @@
+"""refdem advise: which method, and which step, for a number of correct digits."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from refdem.cli import completion
+from refdem.errors import UsageError
+
+if TYPE_CHECKING:
+    from refdem.campaign.specification import Specification
+    from refdem.report.advice import Choice, Loss, Recommendation
+    from refdem.report.contents import Contents
+
+MOST_DIGITS = 15.0
+"""More than these binary64 does not have."""
+CHECKS = ("error", "order")
+"""Checks whose runs tell the error at every step, and how it falls."""
+
+
+def command(
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(
+            autocompletion=completion.cases,
+            help="Cases, also as `pendulum[theta0=2]`; or give --motion.",
+        ),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(
+            autocompletion=completion.engines,
+            help="Engines, or paths of refdem.toml; default: all installed.",
+        ),
+    ] = None,
+    motion: Annotated[
+        str,
+        typer.Option(
+            autocompletion=completion.motions,
+            help=(
+                "What happens: spinning, swinging, oscillating, rubbing, colliding,"
+                " orbiting or flying; all cases of campaign main in which it does."
+            ),
+        ),
+    ] = "",
+    digits: Annotated[
+        float, typer.Option(help="Correct digits that are wanted.", min=0.0, max=MOST_DIGITS)
+    ] = 3.0,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Number of worker processes; default: one per core.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Says which method holds a number of digits with which step, and at what cost.
+
+    A number of digits d is held where the error against certified truth is at most 10^-d of the
+    scale of each quantity, over the whole run. What is measured is kept, and asked again in no
+    time. Exit status 1 if no method holds the digits in all settings.
+
+    Example: refdem advise --motion spinning --engine mujoco --digits 3
+    """
+    from refdem.report import advice
+
+    contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
+    found = advice.recommendations(advice.choices(contents, digits))
+    losses = advice.losses(contents)
+    missing = advice.without(contents)
+    if json:
+        print_json(digits, found, losses, missing)
+    else:
+        # Names of engines and methods may come from a file.
+        printed = lines(contents, digits, found, losses, missing)
+        print("\n".join(shown(line) for line in printed))
+    if not found:
+        raise typer.Exit(2)
+    raise typer.Exit(int(not any(one.holds for one in found)))
+
+
+def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
+    """The cases named, or those of campaign main in which something happens; raises UsageError for
+    neither, both, or a motion that does not exist.
+    """
+    import msgspec
+
+    from refdem.campaign.specification import named
+    from refdem.cli.run import asked_for
+    from refdem.core import discovery
+    from refdem.core.case import Canonical
+    from refdem.core.parameters import nearest
+
+    if bool(cases) == bool(motion):
+        raise UsageError(
+            "expected either cases, as in `refdem advise pendulum`, or `--motion swinging`; got"
+            f" {'both' if cases else 'neither'}"
+        )
+    if cases:
+        return asked_for(cases, pairs, "")
+    if pairs:
+        raise UsageError("--set came with --motion, whose cases have parameters of their own")
+    known = completion.known_motions()
+    if motion not in known:
+        raise UsageError(f"no motion is named {motion!r}; {nearest(motion, known)}")
+
+    def happens(name: str) -> bool:
+        case = discovery.case(name)
+        return isinstance(case, Canonical) and case.motion == motion
+
+    main = named("main")
+    entries = [entry for entry in main.case if happens(entry.id)]
+    return msgspec.structs.replace(main, case=entries, required="", is_part=True)
+
+
+def measured(
+    specification: "Specification",
+    engines: list[str],
+    jobs: int | None,
+    checks: tuple[str, ...],
+) -> "Contents":
+    """What a campaign of these cases measures, from the store where nothing has changed."""
+    import msgspec
+
+    from refdem.campaign.campaign import Campaign
+    from refdem.cli.progress import Progress
+    from refdem.cli.run import workers
+    from refdem.core.store import Store, default_path
+    from refdem.report.contents import contents_of
+
+    chosen = msgspec.structs.replace(specification, engines=engines, checks=list(checks))
+    campaign = Campaign(chosen, Store(default_path()), workers(jobs), True, Progress())
+    return contents_of(campaign.sheets())
+
+
+def lines(
+    contents: "Contents",
+    digits: float,
+    found: "list[Recommendation]",
+    losses: "list[Loss]",
+    missing: dict[str, list[str]],
+) -> list[str]:
+    """The advice, line by line: methods, then every setting, then what the default step loses."""
+    settings = len(contents.cases)
+    printed = [
+        f"{digits:g} digits: errors of at most {10.0**-digits:.1g} of each quantity's scale, in"
+        f" {counted(settings, 'setting')}",
+        "",
+    ]
+    for one in found:
+        printed.append(recommended(one, digits, settings))
+    for engine, labels in missing.items():
+        printed.append(f"{engine}: not measured in {len(labels)} of {settings}: {listed(labels)}")
+    if found:
+        printed += ["", *table(found), "tau: the shortest time of the motion in its setting"]
+    if losses:
+        printed.append("")
+    for loss in losses:
+        printed.append(lost(loss))
+    return printed
+
+
+def recommended(one: "Recommendation", digits: float, settings: int) -> str:
+    """The sentence about one method in all of its settings, of so many that there are."""
+    of_all = len(one.held) + len(one.lacking)
+    name = f"{one.engine}/{one.method}"
+    if not one.held:
+        best = min(choice.error for choice in one.lacking)
+        return (
+            f"{name}: does not hold {digits:g} digits in any of {counted(of_all, 'setting')}; its"
+            f" smallest error is {best:.1e}"
+        )
+    if one.holds and of_all == settings:
+        where = f"all {counted(of_all, 'setting')}"
+    elif one.holds:
+        where = f"all {of_all} of {settings} settings that it can run"
+    else:
+        labels = [choice.record.label for choice in one.lacking]
+        where = f"{len(one.held)} of {of_all} settings, not in {listed(labels)}"
+    if one.tolerance is not None:
+        how = f"a tolerance of {one.tolerance:.2g}"
+    elif one.steps_per_tau is None:
+        how = "any step"
+    else:
+        how = f"{math.ceil(one.steps_per_tau)} steps per tau"
+    extrapolated = ""
+    if one.extrapolated:
+        extrapolated = f" ({one.extrapolated} extrapolated)"
+    return (
+        f"{name}: {how}{extrapolated} in {where}; a second of motion takes at most"
+        f" {one.cost:.1e} s to compute"
+    )
+
+
+def table(found: "Iterable[Recommendation]") -> list[str]:
+    """Every method in every setting in which it holds the digits: step, steps in tau, error,
+    cost.
+    """
+    rows = [("setting", "method", "step [s]", "steps per tau", "error", "cost [s/s]")]
+    for one in found:
+        for choice in one.held:
+            rows.append(cells(choice))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    printed = []
+    for row in rows:
+        # Words begin at the left of their column, numbers end at its right.
+        words = [text.ljust(width) for text, width in zip(row[:2], widths[:2], strict=True)]
+        numbers = [text.rjust(width) for text, width in zip(row[2:], widths[2:], strict=True)]
+        printed.append("  ".join([*words, *numbers]).rstrip())
+    if any(choice.is_extrapolated for one in found for choice in one.held):
+        printed.append("~ extrapolated by the measured order: no step as small as this ran")
+    if any(choice.is_coarsest for one in found for choice in one.held):
+        printed.append(">= the largest step that ran: a larger one may do")
+    return printed
+
+
+def cells(choice: "Choice") -> tuple[str, str, str, str, str, str]:
+    """One row of the table."""
+    mark = ""
+    if choice.is_extrapolated:
+        mark = "~"
+    elif choice.is_coarsest and choice.control == "step":
+        mark = ">= "
+    if choice.control == "exact":
+        level = "any"
+    elif choice.control == "tolerance":
+        level = f"tolerance {choice.level:.2g}"
+    else:
+        level = f"{mark}{choice.level:.2g}"
+    steps = ""
+    if choice.steps_per_tau is not None:
+        steps = f"{choice.steps_per_tau:.3g}"
+    return (
+        choice.record.label,
+        choice.name,
+        level,
+        steps,
+        f"{choice.error:.1e}",
+        f"{choice.cost:.1e}",
+    )
+
+
+def lost(loss: "Loss") -> str:
+    """The sentence about the default step of an engine with one method."""
+    about = ""
+    if loss.is_least:
+        about = "at least "
+    elif loss.is_extrapolated:
+        about = "about "
+    return (
+        f"{loss.record.engine}/{loss.record.method} at its default step of {loss.step:g} s: the"
+        f" largest error is {about}{loss.error:.1e}, in {loss.finding}"
+    )
+
+
+def shown(line: str) -> str:
+    """A line as a terminal may have it: nothing in it moves the cursor or changes a colour."""
+    return "".join(c if c.isprintable() else "?" for c in line)
+
+
+def listed(labels: list[str]) -> str:
+    """The cases that settings are of, with their numbers: `pendulum, heavy-top (3 settings)`."""
+    of_case = Counter(label.partition("[")[0] for label in labels)
+    words = []
+    for case, number in of_case.items():
+        if number == 1:
+            words.append(case)
+        else:
+            words.append(f"{case} ({number} settings)")
+    return ", ".join(words)
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun: `1 setting`, `2 settings`."""
+    if number == 1:
+        return f"1 {noun}"
+    return f"{number} {noun}s"
+
+
+def print_json(
+    digits: float,
+    found: "list[Recommendation]",
+    losses: "list[Loss]",
+    missing: dict[str, list[str]],
+) -> None:
+    """The same as JSON: methods, each with its settings; what default steps lose; what is not
+    measured.
+    """
+    import json as format
+
+    methods = [as_json(one) for one in found]
+    defaults = [
+        {
+            "engine": loss.record.engine,
+            "method": loss.record.method,
+            "step": loss.step,
+            "error": loss.error,
+            "is_least": loss.is_least,
+            "is_extrapolated": loss.is_extrapolated,
+            "finding": loss.finding,
+        }
+        for loss in losses
+    ]
+    answer = {"digits": digits, "methods": methods, "defaults": defaults, "unmeasured": missing}
+    print(format.dumps(answer, indent=1, allow_nan=False))
+
+
+def as_json(one: "Recommendation") -> dict[str, Any]:
+    """One method with all of its settings."""
+    settings = [
+        {
+            "label": choice.record.label,
+            "level": choice.level,
+            "control": choice.control,
+            "steps_per_tau": choice.steps_per_tau,
+            "error": choice.error,
+            "cost": choice.cost if math.isfinite(choice.cost) else None,
+            "is_extrapolated": choice.is_extrapolated,
+            "is_coarsest": choice.is_coarsest,
+        }
+        for choice in (*one.held, *one.lacking)
+    ]
+    return {
+        "engine": one.engine,
+        "method": one.method,
+        "holds": one.holds,
+        "steps_per_tau": one.steps_per_tau,
+        "tolerance": one.tolerance,
+        "settings": settings,
+    }

@@ -1,0 +1,166 @@
+"""refdem compare: engines beside each other in the same cases."""
+
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from refdem.cli import completion
+from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, measured, shown
+
+if TYPE_CHECKING:
+    from refdem.core.finding import Record
+    from refdem.report.contents import Contents
+
+LAWS = ("momentum", "angular-momentum", "energy")
+"""Checks of what a motion keeps, in the order of the columns."""
+WORDS = {
+    "pass": "holds",
+    "fail": "FAILS",
+    "error": "BROKE",
+    "expected": "known deviation",
+    "undecided": "undecided",
+    "unsupported": "not supported",
+}
+"""What a column says of the worst outcome of a law."""
+
+
+def command(
+    engine: Annotated[
+        list[str] | None,
+        typer.Argument(
+            autocompletion=completion.engines,
+            help="Engines, or paths of refdem.toml; default: all installed.",
+        ),
+    ] = None,
+    case: Annotated[
+        list[str] | None,
+        typer.Option(autocompletion=completion.cases, help="Cases, also as `pendulum[theta0=2]`."),
+    ] = None,
+    motion: Annotated[
+        str,
+        typer.Option(
+            autocompletion=completion.motions,
+            help="What happens, as in `refdem advise`: all of its cases.",
+        ),
+    ] = "",
+    digits: Annotated[
+        float,
+        typer.Option(help="Correct digits at which costs compare.", min=0.0, max=MOST_DIGITS),
+    ] = 3.0,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Number of worker processes; default: one per core.")
+    ] = None,
+) -> None:
+    """Compares engines in the same cases: error, order, cost, and what each conserves.
+
+    Exit status 1 if a law that an engine claims failed, 2 if nothing was measured.
+
+    Example: refdem compare mujoco pymunk rebound --case pendulum
+    """
+    specification = asked(case or [], set or [], motion)
+    contents = measured(specification, engine or [], jobs, (*CHECKS, *LAWS))
+    printed = []
+    for sheet in contents.cases:
+        printed += [*table(contents, sheet.label, digits), ""]
+    print("\n".join(map(shown, printed)).rstrip())
+    counts = contents.counts()
+    if "pass" not in counts and "fail" not in counts:
+        raise typer.Exit(2)
+    raise typer.Exit(int("fail" in counts))
+
+
+def table(contents: "Contents", label: str, digits: float) -> list[str]:
+    """One case: a row a method, the cheapest at the wanted digits first; then who cannot say it."""
+    from refdem.report.advice import choices
+    from refdem.report.tolerance import rows_of, worst_rows
+
+    own = {
+        choice.name: choice for choice in choices(contents, digits) if choice.record.label == label
+    }
+    rows = worst_rows(rows_of(contents, label))
+    rows.sort(key=lambda row: (own[f"{row.record.engine}/{row.record.method}"].cost, row.series))
+    head = ("method", "digits", "order", "step", "cost [s/s]", *LAWS)
+    cells: list[tuple[str, ...]] = [head]
+    for row in rows:
+        choice = own[f"{row.record.engine}/{row.record.method}"]
+        cells.append(
+            (
+                choice.name,
+                digits_of(min(level.error for level in row.levels)),
+                order_of(row.order_seen, row.order_claimed),
+                step_of(choice.level, choice.control, choice.is_extrapolated),
+                cost_of(choice.cost),
+                *(law_of(row.record, law) for law in LAWS),
+            )
+        )
+    widths = [max(len(line[column]) for line in cells) for column in range(len(head))]
+    lines = [f"{label}: step and cost for {digits:g} digits; digits: the most that were measured"]
+    for line in cells:
+        padded = [text.ljust(width) for text, width in zip(line, widths, strict=True)]
+        lines.append("  " + "  ".join(padded).rstrip())
+    return [*lines, *refusals(contents, label)]
+
+
+def digits_of(error: float) -> str:
+    """Correct digits of an error, at most those of binary64."""
+    from refdem.report.tolerance import digits
+
+    return f"{min(digits(error), MOST_DIGITS + 1):.1f}"
+
+
+def order_of(seen: float | None, claimed: float | None) -> str:
+    """The measured order and the claimed one."""
+    if claimed is None:
+        return ""
+    if seen is None:
+        return f"? of {claimed:g}"
+    return f"{seen:.2f} of {claimed:g}"
+
+
+def step_of(level: float | None, control: str, is_extrapolated: bool) -> str:
+    """The step [s], or the tolerance, that holds the digits."""
+    if level is None:
+        return "none"
+    if control == "exact":
+        return "any"
+    if control == "tolerance":
+        return f"tol {level:.2g}"
+    if is_extrapolated:
+        return f"~{level:.2g} s"
+    return f"{level:.2g} s"
+
+
+def cost_of(cost: float) -> str:
+    """Seconds of computing for a second of motion."""
+    if math.isinf(cost):
+        return ""
+    return f"{cost:.1e}"
+
+
+def law_of(record: "Record", law: str) -> str:
+    """What a record says of a law: its worst outcome."""
+    from refdem.core.finding import WORST_FIRST
+
+    outcomes = {finding.outcome for finding in record.findings if finding.check == law}
+    worst = next((outcome for outcome in WORST_FIRST if outcome in outcomes), None)
+    if worst is None:
+        return "-"
+    return WORDS.get(worst, worst)
+
+
+def refusals(contents: "Contents", label: str) -> list[str]:
+    """A line for every engine none of whose methods runs the case, with its first reason."""
+    from refdem.core.outside import one_line
+
+    lines = []
+    records = contents.of(label)
+    for sheet in contents.engines:
+        own = [record for record in records if record.engine == sheet.engine]
+        findings = [finding for record in own for finding in record.findings]
+        if findings and all(finding.outcome == "unsupported" for finding in findings):
+            lines.append(f"  {sheet.engine}: {one_line(findings[0].sentence)}")
+    return lines

@@ -1,0 +1,114 @@
+"""`refdem advise` and `refdem compare`: an answer in one command."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from refdem.cli.app import app
+from refdem.core import discovery
+from refdem.core.case import Canonical
+from refdem.errors import UsageError
+
+
+@pytest.fixture(autouse=True)
+def _own_store(tmp_path, monkeypatch):
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
+
+
+def called(*arguments: str):
+    """The result of the command; raises what it raises."""
+    done = CliRunner().invoke(app, list(arguments), catch_exceptions=False)
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done
+
+
+PENDULUM = ("pendulum", "--set", "theta0=1/2", "--set", "duration=2", "--set", "samples=8")
+
+
+def test_the_advised_step_is_one_that_holds_the_digits():
+    asked = ("advise", *PENDULUM, "--engine", "reference", "--jobs", "1", "--digits", "3")
+    done = called(*asked, "--json")
+    answer = json.loads(done.stdout)
+    assert done.exit_code == 0
+    methods = {one["method"]: one for one in answer["methods"]}
+    assert methods["exact-pendulum"]["holds"]
+    for one in methods.values():
+        for setting in one["settings"]:
+            assert setting["level"] is None or setting["error"] <= 1e-3 * (1 + 1e-12)
+    text = called(*asked).stdout
+    assert text.startswith("3 digits: errors of at most 0.001 of each quantity's scale")
+    assert "reference/exact-pendulum: any step in all 1 setting" in text
+
+
+def test_digits_that_no_method_holds_are_exit_status_1():
+    asked = ("advise", *PENDULUM, "--engine", "pymunk", "--jobs", "1", "--digits", "12")
+    done = called(*asked)
+    assert done.exit_code == 1
+    assert "does not hold 12 digits in any of 1 setting" in done.stdout
+
+
+def test_an_engine_that_cannot_say_the_case_is_exit_status_2():
+    done = called("advise", "heavy-top", "--engine", "pymunk", "--jobs", "1")
+    assert done.exit_code == 2
+    assert "pymunk: not measured in 1 of 1: heavy-top" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "got neither"),
+        (("pendulum", "--motion", "swinging"), "got both"),
+        (("--motion", "swiming"), "did you mean 'swinging'"),
+        (("--motion", "formula"), "no motion is named"),
+        (("--motion", "swinging", "--set", "theta0=1"), "parameters of their own"),
+    ],
+)
+def test_a_question_that_makes_no_sense_is_refused(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        called("advise", *arguments)
+
+
+def test_every_case_says_what_happens_in_it():
+    cases = [discovery.case(name) for name in discovery.own_names("cases")]
+    silent = [case.id for case in cases if isinstance(case, Canonical) and case.motion == "other"]
+    assert silent == []
+
+
+def test_engines_are_compared_in_a_case_the_cheapest_method_first():
+    case = "pendulum[theta0=0.5 duration=2 samples=8]"
+    done = called("compare", "reference", "pymunk", "--case", case, "--jobs", "1")
+    lines = done.stdout.splitlines()
+    assert done.exit_code == 0
+    assert lines[0].startswith("pendulum[")
+    assert lines[1].split()[:4] == ["method", "digits", "order", "step"]
+    costs = [float(line[lines[1].index("cost") :].split()[0]) for line in lines[2:]]
+    assert costs == sorted(costs)
+    assert any(line.split()[0] == "pymunk/semi-implicit-euler" for line in lines[2:])
+    assert all(line.split()[-1] == "holds" for line in lines[2:])
+
+
+def test_who_cannot_say_a_case_is_told_with_the_reason():
+    done = called("compare", "pymunk", "--case", "heavy-top", "--jobs", "1")
+    assert done.exit_code == 2
+    assert "pymunk: Not supported" in done.stdout
+
+
+def test_a_run_tells_its_outcome_as_json(tmp_path):
+    out = tmp_path / "report"
+    asked = ("run", *PENDULUM, "--engine", "reference", "--method", "exact-pendulum")
+    done = called(*asked, "--jobs", "1", "--out", str(out), "--json")
+    answer = json.loads(done.stdout)
+    assert answer["exit_status"] == done.exit_code == 0
+    assert set(answer["outcomes"]) <= {"pass", "undecided"}
+    assert answer["broken"] == []
+    assert answer["report"] == str(out / "index.html")
+
+
+def test_a_refusal_is_in_the_json_of_a_run_with_its_reason(tmp_path):
+    asked = ("run", "heavy-top", "--engine", "pymunk", "--jobs", "1", "--out", str(tmp_path))
+    done = called(*asked, "--json")
+    answer = json.loads(done.stdout)
+    assert answer["exit_status"] == done.exit_code == 2
+    assert answer["unjudged"][0].startswith("heavy-top/pymunk")
