@@ -9,11 +9,12 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
+from refdem.core.finding import BROKEN, WORST_FIRST, EngineSheet, Finding, Record
 from refdem.core.outside import printable
 from refdem.report.contents import Contents, advice, anchor, page
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
+from refdem.report.overview import WANTED, advice_text, advised, case_lines, shown_digits
 from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell
 
 MARKS = {
@@ -59,6 +60,7 @@ def pages(
         "marks": MARKS,
         "meanings": MEANINGS,
         "targets": TARGETS,
+        "advised": advised(contents),
     }
     yield from _case_pages(contents, rows, specs, templates, shared)
     yield "engines.html", templates.get_template("engines.html").render(shared, root="")
@@ -75,6 +77,9 @@ def pages(
         root="",
         rows=rows,
         cells=cells,
+        lines=case_lines(contents, cells),
+        wanted=WANTED,
+        broken=[outcome for outcome in groups if outcome in BROKEN],
         has_gallery=has_gallery,
         advice=advice(contents.counts()),
         groups=groups,
@@ -185,6 +190,8 @@ def environment() -> Environment:
         worst_first,
         refusals,
         span,
+        advice_text,
+        shown_digits,
     )
     templates.filters |= {function.__name__: function for function in functions}
     templates.tests["joined"] = lambda row: row.quantity == WORST

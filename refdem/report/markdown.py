@@ -8,6 +8,7 @@ from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
+from refdem.report.overview import WANTED, advice_text, advised
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
 
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
@@ -20,12 +21,13 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     """The text of validation.md; `pictures` are the names of the figures that were drawn."""
     parts = [
         _head(contents),
+        _advice(contents),
         _tolerance(contents, rows),
         _matrix(contents, rows),
         _findings(contents),
     ]
     if "tolerance.svg" in pictures:
-        parts.insert(1, "![Error against step, every case, every engine](figures/tolerance.svg)")
+        parts.insert(2, "![Error against step, every case, every engine](figures/tolerance.svg)")
     parts += [
         _case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce, pictures)
         for sheet in contents.cases
@@ -51,6 +53,25 @@ def _head(contents: Contents) -> str:
         f"# Validation: {markdown_text(contents.campaign.name)}\n\n{listed or 'no findings'}."
         f" {advice(counts)}\n\nEngines: {engines}."
     )
+
+
+def _advice(contents: Contents) -> str:
+    """Which method and step hold how many digits, for each engine and kind of motion; without
+    costs.
+    """
+    lines = []
+    for line in advised(contents):
+        told = [markdown_text(advice_text(best, line.settings)) for best in line.best]
+        lines.append([line.motion, markdown_text(line.engine), str(line.settings), *told])
+    if not lines:
+        return ""
+    head = ["motion", "engine", "settings", *(f"{digits} digits" for digits in WANTED)]
+    note = (
+        "The method that holds so many digits in most settings, of these the cheapest, with the"
+        " steps that it needs in the shortest time tau of a motion. ~ is extrapolated by the"
+        " measured order. The command refdem advise tells more."
+    )
+    return f"## Which method, which step?\n\n{note}\n\n{table(head, lines)}"
 
 
 def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:

@@ -179,7 +179,7 @@ def test_the_pictures_are_well_formed_and_have_marks(folder):
 def test_the_rows_of_a_table_in_markdown_have_as_many_cells_as_its_head(folder):
     text = (folder / "validation.md").read_text()
     tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
-    assert len(tables) == 2
+    assert len(tables) == 3
     for table in tables:
         assert len({len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}) == 1
 

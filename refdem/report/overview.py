@@ -1,0 +1,159 @@
+"""The first screen of a report: how right each engine is in each case, grouped by what moves, and
+which method and step to take.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import get_args
+
+from refdem.core.case import Moving
+from refdem.core.finding import WORST_FIRST, CaseSheet, Outcome
+from refdem.report.advice import Choice, Recommendation, choices, recommendations
+from refdem.report.contents import Contents
+from refdem.report.tolerance import Cell
+
+MOST_DIGITS = 16.0
+"""Digits that are shown of an error, at most: binary64 has no more."""
+WANTED = (3, 6, 9)
+"""Correct digits for which a method and a step are recommended."""
+
+
+@dataclass(frozen=True)
+class CaseLine:
+    """One case in all of its settings: a cell an engine, in the order of the report.
+
+    `label` is the setting that a reader is led to: the one in which the fewest digits are correct.
+    """
+
+    case: str
+    title: str
+    settings: int
+    cells: Mapping[str, Cell]
+    labels: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Advised:
+    """What is recommended to an engine for one kind of motion: for each number of digits of WANTED
+    the method that holds them in most settings, of these the cheapest; None where none does.
+    """
+
+    motion: str
+    engine: str
+    settings: int
+    best: tuple[Recommendation | None, ...]
+
+
+def motions(contents: Contents) -> dict[str, list[CaseSheet]]:
+    """The instances by what happens in them, in the order of the kinds of motion."""
+    found: dict[str, list[CaseSheet]] = {name: [] for name in get_args(Moving)}
+    for sheet in contents.cases:
+        # A record may come from a later version, with a kind that is not known here.
+        found.setdefault(sheet.motion, []).append(sheet)
+    return {name: sheets for name, sheets in found.items() if sheets}
+
+
+def case_lines(
+    contents: Contents, cells: Mapping[tuple[str, str], Cell]
+) -> dict[str, list[CaseLine]]:
+    """The lines of the matrix by motion, from the cells of every instance and engine."""
+    lines = {}
+    for motion, sheets in motions(contents).items():
+        by_case: dict[str, list[CaseSheet]] = {}
+        for sheet in sheets:
+            by_case.setdefault(sheet.case, []).append(sheet)
+        lines[motion] = [_line(contents, own, cells) for own in by_case.values()]
+    return lines
+
+
+def _line(
+    contents: Contents, sheets: list[CaseSheet], cells: Mapping[tuple[str, str], Cell]
+) -> CaseLine:
+    """The line of one case, from its instances."""
+    joined = {}
+    labels = {}
+    for engine in contents.engines:
+        own = [(sheet.label, cells[sheet.label, engine.engine]) for sheet in sheets]
+        label, worst = min(own, key=lambda pair: _digits(pair[1]))
+        counts: dict[Outcome, int] = {}
+        for outcome in WORST_FIRST:
+            number = sum(cell.counts.get(outcome, 0) for _, cell in own)
+            if number:
+                counts[outcome] = number
+        joined[engine.engine] = Cell(worst.digits, worst.method, counts)
+        labels[engine.engine] = label
+    first = sheets[0]
+    return CaseLine(first.case, first.title, len(sheets), joined, labels)
+
+
+def _digits(cell: Cell) -> float:
+    """Sorts cells by their digits, those without any last."""
+    if cell.digits is None:
+        return math.inf
+    return cell.digits
+
+
+def advised(contents: Contents) -> list[Advised]:
+    """A line for every motion and every engine other than the reference that was measured there."""
+    by_motion = motions(contents)
+    of_label = {sheet.label: name for name, sheets in by_motion.items() for sheet in sheets}
+    wanted = [choices(contents, digits) for digits in WANTED]
+    references = {engine.engine for engine in contents.engines if engine.is_reference}
+    lines = []
+    for motion in by_motion:
+        for engine in contents.engines:
+            if engine.engine in references or motion == "formula":
+                continue
+            own = [
+                [choice for choice in found if _is_of(choice, engine.engine, motion, of_label)]
+                for found in wanted
+            ]
+            settings = len({choice.record.label for choice in own[0]})
+            if settings:
+                best = tuple(_best(found) for found in own)
+                lines.append(Advised(motion, engine.engine, settings, best))
+    return lines
+
+
+def _is_of(choice: Choice, engine: str, motion: str, of_label: Mapping[str, str]) -> bool:
+    """True for a choice of this engine in this kind of motion."""
+    return choice.record.engine == engine and of_label[choice.record.label] == motion
+
+
+def _best(found: list[Choice]) -> Recommendation | None:
+    """The method that holds in most settings, of these the cheapest; None if none holds in any."""
+    first, *_ = recommendations(found)
+    if not first.held:
+        return None
+    return first
+
+
+def advice_text(best: Recommendation | None, settings: int) -> str:
+    """What a reader is told: method, step in units of the shortest time, and in how many settings;
+    `~` before a step that is extrapolated.
+    """
+    if best is None:
+        return "none"
+    if best.tolerance is not None:
+        how = f"tolerance {best.tolerance:.1g}"
+    elif best.steps_per_tau is None:
+        how = "any step"
+    else:
+        mark = ""
+        if best.extrapolated:
+            mark = "~"
+        # Two digits, rounded up: a longer step was not seen to hold.
+        steps = best.steps_per_tau
+        unit = 10.0 ** max(0, math.floor(math.log10(steps)) - 1)
+        how = f"{mark}{math.ceil(steps / unit) * unit:.0f} steps per tau"
+    if len(best.held) < settings:
+        return f"{best.method}, {how} ({len(best.held)} of {settings} settings)"
+    return f"{best.method}, {how}"
+
+
+def shown_digits(digits: float) -> str:
+    """Correct digits as the matrix shows them: at most those of binary64."""
+    if digits >= MOST_DIGITS:
+        return f"{MOST_DIGITS:.0f}"
+    return f"{digits:.1f}"

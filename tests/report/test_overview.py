@@ -1,0 +1,134 @@
+"""The first screen of a report, against what its cells and choices say."""
+
+import msgspec
+import pytest
+
+from refdem.report import overview
+from refdem.report.advice import Choice, Recommendation
+from refdem.report.contents import contents_of
+from refdem.report.html import pages
+from refdem.report.tolerance import cell, rows_of
+from tests.report.synthetic import case_sheet, engine_sheet, error, record, said
+
+
+def contents():
+    """Two settings of a pendulum and a spinning body, in the reference and in another engine."""
+    cases = [
+        ("pendulum", "pendulum", "swinging"),
+        ("pendulum", "pendulum[theta0=3]", "swinging"),
+        ("free-rigid-body", "free-rigid-body", "spinning"),
+    ]
+    sheets = [engine_sheet("reference"), engine_sheet("alpha")]
+    for case, label, motion in cases:
+        sheet = case_sheet(case, label, case.title(), "")
+        sheets.append(msgspec.structs.replace(sheet, motion=motion))
+        sheets.append(record(case, label, "reference", "exact", error("x", 1e-15, 0, steps=(0.0,))))
+    sheets += [
+        record("pendulum", "pendulum", "alpha", "rk4", error("x", 1e-6, 4)),
+        record("pendulum", "pendulum[theta0=3]", "alpha", "rk4", error("x", 1e-3, 4)),
+        record(
+            "pendulum", "pendulum[theta0=3]", "alpha", "euler", said("run", "error", "It fell.")
+        ),
+        record(
+            "free-rigid-body",
+            "free-rigid-body",
+            "alpha",
+            "rk4",
+            said("support", "unsupported", "No."),
+        ),
+    ]
+    return contents_of(sheets)
+
+
+def lines_of(found):
+    cells = {
+        (sheet.label, engine.engine): cell(
+            found, rows_of(found, sheet.label), sheet.label, engine.engine
+        )
+        for sheet in found.cases
+        for engine in found.engines
+    }
+    return overview.case_lines(found, cells)
+
+
+def test_cases_are_grouped_by_what_moves_in_the_order_of_the_kinds():
+    lines = lines_of(contents())
+    assert list(lines) == ["spinning", "swinging"]
+    assert [line.case for line in lines["swinging"]] == ["pendulum"]
+    assert lines["swinging"][0].settings == 2
+
+
+def test_a_case_has_the_digits_of_its_worst_setting_and_leads_there():
+    (line,) = lines_of(contents())["swinging"]
+    # Errors fall by 8^4 from the first step to the last: 1e-3/4096 in the worse setting.
+    assert line.cells["alpha"].digits == pytest.approx(6.6, abs=0.05)
+    assert line.labels["alpha"] == "pendulum[theta0=3]"
+    assert line.cells["alpha"].worst == "error"
+    assert line.cells["alpha"].counts == {"error": 1, "pass": 2}
+
+
+def test_a_case_that_an_engine_cannot_run_has_no_digits():
+    (line,) = lines_of(contents())["spinning"]
+    assert line.cells["alpha"].digits is None
+    assert line.cells["alpha"].worst == "unsupported"
+
+
+def test_advice_is_for_other_engines_than_the_reference_where_they_were_measured():
+    (line,) = overview.advised(contents())
+    assert (line.motion, line.engine, line.settings) == ("swinging", "alpha", 2)
+    three, six, nine = line.best
+    assert three.steps_per_tau == pytest.approx(0.5 / 0.1)
+    assert six.steps_per_tau == pytest.approx(0.5 / 0.0125)
+    assert nine is not None
+
+
+def recommendation(*levels, control="step", tau=1.0, extrapolated=False):
+    found = record("a", "a", "alpha", "rk4")
+    held = tuple(
+        Choice(
+            record=found,
+            control=control,
+            tau=tau,
+            level=level,
+            error=1e-4,
+            cost=1.0,
+            is_extrapolated=extrapolated,
+        )
+        for level in levels
+    )
+    return Recommendation(engine="alpha", method="rk4", control=control, held=held, lacking=())
+
+
+@pytest.mark.parametrize(
+    ("best", "settings", "text"),
+    [
+        (None, 2, "none"),
+        (recommendation(0.1, 0.3), 2, "rk4, 10 steps per tau"),
+        (recommendation(1 / 3.2), 1, "rk4, 4 steps per tau"),
+        (recommendation(1 / 1234.0), 1, "rk4, 1300 steps per tau"),
+        (recommendation(0.01, extrapolated=True), 1, "rk4, ~100 steps per tau"),
+        (recommendation(0.1), 3, "rk4, 10 steps per tau (1 of 3 settings)"),
+        (recommendation(1e-6, 1e-8, control="tolerance"), 2, "rk4, tolerance 1e-08"),
+        (recommendation(0.0, control="exact"), 1, "rk4, any step"),
+    ],
+)
+def test_advice_says_method_step_and_where(best, settings, text):
+    assert overview.advice_text(best, settings) == text
+
+
+def test_no_more_digits_are_shown_than_binary64_has():
+    assert overview.shown_digits(float("inf")) == "16"
+    assert overview.shown_digits(16.4) == "16"
+    assert overview.shown_digits(15.96) == "16.0"
+    assert overview.shown_digits(3.14159) == "3.1"
+
+
+def test_what_failed_comes_before_every_table_and_only_there():
+    found = contents()
+    rows = {sheet.label: rows_of(found, sheet.label) for sheet in found.cases}
+    specs = {"": {}, **{sheet.label: {} for sheet in found.cases}}
+    index = dict(pages(found, rows, specs))["index.html"]
+    assert index.count("It fell.") == 1
+    assert index.index("It fell.") < index.index("<table")
+    places = [index.index(f'id="{name}"') for name in ("broken", "cases", "advice", "tolerance")]
+    assert places == sorted(places)
