@@ -19,6 +19,19 @@ from refdem.truth.rigid_impact import Motion
 from refdem.truth.surds import sign
 
 
+class GrazingError(UndecidedError):
+    """Balls do not tell whether bodies meet or pass each other; not before `earliest` [s], if so.
+
+    It does not matter where another impact of theirs comes first.
+    """
+
+    def __init__(self, earliest: arb) -> None:
+        super().__init__(
+            "whether two spheres meet or pass each other is not decided", code="grazing"
+        )
+        self.earliest = earliest
+
+
 class ImpactsInBalls:
     """The impacts of free bodies that start so, in order, up to `most` moments: one list for each
     working precision, made as far as it is asked for.
@@ -66,7 +79,8 @@ class _ListOfPrecision:
     """The list at one working precision.
 
     `states` are those right after the last moment, which was at `now` [s]. `coming` has the times
-    [s] of the meetings of pairs as they move now; an impact changes those of its own bodies.
+    [s] of the meetings of pairs as they move now, `doubtful` the earliest ones of those that may
+    pass each other; an impact changes those of its own bodies.
     """
 
     def __init__(self, encounters: Sequence[Encounter], start: Sequence[Fraction]) -> None:
@@ -76,6 +90,7 @@ class _ListOfPrecision:
         self.moments: list[Moment] = []
         self.is_complete = False
         self.coming: dict[int, arb] = {}
+        self.doubtful: dict[int, arb] = {}
         self.ask_again(range(len(self.states)))
 
     def ask_again(self, bodies: Sequence[int]) -> None:
@@ -83,8 +98,13 @@ class _ListOfPrecision:
         for number, encounter in enumerate(self.encounters):
             if not set(bodies) & set(encounter.bodies):
                 continue
-            wait = encounter.meeting.time(encounter.of(self.states))
             self.coming.pop(number, None)
+            self.doubtful.pop(number, None)
+            try:
+                wait = encounter.meeting.time(encounter.of(self.states))
+            except GrazingError as grazing:
+                self.doubtful[number] = self.now + grazing.earliest
+                continue
             if wait is not None:
                 self.coming[number] = self.now + wait
 
@@ -101,9 +121,11 @@ class _ListOfPrecision:
         """Appends the moment after the last one, or finds that there is none; UndecidedError where
         balls do not tell which impact is the next one.
         """
-        if not self.coming:
+        if not self.coming and not self.doubtful:
             self.is_complete = True
             return
+        if not self.coming:
+            raise GrazingError(next(iter(self.doubtful.values())))
         number = self.earliest()
         time = self.coming[number]
         encounter = self.encounters[number]
@@ -116,6 +138,9 @@ class _ListOfPrecision:
                 f" which no ball tells which is the first, near t = {time.str(8)} s",
                 code="corner",
             )
+        for earliest in self.doubtful.values():
+            if not time < earliest:
+                raise GrazingError(earliest)
         wait = time - self.now
         if sign(wait) <= 0:
             raise UndecidedError("an impact comes at the time of the one before it", code="corner")

@@ -35,7 +35,7 @@ from refdem.truth.closed_forms.hard_spheres import difference, law_of
 from refdem.truth.exact import number, vector
 from refdem.truth.impact_scalars import impact_scalars
 from refdem.truth.impact_sequence import OF_BODY, Encounter, ImpactSequence
-from refdem.truth.impacts_in_balls import ImpactsInBalls
+from refdem.truth.impacts_in_balls import GrazingError, ImpactsInBalls
 from refdem.truth.refiner import FIRST_BITS, Size
 from refdem.truth.rigid_impact import Motion, RoundBody, impact_of
 from refdem.truth.surds import sign
@@ -65,18 +65,22 @@ class BallsMayMeet:
     reach: Fraction
 
     def time(self, states: Sequence[Motion]) -> arb | None:
-        """When they meet next [s]; None if they never do. UndecidedError where they may graze."""
+        """When they meet next [s]; None if they never do. GrazingError where balls do not tell."""
         first, second = states
         apart = difference(second.r, first.r)
         relative = difference(second.v, first.v)
         nearing = -dot(apart, relative)
-        if _sign_of(nearing, "whether two spheres come nearer") <= 0:
+        if sign(nearing) <= 0:
             return None
         reach = arb_of(self.reach)
         gap = dot(apart, apart) - reach * reach
-        q = nearing * nearing - dot(relative, relative) * gap
-        if _sign_of(q, "whether two spheres meet or pass each other") < 0:
+        square = dot(relative, relative)
+        q = nearing * nearing - square * gap
+        if q < 0:
             return None
+        if not q > 0:
+            # The first root is (-d.w - sqrt(q))/w^2, and not before this.
+            raise GrazingError((nearing - q.abs_upper().sqrt()) / square)
         return arb(gap / (nearing + q.sqrt()))
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
@@ -84,14 +88,6 @@ class BallsMayMeet:
         apart = difference(places[1], places[0])
         distance = dot(apart, apart).sqrt()
         return [x / distance for x in apart]
-
-
-def _sign_of(value: arb, question: str) -> int:
-    """The sign of a ball that is not 0, or exactly 0; UndecidedError says what is not decided."""
-    try:
-        return sign(value)
-    except UndecidedError:
-        raise UndecidedError(f"{question} is not decided", code="grazing") from None
 
 
 @dataclass(frozen=True)

@@ -240,6 +240,32 @@ def test_the_order_of_impacts_that_nearly_coincide_is_decided_by_more_bits() -> 
         assert 0 < third.wait < arb_of(Fraction(1, 10**80))
 
 
+def test_a_graze_that_an_earlier_impact_prevents_does_not_matter() -> None:
+    """On its way, undisturbed, the cue ball would just touch the outer ball of the third row."""
+    given = {
+        "rows": "4",
+        "masses": "14/5,8/7",
+        "radii": "1/2,4/9",
+        "gap": "1/6",
+        "distance": "5/2",
+        "offset": "2/17",
+        "velocity": "32/13,0",
+        "restitution": "3/4",
+    }
+    (_, cue_y), *rack = billiard_break.centres(CASE.at(**given).p)
+    assert Fraction(17, 18) in [y - cue_y for _, y in rack]
+    scalars = CASE.at(**given).truth().scalars()
+    with decimals():
+        impacts, _ = by_decimals(given, [])
+    assert scalars["impacts"].mid == len(impacts)
+
+
+def test_a_graze_that_nothing_prevents_is_refused() -> None:
+    """The cue ball touches the last ball of the rack on its way, and meets no other one."""
+    with pytest.raises(UsageError, match="meet or pass each other is not decided"):
+        CASE.at(rows="2", offset=str(Fraction(17, 32) + 1), distance="2")
+
+
 def test_impacts_that_no_double_tells_apart_are_refused() -> None:
     with pytest.raises(UsageError, match="of one ball follow each other within"):
         CASE.at(rows="2", offset="1e-12")
@@ -268,18 +294,14 @@ def test_balls_that_pass_each_other_never_meet() -> None:
         )
         assert encounter.time([still, passing]) is None
         grazing = billiard_break.Motion([arb_of(x) for x in (-3, 1, 0)], passing.v, [])
-        assert encounter.time([still, grazing]) is not None
-        blurred = billiard_break.Motion(
-            [
-                grazing.r[0],
-                grazing.r[1] + arb_of(0).union(arb_of(Fraction(1, 10**30))),
-                grazing.r[2],
-            ],
-            passing.v,
-            [],
-        )
-        with pytest.raises(ValueError, match="meet or pass"):
-            encounter.time([still, blurred])
+        with pytest.raises(impacts_in_balls.GrazingError) as caught:
+            encounter.time([still, grazing])
+        # It would be when the centres are nearest.
+        assert caught.value.earliest.contains(3)
+        meeting = billiard_break.Motion([arb_of(x) for x in (-3, 0, 0)], passing.v, [])
+        wait = encounter.time([still, meeting])
+        assert wait is not None
+        assert wait.contains(2)
 
 
 @pytest.mark.parametrize("given", [{}, {"friction": "1/8", "spin": "2"}, {"restitution": "1"}])
