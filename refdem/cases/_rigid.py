@@ -118,7 +118,13 @@ SHORTER = 0.875
 """The factor by which `shortest_time` makes tau shorter until it is short enough."""
 
 
-def shortest_time(impact_times: Array, duration: float, samples: int, longest: float) -> float:
+def shortest_time(
+    impact_times: Array,
+    duration: float,
+    samples: int,
+    longest: float,
+    waits: Array | None = None,
+) -> float:
     """The time tau [s], at most `longest`, with which no sample is scored that a late impact may
     have spoiled; of impacts at times (n,) [s] before the end.
 
@@ -128,14 +134,18 @@ def shortest_time(impact_times: Array, duration: float, samples: int, longest: f
 
         k h <= 0.1 k tau/(1 + t/tau)^2,
 
-    which is to be less than the time from every impact to the sample after it.
+    which is to be less than the time from every impact to the sample after it, and, where `waits`
+    (n,) [s] are given, less than the time since the impact before it of one of its bodies: a method
+    that sees both in one step may take them in the wrong order.
     """
     within = impact_times[impact_times < duration]
     interval = duration / samples
     past = np.modf(within / interval)[0]
-    until_sample = (1.0 - past) * interval
+    allowed = (1.0 - past) * interval
+    if waits is not None:
+        allowed = np.minimum(allowed, waits[: len(within)])
     numbers = np.arange(1, len(within) + 1)
     tau = longest
-    while np.any(HORIZON * numbers * tau > until_sample * (1.0 + within / tau) ** 2):
+    while np.any(HORIZON * numbers * tau > allowed * (1.0 + within / tau) ** 2):
         tau *= SHORTER
     return tau

@@ -80,11 +80,16 @@ class AngularMomentum(Check):
             sweep_rounding = subject.round_off(variant.level) * (
                 sweeping(subject.instance, subject.method) - 1.0
             )
-            allowed = allowed + sweep_rounding + _equal_roundings(subject, variant.level)
+            equal_roundings = _equal_roundings(subject, variant.level)
+            rounding_at_start = subject.round_off(variant.level) + equal_roundings
+            spread = _spread(subject, runs[variant].trajectory)
+            of_later_terms = (spread - 1.0) * rounding_at_start
+            allowed = allowed + sweep_rounding + equal_roundings + of_later_terms
         if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
             coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
             rounding = subject.round_off(variant.level) + _equal_roundings(subject, variant.level)
-            extrapolated = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding
+            spread = _spread(subject, runs[variant].trajectory)
+            extrapolated = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding * spread
             if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"
@@ -215,6 +220,22 @@ def _equal_roundings(subject: Subject, level: float) -> float:
     turned = turning(subject.instance, subject.method, level)
     flown = flight(subject.instance, subject.method, level)
     return turned + flown
+
+
+def _spread(subject: Subject, run: Trajectory) -> Array:
+    """The largest sum of m |r| |v| + |J omega| up to each sample (T,), in units of that of the
+    start; 1 at least.
+
+    L is a sum of these terms and is rounded on their scale: bodies that were hit from rest and fly
+    apart have larger ones than the one that hit them had.
+    """
+    bodies = subject.instance.scene.bodies
+    distance = np.linalg.norm(run.position, axis=-1)
+    speed = np.linalg.norm(run.velocity, axis=-1)
+    turning_rate = np.linalg.norm(run.omega, axis=-1)
+    terms = (distance * speed) @ bodies.mass + turning_rate @ bodies.inertia.max(axis=1)
+    largest: Array = np.maximum.accumulate(terms) / angular_scale(subject.instance)
+    return np.maximum(1.0, largest)
 
 
 def _conserved_parts(scene: Scene) -> tuple[str, ...]:

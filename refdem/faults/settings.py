@@ -386,6 +386,17 @@ CRADLE: Rows = (
     *lasting("5/4", "16"),
 )
 """A light ball that goes back and forth between two heavy ones."""
+BREAK: Rows = (
+    ("rows", "2"),
+    ("masses", listed(between(1.25, 2), between(0.75, 1))),
+    ("gap", between(0.1875, 0.3125)),
+    ("offset", signed(0.125, 0.375)),
+    ("velocity", listed(between(1, 1.5), between(0, 0))),
+    ("restitution", between(0.625, 0.75)),
+    ("impacts", "4"),
+    ("samples", "24"),
+)
+"""A heavy cue ball that breaks a rack of three, besides the axis of symmetry."""
 DROP: Rows = (
     ("mass", between(0.75, 1.5)),
     ("height", between(1, 2)),
@@ -530,6 +541,7 @@ SETTINGS: Mapping[str, Setting] = {
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
+    "break": Setting("billiard-break", BREAK, TOUCHING),
     "drop": Setting("bouncing-ball", DROP, TOUCHING),
     "skid": Setting("rolling", SKID, TOUCHING),
     "ramp": Setting("rolling", RAMP, TOUCHING),

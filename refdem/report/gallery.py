@@ -19,7 +19,7 @@ from refdem.report.panels import specification
 
 INTRODUCTION = (
     "The computed figures of the source chapter, drawn from runs of the reference, and what was"
-    " measured beside a benchmark; `refdem gallery` makes them."
+    " measured beside a benchmark or shown by other engines; `refdem gallery` makes them."
 )
 SECTION = re.compile(r'<section id="fig-[^"]*">\n<h2>Figure ([^:<]+):.*?</section>\n', re.DOTALL)
 """A figure in the page."""

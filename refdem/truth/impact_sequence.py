@@ -8,6 +8,7 @@ The list of impacts is made in exact arithmetic, of rationals or of one square r
 which pair is the next to meet, whether two meetings come at one time, and whether friction is cut
 are decided, not estimated. Impacts of different bodies at one time commute; those that share a body
 are refused, because what comes out depends on their order. The states are then carried in balls.
+Where every impact brings a square root of its own, the list is made in balls (impacts_in_balls.py).
 
 S: an error dx right before an impact moves its time by dt = n.(dr2 - dr1)/c. So the derivative
 across the impact is
@@ -66,9 +67,9 @@ def flat(states: Sequence[Motion]) -> list[Any]:
 class Meeting(Protocol):
     """Where and when round bodies meet: two spheres, or one and a wall."""
 
-    def time(self, states: Sequence[Motion]) -> Number | None:
-        """When bodies that move so meet next [s], in exact numbers; None if they do not, and
-        UndecidedError where that is not a proper impact.
+    def time(self, states: Sequence[Motion]) -> Any | None:
+        """When bodies that move so meet next [s], in numbers of the kind of the states: exact ones,
+        or balls. None if they do not, and UndecidedError where that is not a proper impact.
         """
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
@@ -112,24 +113,55 @@ class Encounter:
 
 @dataclass(frozen=True)
 class Moment:
-    """A time [s] at which bodies meet, with the exact states of all right before it.
+    """A time [s] at which bodies meet, with the states of all right before it, in numbers of one
+    kind: exact ones, or balls.
 
-    `encounters` are all that come at this time, no two of which share a body; `sides` says of each
-    on which side of Coulomb's limit it is.
+    `wait` [s] is the time since the moment before it, or since the start. `encounters` are all that
+    come at this time, no two of which share a body; `sides` says of each on which side of Coulomb's
+    limit it is.
     """
 
-    time: Number
+    time: Any
+    wait: Any
     states: Sequence[Motion]
     encounters: tuple[Encounter, ...]
     sides: tuple[int, ...]
 
     @cached_property
     def parted(self) -> list[Motion]:
-        """The exact states of all bodies right after it."""
+        """The exact states of all bodies right after it, from exact ones before it."""
         states = list(self.states)
         for encounter, side in zip(self.encounters, self.sides, strict=True):
             states = encounter.parted(states, encounter.impact, is_cut=side > 0)
         return states
+
+
+class Impacts(Protocol):
+    """A list of impacts in order, up to `most` moments, of bodies that start so and may meet in
+    `encounters`.
+    """
+
+    @property
+    def encounters(self) -> Sequence[Encounter]: ...
+
+    @property
+    def start(self) -> Sequence[Fraction]:
+        """All numbers of all bodies at the start."""
+
+    @property
+    def gravity(self) -> Sequence[Fraction] | None: ...
+
+    @property
+    def most(self) -> int: ...
+
+    def number(self, k: int) -> Moment | None:
+        """The moment number k, from 0; None if bodies meet at fewer of them."""
+
+    def all(self) -> list[Moment]:
+        """All moments, up to `most`."""
+
+    def begun_at(self, start: Sequence[Fraction]) -> "Impacts":
+        """The list of the same bodies from another start."""
 
 
 class ImpactList:
@@ -169,6 +201,10 @@ class ImpactList:
             pass
         return self.moments
 
+    def begun_at(self, start: Sequence[Fraction]) -> "ImpactList":
+        """The list of the same bodies from another start."""
+        return ImpactList(self.encounters, start, self.gravity, self.most)
+
     def following(self) -> Moment | None:
         """The moment after the last one; UndecidedError if impacts that share a body come at one
         time.
@@ -195,7 +231,7 @@ class ImpactList:
         self.refuse_chains(due, first)
         arrived = [state.after(first, self.gravity) for state in states]
         sides = tuple(encounter.side_of_limit(arrived) for encounter in due)
-        return Moment(first + begin, arrived, due, sides)
+        return Moment(first + begin, first, arrived, due, sides)
 
     def refuse_chains(self, due: Sequence[Encounter], wait: Number) -> None:
         """Raises UndecidedError if two of the impacts that are due share a body, or if they come at
@@ -250,7 +286,7 @@ class ImpactSequence(ClosedForm):
     def __init__(
         self,
         scale: Mapping[str, Size],
-        impacts: ImpactList,
+        impacts: Impacts,
         coordinates: Sequence[int],
         family: Family,
     ) -> None:
@@ -293,12 +329,10 @@ class ImpactSequence(ClosedForm):
         moment = self.moment_number(k)
         if k == 0:
             states = self.starts()
-            elapsed = moment.time
         else:
             states = self.after(k - 1)
-            elapsed = moment.time - self.moment_number(k - 1).time
         gravity = self.gravity()
-        return [state.after(arb_of(elapsed), gravity) for state in states]
+        return [state.after(arb_of(moment.wait), gravity) for state in states]
 
     def after(self, k: int = 0) -> list[Motion]:
         """The states in balls right after moment k."""
@@ -360,8 +394,7 @@ class ImpactSequence(ClosedForm):
         other.__dict__.pop("kept", None)
         moved = self.coordinates[axis]
         start = [x + amount * (i == moved) for i, x in enumerate(self.start)]
-        impacts = self.impacts
-        other.impacts = ImpactList(impacts.encounters, start, impacts.gravity, impacts.most)
+        other.impacts = self.impacts.begun_at(start)
         return other
 
     def energy_lost(self, k: int) -> arb:
@@ -440,7 +473,7 @@ class ImpactSequence(ClosedForm):
                     jump = across
                 else:
                     jump = across * jump
-            length = arb_of(moment.time - begin)
+            length = arb_of(moment.wait)
             yield smooth(arb_of(begin), length, flight, jump=jump, affine=True)
             begin = moment.time
             k += 1
@@ -541,4 +574,7 @@ def outer(column: Sequence[arb], row: Sequence[arb]) -> arb_mat:
 
 def identity(count: int) -> arb_mat:
     """The unit matrix of so many rows."""
-    return arb_mat([[arb(int(i == j)) for j in range(count)] for i in range(count)])
+    matrix = arb_mat(count, count)
+    for i in range(count):
+        matrix[i, i] = arb(1)
+    return matrix

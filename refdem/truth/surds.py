@@ -11,7 +11,7 @@ from typing import Union
 
 from flint import arb
 
-from refdem.truth.balls import Enclosed, arb_of
+from refdem.truth.balls import Enclosed, UndecidedError, arb_of
 from refdem.truth.exact import sign_of
 
 Rational = Fraction | int
@@ -83,10 +83,15 @@ Number = Fraction | Surd
 """An exact number: a rational, or one of a field with one square root."""
 
 
-def sign(value: Number) -> int:
-    """The sign -1, 0 or 1 of an exact number."""
+def sign(value: Number | arb) -> int:
+    """The sign -1, 0 or 1 of an exact number, or of all numbers of a ball.
+
+    UndecidedError for a ball that does not tell it.
+    """
     if isinstance(value, Surd):
         return value.sign()
+    if isinstance(value, arb) and not (value > 0 or value < 0 or value == 0):
+        raise UndecidedError(f"the sign of {value.str(8)} is not decided")
     return sign_of(value)
 
 

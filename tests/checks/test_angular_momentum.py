@@ -2,6 +2,8 @@
 off by a millionth is seen.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
+from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.variant import Variant
 
@@ -79,6 +82,32 @@ def test_a_long_flight_rounds_alike_at_every_step_and_is_no_loss(stride):
 
 def test_a_force_a_little_aside_of_the_line_of_centres_is_seen():
     assert "fail" in outcomes(64, lever=1e-9).values()
+
+
+def break_with_rounded_places(stride, part):
+    """What the check says of a break whose places are off by the part of u |r| that each of the
+    steps so far may have added, all of them so that they change L alike.
+    """
+    instance = discovery.case("billiard-break").at(rows="3", distance="5/4")
+    reference = discovery.engine("reference")
+    request = Request(problem=instance.problem, method="impacts", step=None)
+    run = reference.run(request)[0]
+    steps = stride * np.arange(len(run.t))[:, None, None]
+    speed = np.linalg.norm(run.velocity, axis=-1, keepdims=True)
+    distance = np.linalg.norm(run.position, axis=-1, keepdims=True)
+    across = np.cross(run.velocity, [0.0, 0.0, 1.0]) / np.where(speed > 0, speed, 1.0)
+    off = part * steps * METHOD.round_off * distance * across
+    rounded = replace(run, position=run.position + off)
+    level = float(instance.times[1] - instance.times[0]) / stride
+    subject = Subject(instance, METHOD, (level,), truth_of(instance))
+    (finding,) = CHECK.judge(subject, {Variant(level): CompletedRun(rounded, Cost(seconds=0.0))})
+    return finding.outcome
+
+
+def test_bodies_that_are_hit_from_rest_are_rounded_where_they_fly_to():
+    """The cue ball has all of m |r| |v| at the start; the rack has several times it at last."""
+    assert break_with_rounded_places(4096, 0.5) == "pass"
+    assert break_with_rounded_places(4096, 20.0) == "fail"
 
 
 def sentences(engine, case, **given):

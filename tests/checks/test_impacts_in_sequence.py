@@ -51,6 +51,11 @@ SLIDE = (
     "bouncing-ball",
     (("velocity", "3,1"), ("friction", "1/32"), ("spin", "-2"), ("bounces", "3")),
 )
+BREAK = (
+    "billiard-break",
+    (("rows", "3"), ("restitution", "3/4"), ("impacts", "6"), ("samples", "512")),
+)
+"""In the plane, where the normal turns from impact to impact."""
 SETTINGS = {
     "exchange": EXCHANGE,
     "losing": LOSING,
@@ -58,6 +63,7 @@ SETTINGS = {
     "fall": FALL,
     "throw": THROW,
     "slide": SLIDE,
+    "break": BREAK,
 }
 CHECKS = ("rigid-impact", "event-times", "momentum")
 
@@ -117,6 +123,11 @@ def test_sound_programs_pass(engine: str, method: str, setting: str) -> None:
         assert setting in ("fall", "throw", "slide")
         return
     found = findings(program, method, setting)
+    if (method, setting) == ("leapfrog-uncut", "break"):
+        # The finest of its three steps is longer than an interval: no impact comes alone.
+        assert found.pop("rigid-impact/restitution").outcome == "undecided"
+        assert {f.outcome for f in found.values()} == {"pass"}
+        return
     assert {f.outcome for f in found.values()} == {"pass"}
     assert set(found) == due(setting, is_told=engine in ("reference", "transparent"))
 
@@ -134,6 +145,11 @@ def test_sound_programs_pass(engine: str, method: str, setting: str) -> None:
         ("impacts-elastic-after-the-first", "losing", "rigid-impact/restitution"),
         ("impacts-elastic-after-the-first", "fall", "rigid-impact/restitution"),
         ("impacts-of-a-pair-once", "losing", "rigid-impact/restitution"),
+        ("restitution-twice", "break", "rigid-impact/restitution"),
+        ("impact-met-twice", "break", "rigid-impact/restitution"),
+        ("impact-never-met", "break", "rigid-impact/restitution"),
+        ("impact-without-reaction", "break", "momentum/pairs"),
+        ("break-slow-impacts-are-missed", "break", "rigid-impact/restitution"),
         ("bounce-below-a-threshold", "fall", "rigid-impact/restitution"),
         ("bounce-before-the-kick", "fall", "rigid-impact/restitution"),
         ("bounce-friction-from-weight", "throw", "rigid-impact/friction"),
@@ -289,7 +305,8 @@ def test_samples_are_as_dense_as_impacts_follow_each_other(setting, samples) -> 
     assert amount == 1 or 8 * instance.problem.interval > amount * wait
 
 
-@pytest.mark.parametrize("setting", SETTINGS)
+# Between two samples of the break a ball may meet several others.
+@pytest.mark.parametrize("setting", [name for name in SETTINGS if name != "break"])
 def test_windows_hold_one_impact_of_their_bodies(setting) -> None:
     truth = truth_at(setting)
     impacts = listed(truth.scalars)

@@ -141,6 +141,20 @@ def test_with_kinks_the_mean_over_all_levels_decides(judge, order, scatter, outc
     assert finding.outcome == outcome, finding.sentence
 
 
+@pytest.mark.parametrize(
+    ("order", "outcome"),
+    [(1, "pass"), (0, "undecided"), (0.2, "undecided"), (-0.5, "fail")],
+)
+def test_an_impact_that_is_late_by_one_time_at_all_levels_is_no_lack_of_order(
+    judge, order, outcome
+):
+    """Late by the part f of a step, and by 2 f of its half: the first impact of a break was late
+    alike at four levels, in REBOUND, and made nearly all of the error.
+    """
+    found = judge("order", case="bouncing-ball", method="first", fault=spoiled(1e-4, order))
+    assert found["state"].outcome == outcome, found["state"].sentence
+
+
 ONE_PAIR = [
     ((1.0, 2**-1.98), "pass"),
     ((1.0, 2**-1.6), "undecided"),

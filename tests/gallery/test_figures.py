@@ -27,7 +27,7 @@ def series(name, label):
 
 
 def test_every_computed_figure_of_the_chapter_has_a_file():
-    assert gallery.names() == [*CHAPTER.split(), "co-4"]
+    assert gallery.names() == [*CHAPTER.split(), "co-4", "restitution"]
 
 
 def test_an_unknown_figure_is_refused_with_the_nearest():
@@ -197,6 +197,30 @@ def test_measured_points_lie_near_the_certified_curve_and_say_who_measured_them(
     assert np.all(law.y[slides] > formula)
     assert all("Kharaz" not in one.by and one.of and one.by for one in readings("kharaz_2001"))
     assert "judge nothing" in figure("co-4").caption
+
+
+def test_restitution_comes_out_as_it_went_in_but_for_what_gravity_adds_in_a_step():
+    """An impact that is seen late by t < h strikes with v + g t: e v + (1 + e) g t comes back."""
+    over_restitution, over_speed, over_step = figure("restitution").panels
+    for panel in (over_restitution, over_speed):
+        *seen, asked = panel.series
+        assert {series.label for series in seen} == {
+            "reference",
+            "pymunk",
+            "pymunk, as shipped",
+            "REBOUND",
+        }
+        for series in seen:
+            assert series.y == pytest.approx(asked.y, abs=1e-12)
+    of_reference, *of_steps, _ = over_step.series
+    assert of_reference.label == "reference"
+    assert of_reference.y == pytest.approx(0.75, abs=1e-12)
+    assert [series.label for series in of_steps] == ["pymunk", "pymunk, as shipped"]
+    for series in of_steps:
+        # g h/v is h over the time of the fall.
+        assert np.all(series.y >= 0.75 - 1e-9)
+        assert np.all(series.y - 0.75 <= 1.75 * series.x * (1 + 1e-9))
+        assert series.y[1] - 0.75 > 0.05
 
 
 def test_two_readings_of_one_measurement_agree_to_two_percent():

@@ -124,6 +124,12 @@ def _velocity_before_the_kick(p: Parts) -> dict[str, Any]:
     return {**faulty, "kicked": kicked}
 
 
+def _turned_a_little(away: Any) -> Any:
+    """A vector in the plane, turned by 1/1000 rad to first order."""
+    x, y, z = away
+    return (x - y / 1000, y + x / 1000, z)
+
+
 def _friction_from_weight(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
     """Friction is cut at a thousandth of what the impulse allows, as if the weight pressed."""
     return impacts.tangential_impulse(law, ease, slip, pressing / 1000)
@@ -135,6 +141,13 @@ def _resting_below(law: Any, ease: Any, closing: Any) -> Any:
     if closing < 4:
         e = 0.0
     return (1 + e) * closing / ease
+
+
+def _none_if_slow(law: Any, ease: Any, closing: Any) -> Any:
+    """Nothing happens below 3/5 m/s."""
+    if closing < 0.6:
+        return 0.0
+    return impacts.normal_impulse(law, ease, closing)
 
 
 def _thin_air(request: Request, run: Trajectory) -> Trajectory:
@@ -152,7 +165,7 @@ FAULTS = (
     impact(
         name="restitution-twice",
         sentence="The closing speed is multiplied by the restitution twice.",
-        on=("clash", "rub", "rebound"),
+        on=("clash", "rub", "rebound", "break"),
         sees=("rigid-impact", "restitution"),
         before=of_elements(Contact, restitution=lambda e: e * e),
     ),
@@ -269,14 +282,14 @@ FAULTS = (
     impact(
         name="impact-met-twice",
         sentence="The pair is in the list twice, and both impulses are of the same velocities.",
-        on=("clash", "rebound"),
+        on=("clash", "rebound", "break"),
         sees=("rigid-impact", "restitution"),
         inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
     ),
     impact(
         name="impact-never-met",
         sentence="The spheres go through each other.",
-        on=("clash", "rub", "rebound"),
+        on=("clash", "rub", "rebound", "break"),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(meets=lambda closing: False),
     ),
@@ -323,10 +336,24 @@ FAULTS = (
     impact(
         name="impacts-at-the-ends-of-steps",
         sentence="Pairs that meet within a step are struck at its end, in the order of their list.",
-        on=("cradle",),
+        on=("cradle", "break"),
         sees=("error", "r2.x"),
         levels=8,
         inside=_at_the_end_of_the_step,
+    ),
+    impact(
+        name="break-normal-is-turned",
+        sentence="The normal of an impact is a thousandth of a radian off the line of centres.",
+        on=("break",),
+        sees=("angular-momentum", "total"),
+        inside=of_results(away=_turned_a_little),
+    ),
+    impact(
+        name="break-slow-impacts-are-missed",
+        sentence="Pairs that close with less than 3/5 m/s go through each other.",
+        on=("break",),
+        sees=("error", "v0.x"),
+        inside=_of_impact(normal_impulse=_none_if_slow),
     ),
     impact(
         name="bounce-before-the-kick",

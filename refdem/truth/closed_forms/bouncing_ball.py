@@ -28,7 +28,7 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_forms.hard_spheres import law_of
 from refdem.truth.exact import number, vector
 from refdem.truth.impact_scalars import impact_scalars
-from refdem.truth.impact_sequence import Encounter, ImpactList, ImpactSequence
+from refdem.truth.impact_sequence import Encounter, ImpactList, Impacts, ImpactSequence
 from refdem.truth.refiner import Size
 from refdem.truth.rigid_impact import Motion, RoundBody, impact_of
 from refdem.truth.surds import Number, sign, surd
@@ -104,7 +104,7 @@ class Bounces:
 
     def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""
-        moment = motion.impacts.moments[-1]
+        moment = motion.moment_number(motion.impacts.most - 1)
         following = moment.time + self.floor.time(moment.parted)
         if not t < arb_of(following):
             raise UndecidedError(
@@ -115,12 +115,13 @@ class Bounces:
             )
 
 
-def accumulation_time(impacts: ImpactList, floor: MeetsFloor, restitution: Fraction) -> Number:
+def accumulation_time(impacts: Impacts, floor: MeetsFloor, restitution: Fraction) -> Number:
     """T = t_1 + 2 e v_1/((1 - e) g) [s], exactly, for e < 1."""
     first = impacts.number(0)
     assert first is not None
     falling: Number = -first.states[0].v[1]
-    return first.time + falling * (2 * restitution / ((1 - restitution) * floor.gravity))
+    begin: Number = first.time
+    return begin + falling * (2 * restitution / ((1 - restitution) * floor.gravity))
 
 
 def floor_of(p: Mapping[str, Any]) -> MeetsFloor:
