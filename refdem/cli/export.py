@@ -77,9 +77,9 @@ def command_of(program: "External", folder: Path) -> str:
     from refdem.campaign.exchange import requests_of
 
     table = program.description.engine
-    words = shlex.join(table.command)
     if not table.serve:
-        return words
+        return shlex.join(table.command)
+    words = shlex.join(map(program.program.placed, table.command))
     requests = shlex.quote(requests_of(program.name))
     answers = shlex.quote(f"{program.name}-answers.jsonl")
     return f"once, in {folder}: {words} < {requests} > {answers}"

@@ -37,15 +37,16 @@ class Answer:
 
 @dataclass(kw_only=True)
 class Sample:
-    """Which requests to one program are asked again, in this process.
+    """Which requests to one method of a program are asked again, in this process.
 
     `earlier` is one that was answered before, with its answer: it is asked after the next that is
-    asked again, so that the two come in the other order.
+    asked again, so that the two come in the other order. `leak` is what was found, if anything was.
     """
 
     changes: int = 0
     has_begun: bool = False
     earlier: tuple[Request, Answer] | None = None
+    leak: str = ""
 
     def takes(self, request: Request, before: Request | None) -> bool:
         """Whether a request that was asked after `before` is asked again; one that was the first of

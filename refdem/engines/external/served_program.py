@@ -15,14 +15,14 @@ from refdem.engines.external.folders import run_folder
 from refdem.engines.external.leaks import Answer, Sample, difference, words
 from refdem.engines.external.program import Program, most_bytes, steps_of, written
 from refdem.engines.external.serving import Asked, Exchange, Identity, Reply, ServedLimits
-from refdem.errors import EngineError, UnsupportedError
+from refdem.errors import EngineError, LeakError, UnsupportedError
 
 BEFORE = "request-before.json"
 """Beside what a failed run left: the other request that changes the answer to it."""
 KEEPS = "keeps state from one request to the next"
 ADVICE = "Let each request begin from nothing, or take `serve` away"
-_SAMPLES: defaultdict[Identity, Sample] = defaultdict(Sample)
-"""Of each program that stays alive, in this process."""
+_SAMPLES: defaultdict[tuple[Identity, str], Sample] = defaultdict(Sample)
+"""Of each program that stays alive and each of its methods, in this process."""
 
 
 class ServedProgram(Program):
@@ -33,6 +33,10 @@ class ServedProgram(Program):
         requests again.
         """
         identity = self._identity()
+        sample = _SAMPLES[identity, request.method]
+        if sample.leak:
+            # Answers that depend on what came before would be judged as if they were its own.
+            raise LeakError(f"{sample.leak}; nothing more was asked of this method")
         asked = self._asked(request, folder)
         exchange = Exchange(self.table.name, self._command(), identity, [asked])
         result = yield exchange.made
@@ -40,7 +44,6 @@ class ServedProgram(Program):
         (reply,) = exchange.replies
         (folder / "stderr.txt").write_text(reply.said)
         answer = answered(asked, reply)
-        sample = _SAMPLES[identity]
         if self._is_deterministic(request.method):
             if sample.takes(request, reply.before):
                 yield from self._asked_again(asked, answer, reply, sample)
@@ -75,21 +78,23 @@ class ServedProgram(Program):
                     " expected the same bits, or deterministic = false of the method"
                 )
             place.write_bytes(before.to_json())
-            raise EngineError(
+            sample.leak = (
                 f"{name} {KEEPS}: asked after another request, and then in a fresh process,"
                 f" {differs}. The request before it: {words(before)} ({BEFORE}). {ADVICE}"
             )
+            raise LeakError(sample.leak)
         if kept_earlier is None:
             return
         earlier, first_answer = kept_earlier
         differs = difference(first_answer, again[1])
         if differs:
             place.write_bytes(earlier.to_json())
-            raise EngineError(
+            sample.leak = (
                 f"{name} {KEEPS}: another request ({words(earlier)}; {BEFORE}) was asked again"
                 f" after this one, in a fresh process, and was answered otherwise: {differs}."
                 f" {ADVICE}"
             )
+            raise LeakError(sample.leak)
 
     def _fresh(
         self, request: Request, earlier: tuple[Request, Answer] | None

@@ -310,9 +310,10 @@ class Exchange:
 
     def _of_thread(self) -> Served:
         """The program of this thread, which is made where there is none."""
-        alive: OrderedDict[Identity, Served] | None = getattr(_LOCAL, "alive", None)
-        if alive is None:
-            alive = _LOCAL.alive = OrderedDict()
+        of_thread: OfThread | None = getattr(_LOCAL, "of_thread", None)
+        if of_thread is None:
+            of_thread = _LOCAL.of_thread = OfThread()
+        alive = of_thread.alive
         served = alive.pop(self.identity, None)
         if served is not None and not served.is_there:
             served.close()
@@ -324,6 +325,21 @@ class Exchange:
             _, oldest = alive.popitem(last=False)
             oldest.close()
         return served
+
+
+class OfThread:
+    """The programs of one thread, in the order in which they were asked last; they end with it.
+
+    Only the thread has this object, while a program may be in the traceback of an error that lives
+    on.
+    """
+
+    def __init__(self) -> None:
+        self.alive: OrderedDict[Identity, Served] = OrderedDict()
+
+    def __del__(self) -> None:
+        for served in self.alive.values():
+            served.close()
 
 
 @cache

@@ -38,6 +38,7 @@ def trajectory(request, kept=None):
     (body,) = request["scene"]["bodies"]
     (spring,) = request["scene"]["elements"]
     stiffness = spring["stiffness"] / body["mass"]
+    anchor = spring.get("anchor_b", [0.0])[0]
     x = body["position"][0]
     v = body.get("velocity", [0.0])[0]
     if kept is not None:
@@ -48,9 +49,9 @@ def trajectory(request, kept=None):
     rows = []
     for n in range(len(request["times"])):
         for _ in range(request["stride"] if n > 0 else 0):
-            v -= h / 2 * stiffness * x
+            v -= h / 2 * stiffness * (x - anchor)
             x += h * v
-            v -= h / 2 * stiffness * x
+            v -= h / 2 * stiffness * (x - anchor)
         rows.append([start + n * request["stride"] * h, 0, x, 0, 0, v, 0, 0])
     if kept is not None and kept.get("keeps_velocity"):
         kept["velocity"] = v
