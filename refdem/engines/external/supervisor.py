@@ -220,7 +220,12 @@ class Supervisor:
                 answer = self.served(request)
             else:
                 answer = self.answer(request, descriptors)
-            self.asked.sendall(json.dumps(answer).encode() + b"\n")
+            try:
+                self.asked.sendall(json.dumps(answer).encode() + b"\n")
+            except OSError:
+                # Nobody waits for the answer any more; why was said before.
+                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+                raise
 
     def received(self) -> "tuple[dict[str, Any], list[int]] | None":
         """The next request with its descriptors, or None."""
