@@ -12,20 +12,10 @@ from refdem.core.engine import Method, ProgramEngine, Stages
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import Description, EngineTable
-from refdem.engines.external.features import DIMENSIONS
+from refdem.engines.external.features import DIMENSIONS, IMPLIED
 from refdem.engines.external.program import Program
 from refdem.engines.external.sense import read
 from refdem.engines.external.served_program import ServedProgram
-
-IMPLIED = {
-    "contact",
-    "contact:damping",
-    "contact:friction",
-    "constraint",
-    "tumbling",
-    "shape:sphere",
-}
-"""Features that come with others which a program names: a law, friction, a rod, rotation."""
 
 
 class External(ProgramEngine):
