@@ -9,7 +9,7 @@ import typer
 def command(
     folder: Annotated[Path, typer.Argument(help="Folder that gets the files.")] = Path("."),
     language: Annotated[
-        str, typer.Option(help="python, c, cpp or fortran: the language of the driver.")
+        str, typer.Option(help="python, c, cpp, fortran, javascript or rust.")
     ] = "python",
     name: Annotated[str, typer.Option(help="Name of the program; default: the folder's.")] = "",
 ) -> None:

@@ -69,6 +69,24 @@ STARTERS = {
         inputs=["*.f90"],
         compiler="gfortran",
     ),
+    "javascript": Starter(
+        files={
+            "driver.js": "javascript/driver.js.in",
+            "refdem_driver.js": "javascript/refdem_driver.js.in",
+        },
+        command=["node", "driver.js"],
+        inputs=["*.js"],
+    ),
+    "rust": Starter(
+        files={
+            "driver.rs": "rust/driver.rs.in",
+            "refdem_driver.rs": "rust/refdem_driver.rs.in",
+            "Makefile": "rust/Makefile.in",
+        },
+        command=MADE,
+        inputs=["*.rs"],
+        compiler="rustc",
+    ),
 }
 
 
