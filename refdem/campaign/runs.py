@@ -99,7 +99,7 @@ class Hangs:
 
 
 def _method(task: Task) -> tuple[str, str]:
-    """Engine and method."""
+    """The names of engine and method."""
     return task.engine.name, task.method.name
 
 

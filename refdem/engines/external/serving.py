@@ -209,7 +209,7 @@ def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
 
 
 def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
-    """What took too long."""
+    """What the program took too long for."""
     if said["phase"] == "start":
         return (
             f"was not ready after {message['ready']:g} s and was ended; expected the line {READY}"

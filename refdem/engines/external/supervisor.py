@@ -118,7 +118,7 @@ class Service:
         self.process = program
 
     def close(self) -> None:
-        """Closes the pipes."""
+        """Closes the pipes to and from the program."""
         for descriptor in (self.asking, self.answering, self.telling):
             if descriptor >= 0:
                 os.close(descriptor)
@@ -140,7 +140,7 @@ class Service:
             return
 
     def begin(self, phase: str) -> None:
-        """From now on it does something else, and its messages are about that."""
+        """Notes that it does something else now; messages that follow are about that."""
         self.phase = phase
         self.messages = b""
         self.told = 0
