@@ -50,6 +50,10 @@ class HangError(EngineError):
     """An engine did not end in its time."""
 
 
+class LeakError(EngineError):
+    """An engine's answer depends on what it was asked before."""
+
+
 class UnsupportedError(RefdemError):
     """An engine cannot say the scene; the message names the missing feature."""
 

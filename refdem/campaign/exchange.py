@@ -5,13 +5,18 @@ A folder holds a manifest, a copy of each refdem.toml, and for every run a folde
 request.json and request.txt, into which its trajectory.csv (and events.csv) goes. A run that goes
 on from the end of another can only be written when that one has come back: a second export into the
 same folder does it.
+
+A program that stays alive gets its requests as lines, in a file NAME-requests.jsonl, whose ids are
+the folders of the runs; what it answers may come back in files *answers*.jsonl.
 """
 
 import contextlib
+import json
 import shutil
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -29,12 +34,17 @@ from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.external import External
+from refdem.engines.external.program import FILES
 from refdem.engines.external.sense import NAME
-from refdem.errors import EngineError, StoreError, UnsupportedError, UsageError
+from refdem.engines.external.serving import line_of
+from refdem.errors import UNREADABLE, EngineError, StoreError, UnsupportedError, UsageError
 from refdem.scene import bodies_file
 
 MANIFEST = "manifest.json"
 RUNS = "runs.txt"
+ANSWERS = "*answers*.jsonl"
+"""The files with the lines that programs which stay alive have answered."""
 REFUSED = "unsupported.txt"
 """The file in a run's folder, in place of a trajectory, with the reason why the program ended with
 77, not supported.
@@ -70,12 +80,15 @@ class Elsewhere(Engine):
         self.methods = described.methods
         self.expected = described.expected
         self.may_refuse = described.may_refuse
+        self.stays_alive = isinstance(described, External) and described.description.engine.serve
         self.described = described
         self.at = version
         self.folder = folder
         self.writes = writes
         self.asked: Counter[str] = Counter()
         self.waiting: list[str] = []
+        self.lines: list[str] = []
+        self.answers = answers(folder)
 
     def missing(self) -> str | None:
         """None: the program runs elsewhere and need not be here."""
@@ -117,8 +130,15 @@ class Elsewhere(Engine):
         if (folder / REFUSED).is_file():
             reason = (folder / REFUSED).read_text(errors="replace").strip()
             raise UnsupportedError(one_line(reason[-200:]) or f"the program wrote {REFUSED}")
-        if not (folder / "trajectory.csv").is_file():
+        said = self.answers.get(name, {})
+        if "unsupported" in said:
+            raise UnsupportedError(one_line(str(said["unsupported"]))[-200:] or "not supported")
+        if "failed" in said:
+            raise EngineError(f"{name} failed: {one_line(str(said['failed']))[-200:]}")
+        if not any((folder / FILES[file]).is_file() for file in ("trajectory", "trajectory_npy")):
             self.waiting.append(name)
+            paths = {file: f"{name}/{place}" for file, place in FILES.items()}
+            self.lines.append(line_of(name, request.method, paths))
             raise EngineError(f"{name}/trajectory.csv has not come back")
         trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
         if request.step:
@@ -126,6 +146,22 @@ class Elsewhere(Engine):
         else:
             steps = 0
         return trajectory, Cost(seconds=0.0, steps=steps)
+
+
+def answers(folder: Path) -> dict[str, dict[str, Any]]:
+    """What programs that stay alive have answered, by the folder of the run; lines that are no
+    answers are passed over, since it is trajectories that are judged.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for path in sorted(folder.glob(ANSWERS)):
+        for line in content(path, "the lines that a program answered").splitlines():
+            try:
+                said = json.loads(line)
+            except UNREADABLE:
+                continue
+            if isinstance(said, dict) and isinstance(said.get("id"), str):
+                found[said["id"]] = said
+    return found
 
 
 def written(request: Request, folder: Path) -> None:
@@ -181,9 +217,19 @@ def exported(
         raise StoreError(
             f"{folder} cannot be written: {error.strerror}; choose another folder"
         ) from None
-    _, waiting = _campaign(folder, manifest, store, progress, writes=True)
+    _, elsewhere = _campaign(folder, manifest, store, progress, writes=True)
+    waiting = [name for engine in elsewhere for name in engine.waiting]
     (folder / RUNS).write_text("".join(f"{name}\n" for name in waiting))
+    for engine in elsewhere:
+        if engine.stays_alive:
+            text = "".join(f"{line}\n" for line in engine.lines)
+            (folder / requests_of(engine.name)).write_text(text, encoding="utf-8")
     return waiting
+
+
+def requests_of(name: str) -> str:
+    """The file with the requests to a program that stays alive, as lines."""
+    return f"{name}-requests.jsonl"
 
 
 def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
@@ -221,8 +267,10 @@ def read(folder: Path) -> Manifest:
 
 def _campaign(
     folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool
-) -> tuple[list[Sheet], list[str]]:
-    """The campaign of an export in this process, and the runs that have not come back."""
+) -> tuple[list[Sheet], list[Elsewhere]]:
+    """The campaign of an export in this process, and its programs, which know what has not come
+    back.
+    """
     names = list(manifest.versions)
     with contextlib.ExitStack() as here:
         engines = []
@@ -238,4 +286,4 @@ def _campaign(
             levels=manifest.levels,
         )
         sheets = Campaign(specification, store, jobs=0, use_store=False, progress=progress).sheets()
-    return sheets, [name for engine in engines for name in engine.waiting]
+    return sheets, engines

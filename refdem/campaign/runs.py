@@ -98,6 +98,11 @@ class Hangs:
         )
 
 
+def _method(task: Task) -> tuple[str, str]:
+    """The names of engine and method."""
+    return task.engine.name, task.method.name
+
+
 def _method_on_case(task: Task) -> tuple[str, str, str]:
     """Engine, method and case with its parameters."""
     return task.engine.name, task.method.name, task.subject.instance.label
@@ -138,6 +143,7 @@ class Runner:
             answer = self._kept(job.key, result)
             computed[job.key] = answer
             self.hangs.note(equal[job.key][0], answer[0].failure)
+        self._forget_leaking(equal, computed)
         answers = read | computed
         by_place = {
             request_of_task.place: self._run(
@@ -148,6 +154,21 @@ class Runner:
             for request_of_task in asked
         }
         return Runs(by_place=by_place, made=len(computed), read=len(read))
+
+    def _forget_leaking(
+        self, equal: Mapping[str, list[Asked]], computed: Mapping[str, Answer]
+    ) -> None:
+        """Takes the runs of methods whose answers depend on what they were asked before out of the
+        store: none of them can be trusted, whichever of them showed it.
+        """
+        leaking = {
+            _method(equal[key][0].task)
+            for key, (reply, _) in computed.items()
+            if reply.failure is not None and reply.failure.kind == "leak"
+        }
+        for key, same in equal.items():
+            if _method(same[0].task) in leaking:
+                self.store.forget("run", key)
 
     def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
         """The results that the store has of the runs with these keys."""

@@ -110,23 +110,26 @@ class Programs:
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end."""
         fresh = iter(jobs)
-        going = list[tuple[Job, Stages[bytes], Waiting | None]]()
+        going = list[tuple[Job, Stages[bytes], Waiting]]()
         while True:
-            # One more than can run is begun, so that no program waits for what is done here.
+            for job, stages, result in going:
+                ended = self._gone_on(job, stages, result)
+                if ended is not None:
+                    yield job, ended
+            going = []
+            # One more than can run is begun, so that no program waits for what is done here. A job
+            # that waits for its program once more has kept its place.
             begun = list(islice(fresh, self._most + 1 - len(self._running)))
             for job in begun:
                 failure = job.given_up()
                 if failure is not None:
                     yield job, failure
                 elif job.stages is not None:
-                    going.append((job, job.stages(*job.arguments), None))
-            if not begun and not going and not self._running:
+                    ended = self._gone_on(job, job.stages(*job.arguments), None)
+                    if ended is not None:
+                        yield job, ended
+            if not begun and not self._running:
                 return
-            for job, stages, result in going:
-                ended = self._gone_on(job, stages, result)
-                if ended is not None:
-                    yield job, ended
-            going = []
             if self._running:
                 done = wait(self._running, return_when=FIRST_COMPLETED).done
                 going = [(*self._running.pop(future), future.result) for future in done]

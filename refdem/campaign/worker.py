@@ -18,7 +18,13 @@ from refdem.core.problem import Request
 from refdem.core.run import Failure
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import Ball, SampledTruth, Truth
-from refdem.errors import HangError, NotCertifiedError, RefdemError, UnsupportedError
+from refdem.errors import (
+    HangError,
+    LeakError,
+    NotCertifiedError,
+    RefdemError,
+    UnsupportedError,
+)
 
 COUNT_BYTES = 4
 """Of a number of certified times."""
@@ -157,6 +163,8 @@ def reply_of(address: str, request: Request, engine: Engine | None = None) -> St
         return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))
     except HangError as error:
         return Reply(failure=Failure(kind="hang", sentence=one_line(str(error))))
+    except LeakError as error:
+        return Reply(failure=Failure(kind="leak", sentence=one_line(str(error))))
     except RefdemError as error:
         return Reply(failure=Failure(kind="contract", sentence=one_line(str(error))))
     except Exception as error:

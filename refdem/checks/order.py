@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
@@ -66,8 +67,36 @@ RISE = 0.25
 or scatter a little, rise once.
 """
 
+LOWERING = ("constraint", "dashpot", "drag", "internal_damping", "rotation")
+"""Features of smooth motions with which a method may be of a lower order by its construction:
+forces that depend on velocities, joints, bodies that turn. The first that a scene has is the key
+of `order_with` that a failed order is told (with kinks `_declaration_hint` names it).
+"""
+WHOLE_ORDER = 0.25
+"""Largest distance of an observed order from the whole number that it is taken for."""
+
 Seen = Mapping[float, Mapping[str, Array]]
 """Scaled errors (until,) by level and quantity."""
+
+
+def with_key(subject: Subject, finding: Finding) -> Finding:
+    """The finding; if it failed and a lower order is seen that a claim would explain, its sentence
+    names the key to declare.
+    """
+    seen = finding.order_seen
+    if finding.outcome != "fail" or seen is None or kinked(subject.instance):
+        return finding
+    order = round(seen)
+    features = subject.instance.problem.features
+    key = next((name for name in LOWERING if name in features), None)
+    is_lower = 1 <= order < subject.order and abs(seen - order) <= WHOLE_ORDER
+    if key is None or not is_lower:
+        return finding
+    sentence = (
+        f"{finding.sentence} A method that is of order {order} by construction in scenes with"
+        f' {key} may declare order_with = {{ "{key}" = {order} }}.'
+    )
+    return msgspec.structs.replace(finding, sentence=sentence)
 
 
 class Order(Check):
@@ -99,7 +128,8 @@ class Order(Check):
         errors_at = _errors_at_levels(subject, runs, truth)
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
-        return [self._state(subject, runs, truth, errors_at), *self._growth(subject, errors_at)]
+        state = self._state(subject, runs, truth, errors_at)
+        return [with_key(subject, state), *self._growth(subject, errors_at)]
 
     def _state(
         self,

@@ -30,7 +30,7 @@ def command(
         typer.Argument(
             autocompletion=completion.cases, help="The case, also as `pendulum[theta0=2]`."
         ),
-    ],
+    ] = "",
     engine: Annotated[
         list[str] | None,
         typer.Option(
@@ -41,8 +41,12 @@ def command(
     timeout: Annotated[
         float, typer.Option(help="CPU time of a proof [s].", min=1e-3, max=1e6)
     ] = 60.0,
+    features: Annotated[
+        bool,
+        typer.Option("--features", help="List the words of `supports` and `order_with` instead."),
+    ] = False,
 ) -> None:
-    """Says what would run for a case, and why.
+    """Says what would run for a case, and why; or what the words of a refdem.toml mean.
 
     Example: refdem explain free-rigid-body --engine mujoco
     """
@@ -53,7 +57,13 @@ def command(
     from refdem.cli.progress import Progress
     from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
+    from refdem.errors import UsageError
 
+    if features and not case:
+        print("\n".join(meanings()))
+        return
+    if features or not case:
+        raise UsageError("expected a case (`refdem list cases`), or --features alone")
     name, of_label = labelled(case)
     specification = Specification(
         name="explain",
@@ -74,6 +84,21 @@ def command(
             show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
     for name, reason in missing.items():
         print(f"  {name}: not installed; {reason}")
+
+
+def meanings() -> list[str]:
+    """Lines with every feature that a refdem.toml may name, and what it means."""
+    from refdem.engines.external.features import IMPLIED, MEANINGS
+
+    lines = ["words of `supports`: what a scene may have"]
+    lines += [f"  {name:32}{MEANINGS[name]}" for name in sorted(MEANINGS.keys() - IMPLIED)]
+    lines += ["words that come with others, and need not be named there"]
+    lines += [f"  {name:32}{MEANINGS[name]}" for name in sorted(IMPLIED)]
+    return [
+        *lines,
+        "keys of `order_with`: any of these words, with the order of the method in scenes that",
+        "have it, where that is lower: order_with = { contact = 1, friction = 1 }",
+    ]
 
 
 def asked(instance: "Instance") -> list[str]:

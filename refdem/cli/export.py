@@ -2,13 +2,16 @@
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from refdem.cli import completion
 from refdem.core.outside import one_line
 from refdem.errors import UsageError
+
+if TYPE_CHECKING:
+    from refdem.engines.external import External
 
 
 def command(
@@ -31,7 +34,8 @@ def command(
     """Writes requests for programs that run elsewhere, as on a batch system.
 
     Run the program in each folder that FOLDER/runs.txt lists, so that it writes trajectory.csv
-    there; then `refdem judge FOLDER`. Runs that go on from the end of others are written by a
+    there; then `refdem judge FOLDER`. A program with `serve = true` runs once, in FOLDER, and reads
+    its requests from a file there. Runs that go on from the end of others are written by a
     second export into the same folder, when those have come back.
 
     Example: refdem export to-run free-rigid-body --engine refdem.toml
@@ -69,4 +73,17 @@ def command(
         " them:"
     )
     for program in programs:
-        print(f"    {program.name}: {one_line(shlex.join(program.description.engine.command))}")
+        print(f"    {program.name}: {one_line(command_of(program, folder))}")
+
+
+def command_of(program: "External", folder: Path) -> str:
+    """What runs a program elsewhere; one that stays alive reads all of its requests from a file."""
+    from refdem.campaign.exchange import requests_of
+
+    table = program.description.engine
+    if not table.serve:
+        return shlex.join(table.command)
+    words = shlex.join(map(program.program.placed, table.command))
+    requests = shlex.quote(requests_of(program.name))
+    answers = shlex.quote(f"{program.name}-answers.jsonl")
+    return f"once, in {folder}: {words} < {requests} > {answers}"

@@ -1,5 +1,8 @@
-"""A program's answer in a CSV file: a trajectory, or a table of the mass properties of solids."""
+"""A program's answer in a file: a trajectory (CSV or NumPy), or a table of the mass properties of
+solids (CSV).
+"""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,6 +11,7 @@ import numpy as np
 from refdem.core.statics import MASS_PROPERTIES, Solid, properties
 from refdem.core.trajectory import Trajectory
 from refdem.core.trajectory_csv import csv_lines, number_in, read_trajectory
+from refdem.core.trajectory_npy import read_table
 from refdem.errors import EngineError, UsageError
 
 if TYPE_CHECKING:
@@ -36,11 +40,16 @@ def most_rows(problem: "Problem") -> int:
 
 
 def read_answer(problem: "Problem", path: Path, events: Path | None = None) -> Trajectory:
-    """The answer to a question in the file that a program wrote; raises EngineError with the line
-    that is wrong.
+    """The answer to a question in the file that a program wrote, or for a trajectory in the one
+    beside it that ends in `.npy`; raises EngineError with the line that is wrong.
     """
     if isinstance(problem, Solid):
         return read_solids(path, problem)
+    table = path.with_suffix(".npy")
+    if os.path.lexists(table):
+        if os.path.lexists(path):
+            raise EngineError(f"there are {path.name} and {table.name}; expected one of them")
+        return read_table(table, len(problem.times), len(problem.scene.bodies), events)
     return read_trajectory(path, len(problem.times), len(problem.scene.bodies), events)
 
 

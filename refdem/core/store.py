@@ -152,6 +152,14 @@ class Store:
         except FAULTS as error:
             self._failed(error)
 
+    def forget(self, kind: str, key: str) -> None:
+        """Deletes what is kept under (kind, key), if anything is."""
+        if self._tally.connection is not None:
+            with suppress(*FAULTS):
+                self._tally.connection.execute(
+                    "DELETE FROM entries WHERE kind=? AND key=?", (kind, key)
+                )
+
     def truth(self, key: str) -> SampledTruth | None:
         """The sampled truth kept under a key, or None."""
         return self.read("truth", key, msgspec.msgpack.Decoder(SampledTruth).decode)
@@ -226,13 +234,9 @@ class Store:
         )
 
     def _drop(self, kind: str, key: str) -> None:
-        """Deletes one entry from the store."""
+        """Deletes one entry from the store that is damaged."""
         self._tally.damaged += 1
-        if self._tally.connection is not None:
-            with suppress(*FAULTS):
-                self._tally.connection.execute(
-                    "DELETE FROM entries WHERE kind=? AND key=?", (kind, key)
-                )
+        self.forget(kind, key)
 
 
 def _connected(path: Path) -> sqlite3.Connection:

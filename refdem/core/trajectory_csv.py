@@ -49,7 +49,7 @@ def read_trajectory(
     lines = csv_lines(path, row_count + 2, COLUMNS)
     _, first = next(lines, (1, []))
     header = [name.strip() for name in first]
-    channels = _channels(header, path.name)
+    channels = channels_of(header, path.name)
     # Row by row into one array, so that a file takes little more memory than its numbers.
     rows = np.empty((row_count, len(header)))
     count = 0
@@ -66,16 +66,27 @@ def read_trajectory(
         raise EngineError(
             f"{path.name} has {actual}; expected {row_count}: {samples} samples of {bodies} bodies"
         )
+    return trajectory_of(rows, channels, (samples, bodies), path.name, events)
+
+
+def trajectory_of(
+    rows: Array, channels: list[str], shape: tuple[int, int], name: str, events: Path | None
+) -> Trajectory:
+    """The trajectory in rows (samples * bodies, columns) of the file `name`, of which `shape` is
+    (samples, bodies); raises EngineError for rows that are out of order.
+    """
+    samples, bodies = shape
     table = rows.reshape(samples, bodies, -1)
-    _refuse_disorder(table, bodies, path.name)
+    _refuse_disorder(table, bodies, name)
     columns = {"t": table[:, 0, 0], "position": table[:, :, 2:5], "velocity": table[:, :, 5:8]}
     columns |= {"attitude": table[:, :, 8:12], "omega": table[:, :, 12:15]}
     arrays: dict[str, Any] = {
-        name: np.ascontiguousarray(column) for name, column in columns.items()
+        part: np.ascontiguousarray(column) for part, column in columns.items()
     }
     # The channels are the columns after those of the state.
     channel_values = {
-        name: _channel(table[:, :, STATES + n], name, path.name) for n, name in enumerate(channels)
+        channel: _channel(table[:, :, STATES + n], channel, name)
+        for n, channel in enumerate(channels)
     }
     return Trajectory(channels=channel_values, events=_events(events, bodies), **arrays)
 
@@ -139,7 +150,7 @@ class _BoundedLines:
         return line
 
 
-def _channels(header: list[str], name: str) -> list[str]:
+def channels_of(header: list[str], name: str) -> list[str]:
     """The channel columns after the fixed ones; raises EngineError for another header."""
     extra = header[STATES:]
     if (

@@ -128,6 +128,22 @@ def test_a_program_that_cannot_be_run_costs_its_own_job() -> None:
 LIMITS = Limits(timeout=600, file_bytes=4096, memory=2**33)
 
 
+def waits_often(times: int) -> Stages[bytes]:
+    """Programs one after another; each job waits for several."""
+    for _ in range(times):
+        result = yield lambda: time.sleep(0.01) or 0.0
+        result()
+    return b"done"
+
+
+def test_jobs_that_wait_for_several_programs_come_back_once_each() -> None:
+    jobs = [Job(n, works, (n % 4 + 1,), stages=waits_often) for n in range(40)]
+    with Schedule(2, 60) as schedule:
+        results = list(schedule.results(jobs))
+    assert sorted(job.key for job, _ in results) == list(range(40))
+    assert {result for _, result in results} == {b"done"}
+
+
 def sleeps(folder: str, until: str) -> Stages[bytes]:
     """A program that says its number in `pid` and goes on until there is a file `until`."""
     command = ["sh", "-c", f"echo $$ >new; mv new pid; while [ ! -e {until} ]; do sleep 0.05; done"]

@@ -333,3 +333,26 @@ def test_a_claim_that_a_jump_breaks_says_which_key_declares_it(judge):
     finding = judge("order", **SLOPED, fault=spoiled(1e-2, 1))["state"]
     assert finding.outcome == "fail"
     assert 'order_with = { "friction" = 1 }' in finding.sentence
+
+
+@pytest.mark.parametrize(
+    ("case", "order", "key"),
+    [
+        ("van-der-pol", 1, '"dashpot" = 1'),
+        ("van-der-pol", 1.5, ""),
+        ("harmonic-oscillator", 1, ""),
+    ],
+)
+def test_a_lower_order_of_a_smooth_motion_is_told_the_key_that_would_declare_it(
+    judge, case, order, key
+):
+
+    def fault(run, level):
+        position = run.position.copy()
+        position[1:, 0, 0] += 0.05 * level**order
+        return replace(run, position=position)
+
+    finding = judge("order", case=case, method="second", fault=fault)["state"]
+    assert finding.outcome == "fail"
+    assert ("may declare order_with" in finding.sentence) == bool(key)
+    assert key in finding.sentence

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from refdem.cli.explain import command
+from refdem.engines.external.features import FEATURES, MEANINGS
+from refdem.errors import UsageError
 
 
 def test_a_proof_that_is_not_done_in_its_time_is_told_and_the_rest_is_shown(
@@ -27,3 +29,18 @@ def test_what_is_proved_once_is_read_the_next_time(
         said = capsys.readouterr()
         assert "reference/exact-pendulum: " in said.out
         assert ("truths: 1 done" in said.err) == (times == 0)
+
+
+def test_every_word_of_supports_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+    command("", features=True)
+    shown = capsys.readouterr().out
+    assert MEANINGS.keys() == FEATURES
+    for name, meaning in MEANINGS.items():
+        assert f"  {name:32}{meaning}" in shown.splitlines()
+    assert max(map(len, shown.splitlines())) <= 110
+
+
+@pytest.mark.parametrize(("case", "features"), [("", False), ("pendulum", True)])
+def test_a_case_or_the_words_are_asked_for(case: str, features: bool) -> None:
+    with pytest.raises(UsageError, match=r"expected a case .* or --features alone"):
+        command(case, features=features)

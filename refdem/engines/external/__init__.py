@@ -11,20 +11,11 @@ from refdem.core import fingerprint
 from refdem.core.engine import Method, ProgramEngine, Stages
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.external.description import Description
-from refdem.engines.external.features import DIMENSIONS
+from refdem.engines.external.description import Description, EngineTable
+from refdem.engines.external.features import DIMENSIONS, IMPLIED
 from refdem.engines.external.program import Program
 from refdem.engines.external.sense import read
-
-IMPLIED = {
-    "contact",
-    "contact:damping",
-    "contact:friction",
-    "constraint",
-    "tumbling",
-    "shape:sphere",
-}
-"""Features that come with others which a program names: a law, friction, a rod, rotation."""
+from refdem.engines.external.served_program import ServedProgram
 
 
 class External(ProgramEngine):
@@ -38,13 +29,14 @@ class External(ProgramEngine):
         table = self.description.engine
         self.name = self.title = table.name
         self.methods = tuple(method.method(table) for method in table.methods)
-        self.time_limit, self.budget, self.expected = (
-            table.timeout,
-            table.budget,
-            tuple(self.description.expected),
-        )
+        self.time_limit = longest(table)
+        self.budget = table.budget
+        self.expected = tuple(self.description.expected)
         self.may_refuse = frozenset(table.may_refuse)
-        self.program = Program(table, self.path)
+        kind = Program
+        if table.serve:
+            kind = ServedProgram
+        self.program = kind(table, self.path)
 
     @property
     def address(self) -> str:
@@ -74,6 +66,7 @@ class External(ProgramEngine):
             "engines/external",
             "core/request_text.py",
             "core/trajectory_csv.py",
+            "core/trajectory_npy.py",
             "core/answer_csv.py",
             "core/statics.py",
             "scene",
@@ -101,6 +94,17 @@ class External(ProgramEngine):
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run in an empty folder of its own."""
         return self.program.stages(request)
+
+
+def longest(table: EngineTable) -> float:
+    """Seconds that a run may take. A program that stays alive is started for it, and once more for
+    two requests that are asked again, of it or of an earlier run.
+    """
+    if not table.serve:
+        return table.timeout
+    request = table.warm_up + table.timeout
+    # Where bits differ, a third process says whether they do so in any two.
+    return 3 * table.start_timeout + 4 * request
 
 
 def load(path: Path) -> External:

@@ -95,7 +95,8 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         list[str],
         said(
             "argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for"
-            " files, events as CSV time,kind,body"
+            " files, events as CSV time,kind,body; {trajectory_npy} for a trajectory as an array"
+            " in NumPy's format"
         ),
     ]
     methods: list[MethodTable]
@@ -125,6 +126,23 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             " other is an error"
         ),
     ] = []
+    serve: Annotated[
+        bool,
+        said(
+            "the program stays alive: it reads requests as lines of JSON on standard input, with"
+            " the paths of files, and answers each with a line; its command names no files"
+        ),
+    ] = False
+    start_timeout: Annotated[
+        float, said("[s] with `serve`, that it may take until it says that it is ready")
+    ] = 60.0
+    warm_up: Annotated[
+        float,
+        said(
+            "[s] with `serve`, that a request may take beyond `timeout` until the program says that"
+            " it is warm, after a compilation for instance"
+        ),
+    ] = 0.0
     timeout: Annotated[float, said("[s] a run may take")] = 60.0
     budget: Annotated[float, said("[s] a gate may take")] = 600.0
     memory: Annotated[

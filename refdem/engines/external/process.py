@@ -90,10 +90,21 @@ class Supervised:
         """Runs what is asked for; raises EngineError if it cannot be started or if the supervisor
         itself was ended.
         """
+        answer = self.answer(request, [out.fileno(), err.fileno()])
+        if "memory" in answer:
+            raise too_much_memory(request, answer["memory"])
+        if "problem" in answer:
+            raise EngineError(
+                f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}"
+            )
+        return Ended(answer["status"], answer["seconds"], answer["left"])
+
+    def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
+        """What it answers to a request; raises EngineError if it was ended itself."""
         _BUSY.add(self)
         try:
             text = json.dumps(request).encode() + b"\n"
-            socket.send_fds(self.socket, [text], [out.fileno(), err.fileno()])
+            socket.send_fds(self.socket, [text], descriptors)
             line = self.said.readline()
         except OSError:
             line = b""
@@ -105,19 +116,8 @@ class Supervised:
                 f"{request['command'][0]} was ended from outside, with the process that watched"
                 " over it"
             )
-        answer = json.loads(line)
-        if "memory" in answer:
-            taken = answer["memory"] / GIGABYTE
-            most = request["memory"] / GIGABYTE
-            raise EngineError(
-                f"{request['command'][0]} took {taken:.3g} GB of memory and was ended; expected at"
-                f" most {most:.3g} GB for each of its processes (`memory` in refdem.toml)"
-            )
-        if "problem" in answer:
-            raise EngineError(
-                f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}"
-            )
-        return Ended(answer["status"], answer["seconds"], answer["left"])
+        answer: dict[str, Any] = json.loads(line)
+        return answer
 
     def stop(self) -> None:
         """Ends what it runs, from any thread."""
@@ -180,7 +180,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     if exit.status != 0:
         output = one_line(" / ".join(says))[-MAX_OUTPUT:]
         raise EngineError(
-            f"{name} ended with {_status(exit.status)}: {output or 'stderr is empty'}"
+            f"{name} ended with {status_words(exit.status)}: {output or 'stderr is empty'}"
         )
     if exit.left:
         raise EngineError(
@@ -190,13 +190,22 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     return exit.seconds
 
 
+def too_much_memory(request: dict[str, Any], taken: int) -> EngineError:
+    """The error of a program that took so many bytes."""
+    most = request["memory"] / GIGABYTE
+    return EngineError(
+        f"{request['command'][0]} took {taken / GIGABYTE:.3g} GB of memory and was ended; expected"
+        f" at most {most:.3g} GB for each of its processes (`memory` in refdem.toml)"
+    )
+
+
 def end_all() -> None:
     """Ends every program that any thread waits for."""
     for supervisor in tuple(_BUSY):
         supervisor.stop()
 
 
-def _status(status: int) -> str:
+def status_words(status: int) -> str:
     """How a process ended, in words."""
     if status >= 0:
         return f"exit status {status}"

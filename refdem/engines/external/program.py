@@ -1,5 +1,7 @@
 """The program of a refdem.toml: where it is, what belongs to it, and one run of it in an empty
 folder.
+
+One that stays alive is in served_program.py.
 """
 
 import shutil
@@ -25,6 +27,7 @@ FILES = {
     "request": "request.json",
     "request_txt": "request.txt",
     "trajectory": "trajectory.csv",
+    "trajectory_npy": "trajectory.npy",
     "events": "events.csv",
 }
 ROW = 1024
@@ -46,7 +49,7 @@ class Program:
     def missing(self) -> str | None:
         """None if the first word of the command can be run."""
         word = self.table.command[0]
-        if shutil.which(self._placed(word)):
+        if shutil.which(self.placed(word)):
             return None
         return (
             f"{word} is not there or cannot be run (from {self.home}); build it, or correct"
@@ -55,7 +58,7 @@ class Program:
 
     def files(self) -> list[Path]:
         """Every file that the command names, and every file that `inputs` matches."""
-        named = [Path(self._placed(word)) for word in self.table.command]
+        named = [Path(self.placed(word)) for word in self.table.command]
         named += [Path(found) for word in self.table.command[:1] if (found := shutil.which(word))]
         matched = [path for pattern in self.table.inputs for path in self._matched(pattern)]
         return sorted({path.resolve() for path in [*named, *matched] if path.is_file()})
@@ -76,7 +79,7 @@ class Program:
         """First line of what the version command prints; empty if there is none or it fails."""
         if not self.table.version_command:
             return ""
-        command = [self._placed(word) for word in self.table.version_command]
+        command = [self.placed(word) for word in self.table.version_command]
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             try:
                 status = run(command, self.home, out, err, VERSION_LIMITS).status
@@ -104,23 +107,17 @@ class Program:
         """Writes the request into the folder, yields the command to be run there, and reads its
         answer.
         """
-        paths = {name: folder / file for name, file in FILES.items()}
-        paths["request"].write_bytes(request.to_json())
-        paths["request_txt"].write_text(request_text(request))
-        if (file := request.bodies_file) is not None:
-            (folder / bodies_file.NAME).write_bytes(file)
+        paths = written(request, folder)
         command = [self._filled(word, paths) for word in self.table.command]
-        most_bytes = SPARE + ROW * most_rows(request.problem)
-        limits = Limits(timeout=self.table.timeout, file_bytes=most_bytes, memory=self._memory())
+        limits = Limits(
+            timeout=self.table.timeout, file_bytes=most_bytes(request), memory=self.memory()
+        )
         result = yield partial(ended, command, folder, name=self.table.name, limits=limits)
         seconds = result()
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
-        steps = 0
-        if request.step:
-            steps = request.stride * (len(request.problem.times) - 1)
-        return trajectory, Cost(seconds=seconds, steps=steps)
+        return trajectory, Cost(seconds=seconds, steps=steps_of(request))
 
-    def _memory(self) -> int:
+    def memory(self) -> int:
         """The largest memory [bytes] that a process of a run may take: what the author of the
         program states, else most of what the machine has.
         """
@@ -134,14 +131,36 @@ class Program:
         """
         for name, path in paths.items():
             word = word.replace("{" + name + "}", str(path))
-        return self._placed(word)
+        return self.placed(word)
 
-    def _placed(self, word: str) -> str:
+    def placed(self, word: str) -> str:
         """The word as a full path if it names a file below `home`, else the word as it is."""
         path = self.home / word
         if not Path(word).is_absolute() and path.is_file():
             return str(path)
         return word
+
+
+def written(request: Request, folder: Path) -> dict[str, Path]:
+    """The files of a run by name, of which those of the request are written."""
+    paths = {name: folder / file for name, file in FILES.items()}
+    paths["request"].write_bytes(request.to_json())
+    paths["request_txt"].write_text(request_text(request))
+    if (file := request.bodies_file) is not None:
+        (folder / bodies_file.NAME).write_bytes(file)
+    return paths
+
+
+def most_bytes(request: Request) -> int:
+    """Bytes of each file that a program may write for a request."""
+    return SPARE + ROW * most_rows(request.problem)
+
+
+def steps_of(request: Request) -> int:
+    """Steps that a request asks for; 0 of a method without them."""
+    if request.step:
+        return request.stride * (len(request.problem.times) - 1)
+    return 0
 
 
 def _beginning(file: BinaryIO) -> str:

@@ -20,7 +20,7 @@ MOST_MEMORY = 1e6
 MOST_LEVELS = 10
 """Levels that a gate may ask for: ten halvings make the finest run 1000 times as long as the first.
 """
-PLACEHOLDERS = ("request", "request_txt", "trajectory", "events")
+PLACEHOLDERS = ("request", "request_txt", "trajectory", "trajectory_npy", "events")
 """Names in braces that stand for files in a command."""
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
@@ -58,6 +58,10 @@ def _of_command(engine: EngineTable) -> Iterator[Fault]:
     slips = [word for word in engine.command if any(map(is_slip, PLACEHOLDER.findall(word)))]
     if slips:
         yield "engine.command", slips, f"{{name}} of a file: {', '.join(PLACEHOLDERS)}"
+    named = [word for word in engine.command if set(PLACEHOLDER.findall(word)) & {*PLACEHOLDERS}]
+    if engine.serve and named:
+        expected = "no {name} of a file with serve = true: each request has its own, in its line"
+        yield "engine.command", named, expected
     outside = [pattern for pattern in engine.inputs if not is_pattern_below(pattern)]
     if outside:
         expected = "patterns below the folder of refdem.toml, with ** only between slashes"
@@ -106,9 +110,15 @@ def _of_support(engine: EngineTable) -> Iterator[Fault]:
 
 def _of_limits(engine: EngineTable) -> Iterator[Fault]:
     """Faults in the limits on time [s] and memory [GB]."""
-    for name, limit in (("timeout", engine.timeout), ("budget", engine.budget)):
+    for name in ("timeout", "start_timeout", "budget"):
+        limit = getattr(engine, name)
         if not 0 < limit <= YEAR:
             yield f"engine.{name}", limit, "seconds > 0, at most a year"
+    if not 0 <= engine.warm_up <= YEAR:
+        yield "engine.warm_up", engine.warm_up, "seconds >= 0, at most a year"
+    if not engine.serve and engine.warm_up > 0:
+        expected = "0 without serve = true: only a program that stays alive says that it is warm"
+        yield "engine.warm_up", engine.warm_up, expected
     if engine.memory is not None and not LEAST_MEMORY <= engine.memory <= MOST_MEMORY:
         yield "engine.memory", engine.memory, f"gigabytes, at least {LEAST_MEMORY:g}"
 

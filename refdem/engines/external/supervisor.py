@@ -7,6 +7,9 @@ that every process that a program has started, in whatever session, is a descend
 the socket is closed, because refdem has ended in whatever way, it ends them and itself. It is two
 processes: one serves, the other ends what is left where a program has killed the one that serves.
 The folder is that of all runs of the process, which it takes away if that process was killed.
+
+A program may also stay alive (class Service): what comes in is then a line for it, and what goes
+out is the line with which it answered, or how it failed to.
 """
 
 import contextlib
@@ -51,6 +54,20 @@ ABANDONED = 3
 """Exit status of the process that serves, when refdem is gone."""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
+MOST_LINE = 2**16
+"""Bytes of a line with which a program that stays alive answers; a reason takes some hundred."""
+MOST_MESSAGES = 2**26
+"""Bytes of messages that a program that stays alive may write during one request."""
+LAST_MESSAGES = 2**12
+"""Bytes of them that are kept, the last ones."""
+MOST_READ = 2**16
+"""Bytes that are read from a pipe at once: as many as a pipe holds."""
+MOST_DRAINED = 64
+"""Reads of a pipe whose program is thought to be silent."""
+SHOWN = 500
+"""Characters of a line that an answer about it has."""
+ANSWERS = ("done", "unsupported", "failed")
+"""The answers to a request; an answer has one of these words."""
 
 
 class AbandonedError(Exception):
@@ -65,12 +82,124 @@ class TooMuchMemoryError(Exception):
         self.taken = taken
 
 
+class FaultError(Exception):
+    """A program that stays alive has not answered as it should; `said` tells refdem how."""
+
+    def __init__(self, fault: str, **said: Any) -> None:
+        super().__init__(fault)
+        self.said: dict[str, Any] = {"fault": fault, **said}
+
+
+class Service:
+    """A program that stays alive: its process, the pipes to and from it, and what came out.
+
+    `phase` is what it does: it starts, works on a request, or rests (`idle`).
+    """
+
+    def __init__(self, request: "dict[str, Any]") -> None:
+        """Starts it; raises FaultError if that is impossible."""
+        theirs_in, self.asking = os.pipe()
+        self.answering, theirs_out = os.pipe()
+        self.telling, theirs_err = os.pipe()
+        for descriptor in (self.asking, self.answering, self.telling):
+            os.set_blocking(descriptor, False)
+        program, problem = started(request, [theirs_in, theirs_out, theirs_err])
+        for descriptor in (theirs_in, theirs_out, theirs_err):
+            os.close(descriptor)
+        self.phase = "start"
+        self.status: int | None = None
+        self.text = b""
+        self.messages = b""
+        self.told = 0
+        self.open = {self.answering, self.telling}
+        if program is None:
+            self.close()
+            raise FaultError("problem", words=problem)
+        self.process = program
+
+    def close(self) -> None:
+        """Closes the pipes to and from the program."""
+        for descriptor in (self.asking, self.answering, self.telling):
+            if descriptor >= 0:
+                os.close(descriptor)
+        self.asking = self.answering = self.telling = -1
+
+    def hang_up(self) -> None:
+        """Closes its standard input: it is to end."""
+        os.close(self.asking)
+        self.asking = -1
+
+    def write(self, line: str) -> None:
+        """Sends a line; raises FaultError if the program does not read."""
+        try:
+            os.write(self.asking, line.encode() + b"\n")
+        except BlockingIOError:
+            raise FaultError("deaf") from None
+        except BrokenPipeError:
+            # Its end, or that it has closed its standard input, is seen by who waits for a line.
+            return
+
+    def begin(self, phase: str) -> None:
+        """Notes that it does something else now; messages that follow are about that."""
+        self.phase = phase
+        self.messages = b""
+        self.told = 0
+
+    def line(self) -> "bytes | None":
+        """The next whole line that came out, if there is one."""
+        line, end, rest = self.text.partition(b"\n")
+        if not end:
+            return None
+        self.text = rest
+        return line
+
+    def read(self) -> None:
+        """Takes in what has come out since; raises FaultError for too much of it."""
+        if self.answering in self.open:
+            part = self.part(self.answering)
+            self.text += part
+            if len(self.text) > MOST_LINE and b"\n" not in self.text[:MOST_LINE]:
+                raise FaultError("long", most=MOST_LINE, line=shown(self.text))
+        if self.telling in self.open:
+            part = self.part(self.telling)
+            self.told += len(part)
+            self.messages = (self.messages + part)[-LAST_MESSAGES:]
+            if self.told > MOST_MESSAGES:
+                raise FaultError("flood", most=MOST_MESSAGES)
+
+    def part(self, pipe: int) -> bytes:
+        """What a pipe holds; one that has ended is noted."""
+        try:
+            part = os.read(pipe, MOST_READ)
+        except BlockingIOError:
+            return b""
+        if not part:
+            self.open.discard(pipe)
+        return part
+
+    def drain(self) -> None:
+        """Takes in what is there, of a program that writes no more: what writes without end is left
+        alone after MOST_DRAINED looks.
+        """
+        for _ in range(MOST_DRAINED):
+            before = self.told, len(self.text)
+            self.read()
+            if before == (self.told, len(self.text)):
+                return
+
+    @property
+    def said(self) -> str:
+        """The end of its messages."""
+        return self.messages.decode(errors="replace")
+
+
 class Supervisor:
     """Answers what comes over a socket until it is closed."""
 
     def __init__(self, asked: socket.socket) -> None:
         self.asked = asked
         self.is_dismissed = False
+        self.service: Service | None = None
         self.woken, waking = os.pipe()
         os.set_blocking(self.woken, False)
         os.set_blocking(waking, False)
@@ -84,10 +213,19 @@ class Supervisor:
         while True:
             received = self.received()
             if received is None:
+                self.retire()
                 return
             request, descriptors = received
-            answer = self.answer(request, descriptors)
-            self.asked.sendall(json.dumps(answer).encode() + b"\n")
+            if "line" in request:
+                answer = self.served(request)
+            else:
+                answer = self.answer(request, descriptors)
+            try:
+                self.asked.sendall(json.dumps(answer).encode() + b"\n")
+            except OSError:
+                # Nobody waits for the answer any more; why was said before.
+                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+                raise
 
     def received(self) -> "tuple[dict[str, Any], list[int]] | None":
         """The next request with its descriptors, or None."""
@@ -150,6 +288,183 @@ class Supervisor:
             with contextlib.suppress(BlockingIOError):
                 os.read(self.woken, 4096)
 
+    def served(self, request: "dict[str, Any]") -> "dict[str, Any]":
+        """The answer of the program that stays alive, which is started where it does not run.
+
+        A program that did not answer as it should is ended: the next request starts another.
+        """
+        service = self.service
+        try:
+            start = 0.0
+            if service is None:
+                began = time.monotonic()
+                service = self.service = Service(request)
+                self.ready(service, request)
+                start = time.monotonic() - began
+            return self.answered(service, request) | {"start": start, "said": service.said}
+        except FaultError as fault:
+            end_descendants()
+            if service is None:
+                return fault.said | {"phase": "start", "said": ""}
+            with contextlib.suppress(FaultError):
+                service.drain()
+            service.close()
+            self.service = None
+            return fault.said | {"phase": service.phase, "said": service.said}
+
+    def ready(self, service: Service, request: "dict[str, Any]") -> None:
+        """Waits until the program says that it is ready; raises FaultError if it does not."""
+        until = time.monotonic() + request["ready"]
+        line = self.next_line(service, until, request["memory"])
+        if "ready" not in dictionary(line):
+            raise FaultError("stray", line=shown(line))
+
+    def answered(self, service: Service, request: "dict[str, Any]") -> "dict[str, Any]":
+        """The answer to one request, the seconds of warming up for it and of stepping."""
+        self.refuse_noise(service)
+        service.begin("request")
+        limit_files([service.process, *descendants()], request["bytes"])
+        began = time.monotonic()
+        warm = began
+        until = began + request["warm"] + request["timeout"]
+        service.write(request["line"])
+        while True:
+            line = self.next_line(service, until, request["memory"])
+            answer = dictionary(line)
+            # A program may take the id for a number.
+            if "id" in answer and str(answer["id"]) != request["id"]:
+                raise FaultError("other", line=shown(line))
+            is_answer = "id" in answer and sum(word in answer for word in ANSWERS) == 1
+            if is_answer:
+                break
+            if "id" not in answer or "warm" not in answer:
+                raise FaultError("stray", line=shown(line))
+            warm = time.monotonic()
+            until = warm + request["timeout"]
+        ended = time.monotonic()
+        (word,) = (word for word in ANSWERS if word in answer)
+        service.drain()
+        service.phase = "idle"
+        return {
+            "answer": word,
+            "reason": shown(str(answer[word]).encode(errors="replace")),
+            "warm": warm - began,
+            "seconds": ended - warm,
+        }
+
+    def refuse_noise(self, service: Service) -> None:
+        """Raises FaultError if a program has ended, or has written a line, that nobody asked."""
+        if service.phase != "idle":
+            return
+        service.read()
+        self.reap(service)
+        line = service.line()
+        if line is not None:
+            raise FaultError("stray", line=shown(line))
+        if service.status is not None:
+            raise FaultError("ended", status=service.status, half=shown(service.text))
+
+    def next_line(self, service: Service, until: float, most: int) -> bytes:
+        """The next line that the program writes `until` then; raises FaultError if none comes,
+        AbandonedError if nobody waits for it any more.
+        """
+        look = time.monotonic() + LOOK
+        while True:
+            service.read()
+            line = service.line()
+            if line is not None:
+                return line
+            self.refuse_end(service)
+            left = until - time.monotonic()
+            if left <= 0 and service.answering in service.open:
+                raise FaultError("hang")
+            if left <= 0:
+                raise FaultError("closed")
+            asked = self.asked.fileno()
+            heard = [asked, self.woken, *service.open]
+            if service.answering not in service.open:
+                # No line can come any more: its end is what is waited for, not long.
+                until = min(until, time.monotonic() + GRACE)
+            ready, _, _ = select.select(heard, [], [], min(left, LOOK))
+            if asked in ready:
+                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+                raise AbandonedError
+            if time.monotonic() >= look:
+                look = time.monotonic() + LOOK
+                taken = max(map(private_memory, descendants()), default=0)
+                if taken > most:
+                    raise FaultError("memory", taken=taken)
+
+    def refuse_end(self, service: Service) -> None:
+        """Raises FaultError if the program has ended without another line."""
+        with contextlib.suppress(BlockingIOError):
+            os.read(self.woken, 4096)
+        self.reap(service)
+        if service.status is None:
+            return
+        # What it wrote before its end may have come between the last look and this one.
+        service.drain()
+        if b"\n" not in service.text:
+            raise FaultError("ended", status=service.status, half=shown(service.text))
+
+    def reap(self, service: Service) -> None:
+        """Notes how the program ended, if it has."""
+        statuses = reaped()
+        if service.process in statuses:
+            service.status = os.waitstatus_to_exitcode(statuses[service.process])
+
+    def retire(self) -> None:
+        """Lets the program that stays alive end by itself, for a while, if refdem goes on."""
+        service = self.service
+        if service is None or not self.is_dismissed:
+            return
+        service.hang_up()
+        until = time.monotonic() + GRACE
+        while service.status is None and service.open and time.monotonic() < until:
+            select.select([self.woken, *service.open], [], [], LOOK)
+            with contextlib.suppress(BlockingIOError):
+                os.read(self.woken, 4096)
+            with contextlib.suppress(FaultError):
+                service.read()
+            service.text = b""
+            self.reap(service)
+
+
+def dictionary(line: bytes) -> "dict[str, Any]":
+    """What a line of JSON says; raises FaultError unless it is a dictionary."""
+    try:
+        said = json.loads(line)
+    except (ValueError, RecursionError):
+        said = None
+    if not isinstance(said, dict):
+        raise FaultError("stray", line=shown(line))
+    return said
+
+
+def shown(text: bytes) -> str:
+    """The begin of what a program wrote."""
+    return text[:SHOWN].decode(errors="replace")
+
+
+def limit_files(processes: "list[int]", most: int) -> None:
+    """No file that these processes write gets longer than `most` bytes; Linux only.
+
+    The limit is the soft one, which rises again for a longer answer.
+    """
+    if not hasattr(resource, "prlimit"):
+        return
+    for process in processes:
+        with contextlib.suppress(OSError):
+            _, allowed = resource.prlimit(process, resource.RLIMIT_FSIZE)
+            resource.prlimit(process, resource.RLIMIT_FSIZE, (lower(most, allowed), allowed))
+
+
+def lower(most: int, allowed: int) -> int:
+    """The lower of two limits, of which the second may be none."""
+    if allowed == resource.RLIM_INFINITY:
+        return most
+    return min(most, allowed)
+
 
 def started(request: "dict[str, Any]", descriptors: "list[int]") -> "tuple[int | None, str]":
     """The process of a program in a session of its own, or None and why it cannot be started."""
@@ -187,11 +502,14 @@ def become(request: "dict[str, Any]", descriptors: "list[int]") -> None:
         signal.SIGHUP,
     ):
         signal.signal(number, signal.SIG_DFL)
-    out, err = descriptors
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    for source, target in ((nothing, 0), (out, 1), (err, 2)):
+    if "line" in request:
+        # The limit on files follows each request (`limit_files`).
+        sources = descriptors
+    else:
+        sources = [os.open(os.devnull, os.O_RDONLY), *descriptors]
+        limited(resource.RLIMIT_FSIZE, request["bytes"])
+    for target, source in enumerate(sources):
         os.dup2(source, target)
-    limited(resource.RLIMIT_FSIZE, request["bytes"])
     limited(resource.RLIMIT_CORE, 0)
     ended_first()
     os.chdir(request["folder"])
@@ -202,8 +520,7 @@ def become(request: "dict[str, Any]", descriptors: "list[int]") -> None:
 def limited(kind: int, most: int) -> None:
     """No more of something than `most`, or than was allowed before."""
     _, allowed = resource.getrlimit(kind)
-    if allowed != resource.RLIM_INFINITY:
-        most = min(most, allowed)
+    most = lower(most, allowed)
     resource.setrlimit(kind, (most, most))
 
 

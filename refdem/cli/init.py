@@ -1,0 +1,32 @@
+"""refdem init: writes a driver that works, to be changed into that of another program."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    folder: Annotated[Path, typer.Argument(help="Folder that gets the files.")] = Path("."),
+    language: Annotated[
+        str, typer.Option(help="python, c, cpp, fortran, javascript or rust.")
+    ] = "python",
+    name: Annotated[str, typer.Option(help="Name of the program; default: the folder's.")] = "",
+) -> None:
+    """Writes a starter for the gate of your own program: a driver with one integrator, the file
+    that it needs, refdem.toml with every claim explained, and a workflow for GitHub.
+
+    Example: refdem init mydem --language c
+    """
+    import shlex
+
+    from refdem.cli.starter import name_of, next_commands, written
+    from refdem.core.outside import one_line
+
+    for path in written(language, name or name_of(folder), folder):
+        print(f"wrote {one_line(str(path))}")
+    print("It works as it stands. Put your own code into the driver, and then run:")
+    if folder.resolve() != Path.cwd():
+        print(f"    cd {one_line(shlex.quote(str(folder)))}")
+    for line in next_commands(language):
+        print(f"    {line}")

@@ -1,0 +1,142 @@
+"""State that a program keeps from one request to the next.
+
+Some requests are asked again, in a fresh process and in another order, and the answers must agree
+to the bit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.answer_csv import most_rows
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+EVERY = 16
+"""One in so many requests is asked again: a start for each of them is a small part of all starts
+that are saved.
+"""
+CHANGES = 4
+"""So many requests that come after one with another scene are asked again in any case: a program
+that keeps a mass or a velocity shows it there, not where the same scene comes at another step.
+"""
+MOST_ROWS = 100_000
+"""Rows of an answer that is kept to be compared with a later one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a program answered to a request: a trajectory, or else why it does not support it."""
+
+    trajectory: Trajectory | None
+    refusal: str = ""
+
+
+@dataclass(kw_only=True)
+class Sample:
+    """Which requests to one method of a program are asked again, in this process.
+
+    `earlier` is one that was answered before, with its answer: it is asked after the next that is
+    asked again, so that the two come in the other order. `leak` is what was found, if anything was.
+    """
+
+    changes: int = 0
+    has_begun: bool = False
+    earlier: tuple[Request, Answer] | None = None
+    leak: str = ""
+
+    def takes(self, request: Request, before: Request | None) -> bool:
+        """Whether a request that was asked after `before` is asked again; one that was the first of
+        its process was asked in a fresh one already.
+        """
+        if before is None:
+            return False
+        is_first = not self.has_begun
+        self.has_begun = True
+        if self.changes < CHANGES and is_of_another_scene(request, before):
+            self.changes += 1
+            return True
+        return is_first or int(request.key(), 16) % EVERY == 0
+
+    def keep(self, request: Request, answer: Answer) -> None:
+        """Keeps a request, to be asked after the next that is asked again."""
+        if most_rows(request.problem) <= MOST_ROWS:
+            self.earlier = request, answer
+
+
+def is_of_another_scene(request: Request, other: Request) -> bool:
+    """Whether two requests are about different problems, whatever their steps and samples."""
+    return bool(request.problem.document() != other.problem.document())
+
+
+def difference(first: Answer, second: Answer) -> str:
+    """The first difference between two answers to one request, in words; empty if their bits are
+    the same.
+    """
+    if first.trajectory is None or second.trajectory is None:
+        if first.trajectory is second.trajectory:
+            return ""
+        return f"{_kind(first)}, and then {_kind(second)}"
+    return _difference(first.trajectory, second.trajectory)
+
+
+def _kind(answer: Answer) -> str:
+    """Whether it was a trajectory or a refusal."""
+    if answer.trajectory is None:
+        return f"it was not supported ({answer.refusal})"
+    return "it was answered with a trajectory"
+
+
+def _difference(first: Trajectory, second: Trajectory) -> str:
+    """The first difference between two trajectories, sample by sample."""
+    one = _numbers(first)
+    other = _numbers(second)
+    if one.keys() != other.keys():
+        return f"columns {', '.join(one)}, and then {', '.join(other)}"
+    worst = ""
+    earliest = np.inf
+    for name, values in one.items():
+        others = other[name]
+        if values.shape != others.shape:
+            return f"{name} has shape {values.shape}, and then {others.shape}"
+        places = np.argwhere(_bits(values) != _bits(others))
+        if len(places) and places[0][0] < earliest:
+            place = tuple(places[0])
+            earliest = places[0][0]
+            indices = "".join(f"[{index}]" for index in place)
+            worst = (
+                f"{name}{indices} at t = {first.t[place[0]]:.6g} s is {values[place]:.17g}, and"
+                f" then {others[place]:.17g}"
+            )
+    if not worst and first.events != second.events:
+        worst = f"{len(first.events)} events, and then {len(second.events)} or others"
+    return worst
+
+
+def _numbers(trajectory: Trajectory) -> dict[str, Array]:
+    """All arrays of a trajectory by name."""
+    channels = {f"channels.{name}": values for name, values in trajectory.channels.items()}
+    return {"t": trajectory.t} | trajectory.columns() | channels
+
+
+def _bits(values: Array) -> NDArray[np.int64]:
+    """The bits of numbers, for which 0 and -0 differ."""
+    return np.ascontiguousarray(values).view(np.int64)
+
+
+def words(request: Request) -> str:
+    """A request as its author may recognise it: method, step and what the scene has."""
+    step = ""
+    if request.step is not None:
+        step = f", step {request.step:.6g} s"
+    if not isinstance(request.problem, Motion):
+        return f"method {request.method} on {request.problem.words}{step}"
+    scene = request.problem.scene
+    bodies = f"{len(scene.bodies)} bodies"
+    if len(scene.bodies) == 1:
+        bodies = "1 body"
+    features = ", ".join(sorted(scene.features))
+    return f"method {request.method} on {bodies} with {features}{step}"

@@ -1,0 +1,158 @@
+"""A program that stays alive (`serve = true`) as an engine runs it: a folder a request, and some
+requests asked again, in a fresh process and in another order, for state that it keeps.
+"""
+
+import os
+from collections import defaultdict
+from contextlib import suppress
+from pathlib import Path
+
+from refdem.core.answer_csv import read_answer
+from refdem.core.engine import Stages
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.external.folders import run_folder
+from refdem.engines.external.leaks import Answer, Sample, difference, words
+from refdem.engines.external.program import Program, most_bytes, steps_of, written
+from refdem.engines.external.serving import Asked, Exchange, Identity, Reply, ServedLimits
+from refdem.errors import EngineError, LeakError, UnsupportedError
+
+BEFORE = "request-before.json"
+"""Beside what a failed run left: the other request that changes the answer to it."""
+KEEPS = "keeps state from one request to the next"
+ADVICE = "Let each request begin from nothing, or take `serve` away"
+_SAMPLES: defaultdict[tuple[Identity, str], Sample] = defaultdict(Sample)
+"""Of each program that stays alive and each of its methods, in this process."""
+
+
+class ServedProgram(Program):
+    """The program of an engine table with `serve = true`."""
+
+    def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
+        """Yields the exchange with the program that stays alive, and reads its answer; asks some
+        requests again.
+        """
+        identity = self._identity()
+        sample = _SAMPLES[identity, request.method]
+        if sample.leak:
+            # Answers that depend on what came before would be judged as if they were its own.
+            raise LeakError(f"{sample.leak}; nothing more was asked of this method")
+        asked = self._asked(request, folder)
+        exchange = Exchange(self.table.name, self._command(), identity, [asked])
+        result = yield exchange.made
+        result()
+        (reply,) = exchange.replies
+        (folder / "stderr.txt").write_text(reply.said)
+        answer = answered(asked, reply)
+        if self._is_deterministic(request.method):
+            if sample.takes(request, reply.before):
+                yield from self._asked_again(asked, answer, reply, sample)
+                sample.keep(request, answer)
+            elif sample.earlier is None:
+                sample.keep(request, answer)
+        if answer.trajectory is None:
+            raise UnsupportedError(answer.refusal)
+        cost = Cost(seconds=reply.seconds, setup=reply.setup, steps=steps_of(request))
+        return answer.trajectory, cost
+
+    def _asked_again(
+        self, asked: Asked, answer: Answer, reply: Reply, sample: Sample
+    ) -> Stages[None]:
+        """Asks the request of a fresh process, and then an earlier one, which so comes after it.
+
+        Raises EngineError if either answer differs from the one that was given before.
+        """
+        before = reply.before
+        # Other runs go on while this one waits, and keep others in the sample.
+        kept_earlier = sample.earlier
+        again = yield from self._fresh(asked.request, kept_earlier)
+        name = self.table.name
+        place = asked.paths["request"].with_name(BEFORE)
+        differs = difference(answer, again[0])
+        if differs and before is not None:
+            twice = yield from self._fresh(asked.request, None)
+            changing = difference(again[0], twice[0])
+            if changing:
+                raise EngineError(
+                    f"{name} answers one request differently in two fresh processes: {changing};"
+                    " expected the same bits, or deterministic = false of the method"
+                )
+            place.write_bytes(before.to_json())
+            sample.leak = (
+                f"{name} {KEEPS}: asked after another request, and then in a fresh process,"
+                f" {differs}. The request before it: {words(before)} ({BEFORE}). {ADVICE}"
+            )
+            raise LeakError(sample.leak)
+        if kept_earlier is None:
+            return
+        earlier, first_answer = kept_earlier
+        differs = difference(first_answer, again[1])
+        if differs:
+            place.write_bytes(earlier.to_json())
+            sample.leak = (
+                f"{name} {KEEPS}: another request ({words(earlier)}; {BEFORE}) was asked again"
+                f" after this one, in a fresh process, and was answered otherwise: {differs}."
+                f" {ADVICE}"
+            )
+            raise LeakError(sample.leak)
+
+    def _fresh(
+        self, request: Request, earlier: tuple[Request, Answer] | None
+    ) -> Stages[list[Answer]]:
+        """The answers of a fresh process to a request, and to an `earlier` one after it."""
+        with run_folder() as first, run_folder() as second:
+            asked = [self._asked(request, first)]
+            if earlier is not None:
+                asked.append(self._asked(earlier[0], second))
+            exchange = Exchange(
+                self.table.name, self._command(), self._identity(), asked, is_fresh=True
+            )
+            result = yield exchange.made
+            try:
+                result()
+                pairs = zip(asked, exchange.replies, strict=True)
+                return [answered(one, reply) for one, reply in pairs]
+            except EngineError as error:
+                which = "this request, asked again in a fresh process"
+                if exchange.replies and len(asked) > 1:
+                    which = "another request, asked again after this one in a fresh process"
+                raise type(error)(f"{which}: {error}") from None
+
+    def _asked(self, request: Request, folder: Path) -> Asked:
+        """A request whose files are written into its folder."""
+        table = self.table
+        limits = ServedLimits(
+            timeout=table.timeout,
+            file_bytes=most_bytes(request),
+            memory=self.memory(),
+            start_timeout=table.start_timeout,
+            warm_up=table.warm_up,
+        )
+        return Asked(request=request, paths=written(request, folder), limits=limits)
+
+    def _command(self) -> list[str]:
+        """The command of a program that stays alive."""
+        return [self.placed(word) for word in self.table.command]
+
+    def _identity(self) -> Identity:
+        """What changes when the program does: a process of the old one is then not asked."""
+        stats: list[object] = []
+        for path in [self.description, *self.files()]:
+            with suppress(OSError):
+                status = os.stat(path)
+                stats.append((str(path), status.st_mtime_ns, status.st_size, status.st_ino))
+        return (*self._command(), *stats)
+
+    def _is_deterministic(self, name: str) -> bool:
+        """Whether a method claims the same bits for the same request."""
+        return any(method.deterministic for method in self.table.methods if method.name == name)
+
+
+def answered(asked: Asked, reply: Reply) -> Answer:
+    """The answer of a program that stays alive; raises EngineError for a malformed trajectory."""
+    if reply.answer == "unsupported":
+        reason = reply.reason or "the program answers that the scene is not supported"
+        return Answer(trajectory=None, refusal=reason)
+    paths = asked.paths
+    problem = asked.request.problem
+    return Answer(trajectory=read_answer(problem, paths["trajectory"], paths["events"]))

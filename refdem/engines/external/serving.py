@@ -1,0 +1,356 @@
+"""Programs that stay alive (`serve = true`): each thread that asks has its own, which answers one
+request after another; one that hangs or crashes costs its request, and the next starts another.
+
+What goes to such a program and what comes back are lines of JSON:
+
+    {"ready": true}                                          comes first, when it has started
+    {"id": "1", "request": "/.../request.json", ...}         goes to it, with the paths of files
+    {"id": "1", "warm": true}                                may come: what was compiled is compiled
+    {"id": "1", "done": true}                                comes, or `unsupported`, or `failed`
+"""
+
+import atexit
+import contextlib
+import json
+import tempfile
+import threading
+import weakref
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from refdem.core.outside import one_line
+from refdem.core.problem import Request
+from refdem.engines.external.folders import home
+from refdem.engines.external.process import (
+    MAX_OUTPUT,
+    Limits,
+    Supervised,
+    status_words,
+    too_much_memory,
+)
+from refdem.engines.external.supervisor import remove
+from refdem.errors import EngineError, HangError, UsageError
+
+READY = '{"ready": true}'
+"""The first line of a program that stays alive."""
+ADVICE = (
+    "standard output is for answers alone; write messages to standard error, and lead what"
+    " libraries print there too (docs/programs.md, A program that stays alive)"
+)
+MOST_SERVED = 8
+"""Programs that stay alive for one thread: in a campaign of more, those that were asked last."""
+MOST_STARTS = 2
+"""Starts of a program that may fail before it is not started again."""
+SHOWN = 120
+"""Characters of a program's line that an error shows."""
+_LOCAL = threading.local()
+_ALIVE: "weakref.WeakSet[Served]" = weakref.WeakSet()
+"""Those of all threads."""
+_FAILED_STARTS: dict["Identity", list[EngineError]] = {}
+
+Identity = tuple[object, ...]
+"""What tells one state of a program from another: its command, its files and when they changed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ServedLimits(Limits):
+    """The limits of a request to a program that stays alive.
+
+    Beside those of a run: seconds until a program that starts is ready, and seconds that a request
+    may take more where the program says that it has warmed up for it.
+    """
+
+    start_timeout: float
+    warm_up: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """A request, the files of its folder by name, and its limits."""
+
+    request: Request
+    paths: dict[str, Path]
+    limits: ServedLimits
+
+    def line(self, number: str) -> str:
+        """What a program that stays alive reads, without the end of the line."""
+        return line_of(number, self.request.method, {n: str(p) for n, p in self.paths.items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reply:
+    """The answer to a request: `done` or `unsupported`, the reason, seconds of stepping and of
+    set-up, what the program said on standard error, and the request that it had answered `before`.
+    """
+
+    answer: str
+    reason: str
+    seconds: float
+    setup: float
+    said: str
+    before: Request | None
+
+
+def line_of(number: str, method: str, paths: dict[str, str]) -> str:
+    """A request as one line of JSON; its strings need no escapes, so that a program in C or Fortran
+    finds them by their quotes.
+
+    Raises UsageError for a path that has a quote, a backslash or what does not print.
+    """
+    for path in paths.values():
+        if not path.isprintable() or '"' in path or "\\" in path:
+            raise UsageError(
+                f"the path {one_line(path)!r} cannot be sent to a program; expected one without"
+                " quotes and backslashes: set TMPDIR, or name another folder"
+            )
+    return json.dumps({"id": number, "method": method} | paths, ensure_ascii=False)
+
+
+class Served:
+    """A program that stays alive, with its supervisor and the folder that it runs in."""
+
+    def __init__(self, name: str, command: list[str]) -> None:
+        """Starts the supervisor; the program starts with the first request."""
+        self.name = name
+        self.command = command
+        self.folder = Path(tempfile.mkdtemp(dir=home()))
+        self.supervised = Supervised()
+        self.count = 0
+        self.before: Request | None = None
+        _end_all_at_exit()
+        _ALIVE.add(self)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether its supervisor is."""
+        return self.supervised.process.poll() is None
+
+    def reply(self, asked: Asked) -> Reply:
+        """The reply to a request; raises EngineError if there is none, or a failure."""
+        self.count += 1
+        number = str(self.count)
+        limits = asked.limits
+        message = {
+            "command": self.command,
+            "folder": str(self.folder),
+            "environment": {},
+            "ready": limits.start_timeout,
+            "warm": limits.warm_up,
+            "timeout": limits.timeout,
+            "bytes": limits.file_bytes,
+            "memory": limits.memory,
+            "id": number,
+            "line": asked.line(number),
+        }
+        said = self.supervised.answer(message, [])
+        before = self.before
+        if "fault" in said:
+            self.before = None
+            raise self._error(said, message)
+        self.before = asked.request
+        if said["answer"] == "failed":
+            raise EngineError(f"{self.name} failed: {one_line(said['reason'])[:MAX_OUTPUT]}")
+        return Reply(
+            answer=said["answer"],
+            reason=one_line(said["reason"])[:MAX_OUTPUT],
+            seconds=said["seconds"],
+            setup=said["start"] + said["warm"],
+            said=said["said"],
+            before=before,
+        )
+
+    def _error(self, said: dict[str, Any], message: dict[str, Any]) -> EngineError:
+        """The error that says how the program did not answer."""
+        if said["fault"] == "memory":
+            return too_much_memory(message, said["taken"])
+        sentence = f"{self.name} {_FAULTS[said['fault']](said, message)}"
+        messages = one_line(" / ".join(said["said"].strip().splitlines()))[-MAX_OUTPUT:]
+        if messages:
+            sentence += f" (standard error: {messages})"
+        if said["phase"] == "start":
+            return NotStartedError(sentence)
+        if said["fault"] == "hang":
+            return HangError(sentence)
+        return EngineError(sentence)
+
+    def close(self) -> None:
+        """Lets the program end, or ends it."""
+        _ALIVE.discard(self)
+        self.supervised.close()
+        if self.folder.exists():
+            remove(self.folder)
+
+    def __del__(self) -> None:
+        self.close()
+
+
+class NotStartedError(EngineError):
+    """A program that stays alive did not get ready."""
+
+
+def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
+    """How a program ended that was to stay."""
+    words = f"ended with {status_words(said['status'])}"
+    half = ""
+    if said["half"]:
+        half = f", after half a line {one_line(said['half'], SHOWN)!r}"
+    if said["phase"] == "start":
+        return f"{words} before it was ready to read requests{half}"
+    if said["phase"] == "idle":
+        return (
+            f"{words} after its answer to the request before this one{half}; expected a program"
+            " that reads requests until its standard input ends"
+        )
+    return f"{words} and did not answer{half}"
+
+
+def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
+    """What the program took too long for."""
+    if said["phase"] == "start":
+        return (
+            f"was not ready after {message['ready']:g} s and was ended; expected the line {READY}"
+            " on standard output, flushed, as soon as it can read requests (`start_timeout` in"
+            " refdem.toml)"
+        )
+    return f"was still running after {message['timeout']:g} s and was ended"
+
+
+def _stray(said: dict[str, Any], message: dict[str, Any]) -> str:
+    """What a program wrote that is no answer."""
+    expected = f'{{"id": "{message["id"]}", "done": true}}, `unsupported` or `failed`'
+    when = "as the answer to a request"
+    if said["phase"] == "start":
+        expected = READY
+        when = "as its first line"
+    if said["phase"] == "idle":
+        expected = "nothing before the next request"
+        when = "after its answer to the request before this one"
+    return f"wrote {one_line(said['line'], SHOWN)!r} {when}; expected {expected}: {ADVICE}"
+
+
+def _other(said: dict[str, Any], message: dict[str, Any]) -> str:
+    """The answer to something else."""
+    return (
+        f"wrote {one_line(said['line'], SHOWN)!r} as the answer to request {message['id']!r};"
+        " expected the id of the request, each answered before the next is read"
+    )
+
+
+_FAULTS: dict[str, Callable[[dict[str, Any], dict[str, Any]], str]] = {
+    "problem": lambda said, _: f"cannot be started: {one_line(said['words'])}",
+    "ended": _ended,
+    "hang": _hung,
+    "stray": _stray,
+    "other": _other,
+    "long": lambda said, _: (
+        f"wrote a line of more than {said['most']} bytes to standard output, beginning with"
+        f" {one_line(said['line'], SHOWN)!r}: {ADVICE}"
+    ),
+    "flood": lambda said, _: (
+        f"wrote more than {said['most']} bytes to standard error during one request and was ended"
+    ),
+    "closed": lambda _, __: (
+        "closed its standard output and did not answer; expected a program that leaves it open"
+    ),
+    "deaf": lambda _, __: (
+        "does not read its standard input; expected one line read for each request"
+    ),
+}
+"""The words for every way in which a program does not answer."""
+
+
+class Exchange:
+    """Requests to a program that stays alive, one after another, and the replies.
+
+    They go to the program of the thread that waits for it (`made`), or to a `fresh` one, which ends
+    then.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        command: list[str],
+        identity: Identity,
+        asked: list[Asked],
+        *,
+        is_fresh: bool = False,
+    ) -> None:
+        """`identity` tells whether a program that runs is still the one that is meant."""
+        self.name = name
+        self.command = command
+        self.identity = (is_fresh, *identity)
+        self.asked = asked
+        self.is_fresh = is_fresh
+        self.replies: list[Reply] = []
+
+    def made(self) -> float:
+        """Seconds of stepping; raises EngineError for the first request that is not answered."""
+        failed = _FAILED_STARTS.setdefault(self.identity, [])
+        if len(failed) >= MOST_STARTS:
+            raise EngineError(f"{failed[-1]}; it was not started again")
+        if self.is_fresh:
+            with contextlib.closing(Served(self.name, self.command)) as served:
+                self._ask(served)
+        else:
+            self._ask(self._of_thread())
+        return sum(reply.seconds for reply in self.replies)
+
+    def _ask(self, served: Served) -> None:
+        """Asks one request after another."""
+        for asked in self.asked:
+            try:
+                self.replies.append(served.reply(asked))
+            except NotStartedError as error:
+                _FAILED_STARTS[self.identity].append(error)
+                raise
+
+    def _of_thread(self) -> Served:
+        """The program of this thread, which is made where there is none."""
+        of_thread: OfThread | None = getattr(_LOCAL, "of_thread", None)
+        if of_thread is None:
+            of_thread = _LOCAL.of_thread = OfThread()
+        alive = of_thread.alive
+        served = alive.pop(self.identity, None)
+        if served is not None and not served.is_there:
+            served.close()
+            served = None
+        if served is None:
+            served = Served(self.name, self.command)
+        alive[self.identity] = served
+        while len(alive) > MOST_SERVED:
+            _, oldest = alive.popitem(last=False)
+            oldest.close()
+        return served
+
+
+class OfThread:
+    """The programs of one thread, in the order in which they were asked last; they end with it.
+
+    Only the thread has this object, while a program may be in the traceback of an error that lives
+    on.
+    """
+
+    def __init__(self) -> None:
+        self.alive: OrderedDict[Identity, Served] = OrderedDict()
+
+    def __del__(self) -> None:
+        for served in self.alive.values():
+            served.close()
+
+
+@cache
+def _end_all_at_exit() -> None:
+    """Programs that stay alive end with this process; called once the folder of their folders is
+    there, so that they end before it is taken away.
+    """
+    atexit.register(end_served)
+
+
+def end_served() -> None:
+    """Ends all programs that stay alive."""
+    for served in tuple(_ALIVE):
+        served.close()

@@ -1,0 +1,338 @@
+"""A right program for a mass on a spring that stays alive, and one misbehaviour a method: a zoo.
+
+usage: program.py [START], requests as lines on standard input; START is a misbehaviour before the
+first request. usage: program.py REQUEST TRAJECTORY runs one request and ends. Every LATER method
+behaves well until its process has answered one request.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+MARK = "grandchild of " + os.path.abspath(__file__)
+"""In the command line of every process that is left behind, so that a test finds it."""
+SLEEPS = [sys.executable, "-c", "import time; time.sleep(600)", MARK]
+HEADER = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
+KEPT = {"answered": 0}
+"""What the program keeps from one request to the next."""
+METHODS = {}
+"""What a method does instead of an answer, with the request as it was asked."""
+
+
+def method(function):
+    """A misbehaviour of a request."""
+    METHODS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def say(**words):
+    """One line of answer."""
+    print(json.dumps(words), flush=True)
+
+
+def trajectory(request, kept=None):
+    """Rows of velocity Verlet for a mass on a spring; what is `kept` replaces the scene's."""
+    (body,) = request["scene"]["bodies"]
+    (spring,) = request["scene"]["elements"]
+    stiffness = spring["stiffness"] / body["mass"]
+    anchor = spring.get("anchor_b", [0.0])[0]
+    x = body["position"][0]
+    v = body.get("velocity", [0.0])[0]
+    if kept is not None:
+        stiffness = kept.setdefault("stiffness", stiffness)
+        v = kept.get("velocity", v)
+    h = request["step"]
+    start = request["times"][0]
+    rows = []
+    for n in range(len(request["times"])):
+        for _ in range(request["stride"] if n > 0 else 0):
+            v -= h / 2 * stiffness * (x - anchor)
+            x += h * v
+            v -= h / 2 * stiffness * (x - anchor)
+        rows.append([start + n * request["stride"] * h, 0, x, 0, 0, v, 0, 0])
+    if kept is not None and kept.get("keeps_velocity"):
+        kept["velocity"] = v
+    return rows
+
+
+def write(path, rows):
+    """The rows as CSV."""
+    with open(path, "w") as out:
+        print(HEADER, file=out)
+        for row in rows:
+            print(*row, *[""] * 7, sep=",", file=out)
+
+
+def good(asked):
+    """The right answer."""
+    with open(asked["request"]) as file:
+        request = json.load(file)
+    write(asked["trajectory"], trajectory(request))
+    say(id=asked["id"], done=True)
+
+
+def later(asked):
+    """Whether the process has answered a request; one more has come now."""
+    KEPT["answered"] += 1
+    return KEPT["answered"] > 1
+
+
+# Ends ----------------------------------------------------------------------------------------
+
+
+@method
+def hangs(asked):
+    subprocess.Popen(SLEEPS)
+    time.sleep(600)
+
+
+@method
+def crashes(asked):
+    print("about to crash", file=sys.stderr, flush=True)
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+@method
+def crashes_later(asked):
+    if later(asked):
+        os.abort()
+    good(asked)
+
+
+@method
+def exits(asked):
+    sys.exit(3)
+
+
+@method
+def half_a_line(asked):
+    print('{"id": "' + asked["id"] + '", "do', end="", flush=True)
+    os._exit(0)
+
+
+@method
+def ends_after_each_answer(asked):
+    good(asked)
+    os._exit(0)
+
+
+@method
+def closes_its_output(asked):
+    os.close(1)
+    time.sleep(600)
+
+
+@method
+def takes_all_memory(asked):
+    kept = []
+    while True:
+        kept.append(b"x" * 2**26)
+
+
+# Says ----------------------------------------------------------------------------------------
+
+
+@method
+def prints(asked):
+    print("step 1 of 100")
+    good(asked)
+
+
+@method
+def prints_after_its_answer(asked):
+    print(json.dumps({"id": asked["id"], "done": True}) + "\ngoodbye", flush=True)
+    with open(asked["request"]) as file:
+        write(asked["trajectory"], trajectory(json.load(file)))
+
+
+@method
+def answers_twice(asked):
+    good(asked)
+    say(id=asked["id"], done=True)
+
+
+@method
+def answers_another(asked):
+    say(id="7000", done=True)
+
+
+@method
+def answers_without_id(asked):
+    say(done=True)
+
+
+@method
+def answers_everything(asked):
+    say(id=asked["id"], done=True, failed="no")
+
+
+@method
+def answers_a_list(asked):
+    say_list = json.dumps(["done", asked["id"]])
+    print(say_list, flush=True)
+
+
+@method
+def answers_deep(asked):
+    print("[" * 50_000, flush=True)
+
+
+@method
+def answers_in_colour(asked):
+    print("\x1b[31mred\x1b[0m", flush=True)
+
+
+@method
+def answers_without_end(asked):
+    while True:
+        print("x" * 4096, end="", flush=True)
+
+
+@method
+def messages_without_end(asked):
+    while True:
+        print("x" * 4096, file=sys.stderr)
+
+
+@method
+def says_done_and_wrote_nothing(asked):
+    say(id=asked["id"], done=True)
+
+
+@method
+def writes_a_huge_file(asked):
+    # Python ignores the signal of a file that grows too large, and sees an error instead.
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+    with open(asked["trajectory"], "wb") as out:
+        while True:
+            out.write(b"x" * 2**20)
+
+
+@method
+def fails(asked):
+    say(id=asked["id"], failed="the solver diverged at t = 3\x1b[31m")
+
+
+@method
+def refuses(asked):
+    say(id=asked["id"], unsupported="no springs on Saturdays")
+
+
+@method
+def refuses_later(asked):
+    if later(asked):
+        refuses(asked)
+    else:
+        good(asked)
+
+
+# Keeps ---------------------------------------------------------------------------------------
+
+
+@method
+def keeps_velocity(asked):
+    KEPT["keeps_velocity"] = True
+    with open(asked["request"]) as file:
+        write(asked["trajectory"], trajectory(json.load(file), KEPT))
+    say(id=asked["id"], done=True)
+
+
+@method
+def keeps_stiffness(asked):
+    with open(asked["request"]) as file:
+        write(asked["trajectory"], trajectory(json.load(file), KEPT))
+    say(id=asked["id"], done=True)
+
+
+@method
+def softens_after_a_small_mass(asked):
+    """What comes after a scene of small mass has a spring of half the stiffness."""
+    with open(asked["request"]) as file:
+        request = json.load(file)
+    mass = request["scene"]["bodies"][0]["mass"]
+    if KEPT.get("is_small"):
+        request["scene"]["elements"][0]["stiffness"] /= 2
+    write(asked["trajectory"], trajectory(request))
+    KEPT["is_small"] = mass < 1
+    say(id=asked["id"], done=True)
+
+
+@method
+def draws_lots(asked):
+    """Answers that differ from process to process, and from request to request."""
+    with open(asked["request"]) as file:
+        rows = trajectory(json.load(file))
+    rows[1][2] += 1e-9 * time.monotonic_ns() % 1e-6
+    write(asked["trajectory"], rows)
+    say(id=asked["id"], done=True)
+
+
+# Harmless ------------------------------------------------------------------------------------
+
+
+@method
+def warms_up(asked):
+    time.sleep(0.4)
+    say(id=asked["id"], warm=True)
+    good(asked)
+
+
+@method
+def takes_the_id_for_a_number(asked):
+    good(asked | {"id": int(asked["id"])})
+
+
+@method
+def writes_an_array(asked):
+    import numpy as np
+
+    with open(asked["request"]) as file:
+        rows = trajectory(json.load(file))
+    np.save(asked["trajectory_npy"], np.array([row + [np.nan] * 7 for row in rows]))
+    say(id=asked["id"], done=True)
+
+
+@method
+def talks_on_standard_error(asked):
+    print("thinking " * 10, file=sys.stderr, flush=True)
+    good(asked)
+
+
+# Starts --------------------------------------------------------------------------------------
+
+
+def start(how):
+    """What happens before the first request."""
+    if how == "dies":
+        sys.exit("libphysics.so.3 is not there")
+    if how == "dies-after-half-a-line":
+        print('{"rea', end="", flush=True)
+        os._exit(4)
+    if how == "banner":
+        print("PHYSICS 3.1 (c) 1999", flush=True)
+    if how == "silent":
+        time.sleep(600)
+    if how == "never-reads":
+        print('{"ready": true}', flush=True)
+        for number in range(1, 100_000):
+            say(id=str(number), failed="guessed")
+        time.sleep(600)
+    print('{"ready": true}', flush=True)
+
+
+def main(words):
+    """One run, or requests until standard input ends."""
+    if len(words) == 2:
+        with open(words[0]) as file:
+            write(words[1], trajectory(json.load(file)))
+        return
+    start("".join(words))
+    for line in sys.stdin:
+        asked = json.loads(line)
+        METHODS.get(asked["method"], good)(asked)
+
+
+main(sys.argv[1:])
