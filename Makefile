@@ -17,7 +17,7 @@ SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(she
 # A file that is gone changes the list, and so the wheel.
 $(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
 # Tests that need more than Python and a compiler: `make test-all` runs these, the longest first.
-ELSEWHERE := tests/validation/codes tests/browser tests/foreign/fortran tests/packaging
+ELSEWHERE := tests/validation/codes tests/browser tests/foreign/fortran tests/foreign/starters tests/packaging
 # Every fault at twenty settings: `make nightly`, and of a change the part that it can touch.
 MATRIX := tests/matrix
 # Where the time of the tests goes.
