@@ -109,13 +109,13 @@ def pull_along(motion: Moving, state: State, number: int) -> Number:
 
 
 def slides(motion: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
-    """A tangential spring at its limit stays there."""
+    """Whether a tangential spring at Coulomb's limit stays there."""
     return bool(limit_excess_rate(motion, state, load, number, h) > 0)
 
 
 def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s|' - mu F'
-    [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
+    """The rate at which a tangential spring xi at Coulomb's limit would exceed it, k_t |xi|' - mu
+    F_n' [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
     """
     law = motion.world.law
     if not (_law_has_spring(law) and state.pressing[number]):
@@ -125,18 +125,19 @@ def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h:
     stretch = load.stretch[number]
     slip = load.slip[number]
     length = vec.size(stretch)
-    # |s|' = s.s'/|s|, and |s'| for a spring that is not stretched yet.
+    # xi' is the slip: |xi|' = xi . xi'/|xi|, and |xi'| for a spring that is not stretched yet.
     if length > 0:
         stretching = vec.dot(stretch, slip) / length
     else:
         stretching = vec.size(slip)
-    # F' = k d' + c d''.
+    # F_n' = k d' + c d''.
     normal_rate = law.stiffness * rate
     if law.damping > 0:
-        pull = vec.times(1.0 / motion.world.mass[i], load.force[i])
+        acceleration = vec.times(1.0 / motion.world.mass[i], load.force[i])
         if j >= 0:
-            pull = vec.moved(pull, -1.0 / motion.world.mass[j], load.force[j])
-        normal_rate += law.damping * second_rate(motion, state, number, relative, rate, pull)
+            acceleration = vec.moved(acceleration, -1.0 / motion.world.mass[j], load.force[j])
+        d_second = second_rate(motion, state, number, relative, rate, acceleration)
+        normal_rate += law.damping * d_second
     excess_rate = law.tangential_stiffness * stretching - law.friction * normal_rate
     if h > 0:
         return excess_rate
@@ -144,20 +145,26 @@ def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h:
 
 
 def second_rate(
-    motion: Moving, state: State, number: int, relative: Vector, rate: Number, pull: Vector
+    motion: Moving,
+    state: State,
+    number: int,
+    relative: Vector,
+    rate: Number,
+    acceleration: Vector,
 ) -> Number:
-    """d'' [m/s^2] of a pair, `pull` being the relative acceleration a = a_i - a_j (3), `relative`
-    the relative velocity v and `rate` d'.
+    """d'' [m/s^2] of a pair, from its relative acceleration a = a_i - a_j (3), its relative
+    velocity v and the rate d' of its overlap.
 
     d = R_i + R_j - rho has d' = v . n; the normal turns with n' = -(v - (v . n) n)/rho, so that d''
     = a . n - (|v|^2 - d'^2)/rho. The normal of a plane does not turn.
     """
     i, j = motion.world.pairs[number]
     normal, depth, _, _ = meeting(motion.world, state, motion.parts, number)
+    along_normal = vec.dot(acceleration, normal)
     if j < 0:
-        return vec.dot(pull, normal)
+        return along_normal
     distance = motion.world.radius[i] + motion.world.radius[j] - depth
-    return vec.dot(pull, normal) - (vec.dot(relative, relative) - rate * rate) / distance
+    return along_normal - (vec.dot(relative, relative) - rate * rate) / distance
 
 
 def _law_has_spring(law: Any) -> bool:
