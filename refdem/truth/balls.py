@@ -12,7 +12,7 @@ from inspect import isfunction
 from threading import RLock
 from typing import Any, ParamSpec, Self, TypeVar
 
-from flint import acb, arb, arb_series, ctx, fmpq
+from flint import acb, arb, arb_mat, arb_series, ctx, fmpq
 
 from refdem.core.truth import Ball
 from refdem.truth.exact import refuse_rounded
@@ -280,3 +280,8 @@ def refined(
 ) -> dict[str, Ball] | None:
     """The balls of `climbed`: None if the formula is undecided or not finite to the end."""
     return climbed(evaluate, target, bits, most).balls
+
+
+def unit_matrix(size: int) -> arb_mat:
+    """The exact unit matrix (size, size)."""
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])

@@ -42,7 +42,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from refdem.truth.balls import UndecidedError, arb_of, ball_of
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, unit_matrix
 
 Array = NDArray[np.float64]
 Fundamental = Callable[[arb], arb_mat]
@@ -1030,9 +1030,14 @@ def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
     return middles.reshape(shape).swapaxes(0, 1), radii.reshape(shape).swapaxes(0, 1)
 
 
-def unit_matrix(size: int) -> arb_mat:
-    """The exact unit matrix (size, size)."""
-    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_mat:
+    """The matrix of these rows between errors of coordinates, between errors in units of their
+    sizes: entry (i, j) times size j over size i.
+    """
+    scaled = []
+    for row, size in zip(rows, sizes, strict=True):
+        scaled.append([entry * column / size for entry, column in zip(row, sizes, strict=True)])
+    return arb_mat(scaled)
 
 
 def inverted(matrix: arb_mat) -> arb_mat:

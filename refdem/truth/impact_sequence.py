@@ -30,7 +30,7 @@ from typing import Any, Protocol, Self
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.refiner import Refiner, Size
@@ -420,7 +420,7 @@ class ImpactSequence(ClosedForm):
         ]
 
         def flight(t: arb) -> arb_mat:
-            derivative = identity(count)
+            derivative = unit_matrix(count)
             for place, speed, ratio in moving:
                 derivative[place, speed] = t * ratio
             return derivative
@@ -459,7 +459,7 @@ class ImpactSequence(ClosedForm):
         derivative = arb_mat([list(number.slopes) for number in parted])
         time_slopes = time_slopes_of(encounter, meeting)
         gravity = self.gravity()
-        moved = identity(count) + outer(rates(meeting, gravity), time_slopes)
+        moved = unit_matrix(count) + outer(rates(meeting, gravity), time_slopes)
         after = rates(motions([number.value for number in parted]), gravity)
         raw = derivative * moved - outer(after, time_slopes)
         # The bodies of this impact, among the coordinates that are told.
@@ -467,7 +467,7 @@ class ImpactSequence(ClosedForm):
         for number, body in enumerate(encounter.bodies):
             for part in range(OF_BODY):
                 places[OF_BODY * body + part] = OF_BODY * number + part
-        scaled = identity(len(self.state))
+        scaled = unit_matrix(len(self.state))
         for row, full_row in enumerate(self.coordinates):
             for column, full_column in enumerate(self.coordinates):
                 if full_row in places and full_column in places:
@@ -537,8 +537,3 @@ def rates(states: Sequence[Motion], gravity: Sequence[arb] | None) -> list[arb]:
 def outer(column: Sequence[arb], row: Sequence[arb]) -> arb_mat:
     """The matrix of all products of two vectors."""
     return arb_mat([[a * b for b in row] for a in column])
-
-
-def identity(count: int) -> arb_mat:
-    """The unit matrix of so many rows."""
-    return arb_mat([[arb(int(i == j)) for j in range(count)] for i in range(count)])

@@ -19,6 +19,7 @@ from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.vectors import cross
 
 DOUBLINGS = 12
 """How often the time is doubled until the energy has fallen far enough: the damping may be weak."""
@@ -69,13 +70,10 @@ def first_time(omega: Sequence[Fraction], inertia: Sequence[Fraction]) -> Fracti
 def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
     """The field of omega_body: J omega' = L x omega + c L x (L x omega) with L = J omega."""
 
-    def crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-        return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
-
     def rates(omega: Sequence[Any]) -> Sequence[Any]:
         momentum = [w * j for w, j in zip(omega, inertia, strict=True)]
-        gyroscopic = crossed(momentum, omega)
-        dissipative = crossed(momentum, gyroscopic)
+        gyroscopic = cross(momentum, omega)
+        dissipative = cross(momentum, gyroscopic)
         return [
             (a + b * damping) / j for a, b, j in zip(gyroscopic, dissipative, inertia, strict=True)
         ]

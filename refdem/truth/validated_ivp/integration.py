@@ -159,10 +159,7 @@ class Chain(Guarded):
     def reached(self) -> list[arb]:
         """Balls of the state at `end`."""
         with precision(self.bits + GUARD):
-            return [
-                value + arb(0, radius)
-                for value, radius in zip(self.centre, self.spread.radii(), strict=True)
-            ]
+            return self.spread.around(self.centre)
 
     def piece(self, t: arb) -> Piece:
         """The piece that holds the midpoint of the time; pieces up to it are made.
