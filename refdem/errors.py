@@ -51,7 +51,7 @@ class HangError(EngineError):
 
 
 class UnsupportedError(RefdemError):
-    """An engine cannot say the scene; the message names the missing feature."""
+    """An engine cannot express the scene; the message names the missing feature."""
 
 
 class NotCertifiedError(RefdemError):

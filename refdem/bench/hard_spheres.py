@@ -16,7 +16,7 @@ from refdem.scene.elements.plane import Plane
 PARTS = (0.01, 0.3, 0.4)
 """Parts of the box that spheres fill: a gas, and two fluids."""
 IMPACTS = 50_000
-"""Impacts of a round, about: fewer than the method tells one by one, so that it counts them."""
+"""About how many impacts a round has: too many for the method to list them; it counts them."""
 LEAST_GAP = 1.02
 """Diameters between the places of the lattice on which they start, at least."""
 

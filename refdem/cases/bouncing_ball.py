@@ -36,7 +36,7 @@ class BouncingBall(Case):
         " before it: the bounces come to an end in finite time, at T, and without number. Friction"
         " stops the slip of the point that touches, or reverses a part of it, and is cut at mu"
         " times the normal impulse. The run ends before T, towards which errors grow without bound;"
-        " the rest that follows is not told."
+        " the rest that follows is left out."
     )
     latex = (
         r"v_n=e^{n-1}v_1,\quad t_n=t_1+\frac{2v_1}{g}\sum_{k=1}^{n-1}e^k,\quad"

@@ -259,10 +259,12 @@ def show(document: dict[str, Any], as_json: bool, unit: str) -> None:
         return
     values = document["values"]
     for item in values:
-        time = ""
+        name = item["quantity"]
         if item["t"] is not None:
-            time = f"({item['t']} {unit}".rstrip() + ")"
-        print(f"{item['quantity'] + time:24} {item['mid']} +- {item['radius']}")
+            # A map counts its iterates and has no unit of time.
+            time = f"{item['t']} {unit}".rstrip()
+            name = f"{name}({time})"
+        print(f"{name:24} {item['mid']} +- {item['radius']}")
     method = "none"
     if values:
         method = values[0]["method"]

@@ -202,7 +202,7 @@ Margins = list[tuple[Number, Change]]
 def margins(motion: Moving, before: State, after: State, load: Loads, h: Number) -> Margins:
     """The guard of every mode at the end of a step, each with the change of mode it stands for.
 
-    A guard below 0 says that the mode of the step's begin does not fit any more.
+    A guard below 0 says that the mode of the step's start does not fit any more.
     """
     world = motion.world
     pairs = range(len(world.pairs))
@@ -352,7 +352,7 @@ def advance(
 ) -> tuple[State, Loads]:
     """One step of h [s], in pieces between changes of mode: the state and its loads at the end.
 
-    A trial step over the rest of h is accepted if all modes of its begin still fit at its end.
+    A trial step over the rest of h is accepted if all modes of its start still fit at its end.
     Otherwise it is cut where the first of them has just ceased to fit, and that mode is changed.
     """
     if motion.world.is_smooth:

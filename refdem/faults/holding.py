@@ -156,7 +156,7 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
     """Velocities with which a drift of h ends at the lengths of rods and strings (RATTLE, Andersen
     1983).
 
-    Newton steps, rod by rod, with impulses along the rods of the begin (`before`): each moves the
+    Newton steps, rod by rod, with impulses along the rods of the start (`before`): each moves the
     end of the drift to the rod's length, and sweeps go on until all hold.
     """
     if not motion.tied:

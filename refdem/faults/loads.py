@@ -216,7 +216,7 @@ def _sphere(
     """Adds the contact forces and torques of a sphere on a plane or on another sphere, pair
     `number`.
 
-    `before` are the loads at the begin of a step of h [s], from which its tangential spring grows;
+    `before` are the loads at the start of a step of h [s], from which its tangential spring grows;
     None where there is no step, and the spring stays as it is in the state.
     """
     law = world.law
@@ -293,14 +293,14 @@ def _grown(
     """
     normal = total.normal[number]
     slip = total.slip[number]
-    # Spring and slip of the begin are turned into the tangent plane of the end.
+    # Spring and slip of the start are turned into the tangent plane of the end.
     old_normal = before.normal[number]
     stretch = parts.transported(state.stretch[number], old_normal, normal)
     old_slip = parts.transported(before.slip[number], old_normal, normal)
     if not state.sliding[number] or not vec.size(stretch) > abs(h) * vec.size(slip):
         return parts.stretched(stretch, old_slip, slip, h)
     # At Coulomb's limit the spring turns with the slip, and its length is the limit's: taken midway
-    # between those of the begin and of the end.
+    # between those of the start and of the end.
     stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(world.law, stretch, push)))
     across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
     return parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)

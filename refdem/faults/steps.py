@@ -74,7 +74,7 @@ def verlet(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State,
     else:
         guess = moved
     # Loads at the end of the step; where they depend on the velocity there, which is not known
-    # before the last kick, they are taken at a velocity predicted by the loads of the begin ...
+    # before the last kick, they are taken at a velocity predicted by the loads of the start ...
     after = motion.parts.loads(motion.world, guess, motion.parts, load, h)
     if motion.depends_on_velocity:
         # ... and once more at the velocity that this kick gives.

@@ -47,8 +47,8 @@ MOST_STEPS = 600
 EXPLAINED = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
 SOUND = 1e-9
-"""A code that is farther from every twin without fault has more to it than another order of its
-sums.
+"""A code that is farther than this from every twin without fault differs by more than the order of
+its sums.
 """
 ALIKE = 10.0
 """Of two twins whose distances differ by less than this factor, neither is the better explanation.
@@ -198,7 +198,9 @@ def _complexity(twin: Twin) -> int:
 
 
 def _is_alike(twin: Twin, nearest: Twin) -> bool:
-    """Round-off, or a factor of ten, does not tell one explanation from another."""
+    """Whether a twin explains the run as well as the nearest one: it is at most ten times as far,
+    or so near that only round-off is left.
+    """
     return twin.distance <= max(ALIKE * nearest.distance, FLOOR)
 
 
@@ -448,19 +450,22 @@ class Beside:
                 )
 
     def _fitted(self, knob: Knob, followed: list[tuple[str, float]]) -> Iterator[Twin]:
-        """The knob at the amplitude that the run shows, where it shows one, in each method."""
+        """Twins with a fault of any amplitude, one in each method that can explain the run: at the
+        amplitude at which it is nearest to the run.
+        """
         inert = set()
         for method, step in self._tries(knob.fault, followed):
             if method in inert:
                 continue
             amplitude = fit.amplitude(self._differences(knob, method, step), self.counts)
+            if amplitude is None:
+                continue
             if amplitude == 0.0:
+                # The fault does not act in this method, at whatever step.
                 inert.add(method)
-            if not amplitude:
                 continue
             distance = self.distance(self.ran(knob.carrier(amplitude), method, step))
             if distance is not None:
-                plain = self.sound[method, step].distance
                 yield Twin(
                     fault=knob.fault,
                     knob=knob,
@@ -468,7 +473,7 @@ class Beside:
                     method=method,
                     step=step,
                     distance=distance,
-                    beside=plain,
+                    beside=self.sound[method, step].distance,
                 )
 
     def _differences(self, knob: Knob, method: str, step: float) -> fit.Difference:

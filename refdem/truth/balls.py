@@ -23,9 +23,9 @@ python-flint, not of a thread.
 """
 
 FARTHEST = 2**13
-"""Binary exponents within which balls are told: 10^2466 has no use for a larger one, whose decimals
-Python refuses to write, and exp(-1e60), a damped motion long afterwards, would as a fraction take
-all memory.
+"""Largest size of the binary exponent of a value that is reported, about 10^2466. Python refuses to
+write the decimals of larger numbers, and a fraction such as exp(-1e60), a damped motion long after
+its start, would take all memory.
 """
 
 Parameters = ParamSpec("Parameters")

@@ -241,10 +241,9 @@ class Family(Protocol):
 
 class ImpactSequence(ClosedForm):
     """A motion through a list of impacts; `coordinates` are the places in the full state of the
-    numbers that are told, in the order of the quantities.
+    quantities that are reported, in their order.
 
-    The other coordinates keep their values, whatever happens to those that are told: a motion on a
-    line, or in a plane.
+    The other coordinates keep their values: the motion is on a line, or in a plane.
     """
 
     def __init__(
@@ -401,7 +400,7 @@ class ImpactSequence(ClosedForm):
         return arb_of(max(rates))
 
     def flights(self) -> Iterator[tuple[int, int]]:
-        """The numbers of each place that is told and of its velocity."""
+        """The number of every reported position among the coordinates, and that of its velocity."""
         for number, place in enumerate(self.coordinates):
             if place % OF_BODY < 3:
                 yield number, self.coordinates.index(place + 3)

@@ -28,7 +28,7 @@ def _late_damping(sound: Parts) -> dict[str, Any]:
         if before is None:
             return sound.loads(world, state, parts)
         old = state.copy()
-        # v - h F/m, with the forces of the step's begin.
+        # v - h F/m, with the forces of the step's start.
         for i, force in enumerate(before.force):
             old.v[i] = vec.moved(state.v[i], -h / world.mass[i], force)
         return sound.loads(world, old, parts, before, h)

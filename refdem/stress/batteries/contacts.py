@@ -1,4 +1,4 @@
-"""Contacts that begin together, and contacts that are there before the motion begins."""
+"""Contacts that start together, and contacts that are there before the motion begins."""
 
 from refdem.stress.ladder import Battery
 from refdem.stress.measures.parameters import parameter_ladder

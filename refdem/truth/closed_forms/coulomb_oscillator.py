@@ -160,7 +160,7 @@ class CoulombOscillator(OnALine):
         return max(0, int(least))
 
     def _halves_until(self, t: arb) -> int:
-        """The number of half cycles that are over at t; UndecidedError if balls do not tell."""
+        """The number of half cycles that are over at t; UndecidedError if balls cannot tell."""
         number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
         if number is None:
             raise UndecidedError("which half cycle it is in")

@@ -204,7 +204,7 @@ class Pendulum(ClosedForm, SmoothFlow):
 
         phi lies in [-pi, pi], so that the cosine is not negative. An odd half turn is pi/2 of the
         half angle a: it is taken with the sign that leads back into the range, sin(a -+ pi/2) = -+
-        cos a and cos(a -+ pi/2) = +- sin a. Raises UndecidedError where balls do not tell on which
+        cos a and cos(a -+ pi/2) = +- sin a. Raises UndecidedError where balls cannot tell on which
         side of the top that is.
         """
         turns = nearest_integer(arb_of(self.theta0) / (2 * arb.pi()))

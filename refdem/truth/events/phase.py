@@ -122,7 +122,7 @@ class Phase(Chain):
         """A guard with its derivatives along a piece, for the `whole` set or for its exact centre;
         times are those since the piece's begin.
 
-        `touching` is the order of its zero at the begin of the piece.
+        `touching` is the order of its zero at the start of the piece.
         """
         if whole:
             state = piece.at

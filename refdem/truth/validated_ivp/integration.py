@@ -1,7 +1,7 @@
 """The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are
 kept.
 
-Theorem (step): the solution at the begin of a piece lies in c + {A r} (moved.py), inside a box
+Theorem (step): the solution at the start of a piece lies in c + {A r} (moved.py), inside a box
 whose disc is proved (enclosure.py). With the Taylor coefficients c_n of the exact centre c, for 0
 <= s <= h every solution from the set lies within remainder(s) + exp(L s) max |A r| of sum c_n s^n
 (Cauchy, Gronwall); at the end of the piece the set is moved by the flow Jacobian.
@@ -87,13 +87,13 @@ class Piece:
         return self.begin + self.length
 
     def centre(self, since: arb) -> list[arb]:
-        """Balls of the solution from the exact centre, at every time since the begin in the ball
+        """Balls of the solution from the exact centre, at every time since the start in the ball
         `since` [s].
         """
         return self._from(since, arb(0))
 
     def at(self, since: arb) -> list[arb]:
-        """Balls of the solutions from the whole set, at every time since the begin in the ball
+        """Balls of the solutions from the whole set, at every time since the start in the ball
         `since` [s].
         """
         return self._from(since, self.start)
@@ -225,7 +225,7 @@ class Chain(Guarded):
         return least
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
-        """The flow Jacobian V from the begin of a piece to `since` [s] after it."""
+        """The flow Jacobian V from the start of a piece to `since` [s] after it."""
         with precision(self.steps.jacobian_bits + GUARD):
             return flow_jacobian(piece.flow, piece.disc, since)
 

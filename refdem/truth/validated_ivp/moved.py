@@ -85,7 +85,7 @@ def flow_series(
     radius = proved.radius
     near = proved.gronwall(radius) * start
     far = proved.apart(radius, start)
-    # Bounds of what the n-th coefficients of solutions are apart from those of T.
+    # Bounds of the difference of the n-th coefficients of solutions from those of T.
     margins = []
     for n in range(order):
         if n <= proved.order:
@@ -93,9 +93,9 @@ def flow_series(
         else:
             difference = far
         margins.append(proved.sides(difference / radius**n))
-    solution = [
-        [one[n] + arb(0, margins[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
-    ]
+    solution = []
+    for i, polynomial in enumerate(polynomials):
+        solution.append([polynomial[n] + arb(0, margins[n][i]) for n in range(order)])
     slopes = jacobian_series(jacobian, solution)
     terms = [unit_matrix(size)]
     for n in range(order):
