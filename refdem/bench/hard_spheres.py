@@ -69,11 +69,11 @@ diameter."""
 
 
 def caged_spheres(along: int, friction: float) -> Scene:
-    """Rough elastic spheres of unit diameter on a cubic lattice, alone in space: those of its
-    surface are a heavy cage of the others, which move and spin in it.
+    """Rough elastic spheres of unit diameter on a cubic lattice, alone in space. The heavy ones on
+    the surface of the lattice form a cage, in which the others move and spin.
 
-    Nothing acts from outside and nobody comes out, so that impacts go on without end while momentum
-    and angular momentum stay. Planes and a periodic box would change the latter.
+    Nothing acts from outside and no sphere escapes: impacts go on without end, while momentum and
+    angular momentum stay. Planes and a periodic box would change the angular momentum.
     """
     cells = np.indices((along, along, along)).reshape(3, -1).T
     is_cage = np.any((cells == 0) | (cells == along - 1), axis=1)

@@ -40,7 +40,7 @@ FINER = 4
 """Steps of the best method in one of the code's: its run is then nearer to the motion itself, with
 the fault or without.
 """
-TOLD = ("euler", "verlet", "rk4")
+TRIED = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
 """Steps of the code's run that are looked at."""
@@ -276,7 +276,8 @@ class Beside:
         self.step = request.step or abs(request.problem.interval) / FINER
         self.like = fit.states(instance, run, run)
         self.answers: dict[tuple[str, float | None, int], Trajectory] = {}
-        self.heard: dict[str, set[str]] = {}
+        self.called: dict[str, set[str]] = {}
+        """Names of the parts of the engine that each method calls."""
         self.plain: dict[tuple[str, float, int], Array | None] = {}
 
     @cached_property
@@ -296,8 +297,8 @@ class Beside:
             asked.append((best, self.step / FINER))
         twins = {}
         for method, step in asked:
-            heard = self.heard.setdefault(method, set())
-            distance = self.distance(self.ran(Transparent(listening(heard)), method, step))
+            called = self.called.setdefault(method, set())
+            distance = self.distance(self.ran(Transparent(listening(called)), method, step))
             if distance is not None:
                 twins[method, step] = Twin(method=method, step=step, distance=distance)
         return twins
@@ -414,12 +415,12 @@ class Beside:
         step.
         """
         for method, step in followed:
-            is_usual = method in TOLD or step < self.step
+            is_usual = method in TRIED or step < self.step
             is_own = fault is not None and method == fault.method
-            may_act = fault is None or acts(
-                fault, replace(self.request, method=method), self.heard[method]
-            )
-            if (is_usual or is_own) and may_act:
+            if not (is_usual or is_own):
+                continue
+            request = replace(self.request, method=method)
+            if fault is None or acts(fault, request, self.called[method]):
                 yield method, step
 
     def _known(

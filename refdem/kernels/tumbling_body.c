@@ -322,7 +322,7 @@ static void accept(motion *m, double h)
         m->y[i][0] = sum.hi;
         m->low[i] = sum.lo;
     }
-    if (!(h > 0.0)) /* two events at one time: what began at zero is there still */
+    if (!(h > 0.0)) /* two events at one time: guards that began at zero are still there */
         return;
     for (int number = 0; number < m->body->corners; number++)
         m->corner[number].zero_guard = NONE;

@@ -146,14 +146,14 @@ def ball_of(value: arb) -> Ball:
     if not value.is_finite():
         raise ValueError(f"{value} is not finite")
     mid = value.mid()
-    radius = _not_below(value.rad())
+    radius = _magnitude(value.rad())
     if mid != 0 and _size(mid) < -FARTHEST:
-        return Ball(Fraction(0), _not_below(mid) + radius)
+        return Ball(Fraction(0), _magnitude(mid) + radius)
     return Ball(_exact(mid), radius)
 
 
-def _not_below(value: arb) -> Fraction:
-    """An exact number >= |value|, 0 if that is 0: |value| itself where it is not tiny."""
+def _magnitude(value: arb) -> Fraction:
+    """|value| as an exact number, rounded up to 2^-FARTHEST if it is smaller, but for 0."""
     if value == 0:
         return Fraction(0)
     if _size(value) < -FARTHEST:
