@@ -197,9 +197,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
 
 
 def warn(seconds: float) -> None:
-    """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError
-    if nobody can wait for it.
-    """
+    """Warns of work that takes more than DEAR seconds; raises UsageError above HOPELESS."""
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import HOPELESS
 

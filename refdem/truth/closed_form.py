@@ -145,11 +145,12 @@ class ClosedForm(Guarded, Truth):
         return bound
 
 
-class OnALine(ClosedForm):
-    """A closed form that starts at the place `x0` with the velocity `v0`."""
+class OnALine:
+    """The part of closed forms that start at the place `x0` with the velocity `v0`."""
 
     x0: Fraction
     v0: Fraction
+    kept: dict[Any, Any]
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion whose x0 (axis 0) or v0 (axis 1) is larger by `amount`."""
@@ -162,10 +163,11 @@ class OnALine(ClosedForm):
         return other
 
 
-class FromCoordinates(ClosedForm):
-    """A closed form whose start is the tuple `begin`, a number for each coordinate of the state."""
+class FromCoordinates:
+    """The part of closed forms whose start is the tuple `begin`, a number for each coordinate."""
 
     begin: tuple[Any, ...]
+    kept: dict[Any, Any]
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion whose start is larger by `amount` in the coordinate `axis`."""

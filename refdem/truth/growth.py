@@ -84,8 +84,8 @@ product of their norms.
 UPWARDS = 1 + 2.0**-30
 """The factor by which norms in doubles are multiplied at the end, so that they are upper bounds."""
 BOUNDLESS = 1e300
-"""The largest S that is told: all larger ones are given as this, for no double has a digit left
-there.
+"""The largest S that is given: it stands for all larger ones too, for which doubles have no digit
+left.
 """
 
 KNOWN = arb(2) ** -50
@@ -603,14 +603,14 @@ class Growth:
         else:
             reading = doubles(readings)[0]
             read_now = readings * now
-        # The derivative of the readings by the coordinates of M, and what its doubles are off.
+        # The derivative of the readings by the coordinates of M, and the error of its doubles.
         matrix, inexact = doubles(read_now)
         inverses = np.array([cell.inverse for cell in cells])
         # Errors made in this element become M X, those made before it M M(0)^-1 (what was carried).
         fresh = matrix @ inverses
         since_begin = matrix @ element.origin.inverse
         rows = max(1, matrix.shape[0])
-        # What the product M X of doubles may be off, for an X of norm 1.
+        # Bound of the error of the product M X of doubles, for an X of norm 1.
         unit_loss = inexact * rows + ROUNDING * float(self.norm.read(matrix))
         loss_of_fresh = unit_loss * float(self.norm(inverses).max())
         # The theorem on products: |P - Q| of this element times S at its start, and the same of
@@ -693,7 +693,7 @@ class Growth:
         inverses = np.array([cell.inverse for cell in element.cells])
         whole = handover @ element.origin.inverse
         fresh = handover @ inverses
-        # What the product H X of doubles may be off, for an X of norm 1.
+        # Bound of the error of the product H X of doubles, for an X of norm 1.
         unit_loss = inexact * len(handover) + ROUNDING * float(self.norm(handover))
         # eps_m >= |P - Q|: the doubles of the handover, and those of M(0)^-1.
         product_loss = unit_loss * float(self.norm(element.origin.inverse)) + float(

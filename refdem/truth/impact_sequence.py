@@ -379,7 +379,7 @@ class ImpactSequence(ClosedForm):
             kinks = sum(moment.sides.count(0) for moment in self.impacts.all())
         if kinks > MOST_KINKS:
             raise UndecidedError(
-                f"friction is just enough in {kinks} impacts; S is told of {MOST_KINKS} at most",
+                f"friction is just enough in {kinks} impacts; S is known for {MOST_KINKS} at most",
                 code="corner",
                 final=True,
             )
@@ -461,7 +461,7 @@ class ImpactSequence(ClosedForm):
         moved = unit_matrix(count) + outer(rates(meeting, gravity), time_slopes)
         after = rates(motions([number.value for number in parted]), gravity)
         raw = derivative * moved - outer(after, time_slopes)
-        # The bodies of this impact, among the coordinates that are told.
+        # The bodies of this impact, among the coordinates that are reported.
         places: dict[int, int] = {}
         for number, body in enumerate(encounter.bodies):
             for part in range(OF_BODY):

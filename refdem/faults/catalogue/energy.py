@@ -109,13 +109,13 @@ def _dragged(sound: Parts) -> dict[str, Any]:
 FAULTS = (
     energy(
         name="hidden-damping",
-        sentence="A damping of 1e-3 per second that nobody asked for.",
+        sentence="The motion is damped by 1e-3 per second, though the scene has no damping.",
         sees=("reversal", "reversed"),
         inside=_damped(1e-3),
     ),
     energy(
         name="hidden-damping-tiny",
-        sentence="A damping of 1e-9 per second that nobody asked for.",
+        sentence="The motion is damped by 1e-9 per second, though the scene has no damping.",
         sees=("reversal", "reversed"),
         inside=_damped(1e-9),
     ),

@@ -1,5 +1,5 @@
-"""Events that are told wrongly of a motion that is right: late, of another kind, where nothing
-happens.
+"""Events that are reported wrongly, of a motion that is right: late, of another kind, or where
+nothing happens.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ def _each(change: Change) -> Callable[[Request, Trajectory], Trajectory]:
 
 
 def _step_late(event: Event, request: Request, run: Trajectory) -> Event:
-    """The event a step later."""
+    """The event, reported a step later."""
     return msgspec.structs.replace(event, time=event.time + request.signed_step)
 
 
@@ -67,8 +67,9 @@ def _first_twice(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _where_force_turns(event: Event, request: Request, run: Trajectory) -> Event:
-    """A contact ends where k d + c d' = 0, as if it never pulled: after 2 acos(b/w0)/w, b = c/(2
-    m), w^2 = w0^2 - b^2.
+    """The contact ends where its force k d + c d' is 0, as if it never pulled.
+
+    That is after 2 acos(b/w0)/w, with b = c/(2 m) and w^2 = w0^2 - b^2.
     """
     scene = request.problem.scene
     law = scene.all(Contact)[0]
@@ -83,49 +84,49 @@ def _where_force_turns(event: Event, request: Request, run: Trajectory) -> Event
 FAULTS = (
     event(
         name="release-a-step-late",
-        sentence="The end of a contact is told a step late.",
+        sentence="The end of a contact is reported a step late.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
         after=_each(_step_late),
     ),
     event(
         name="stick-a-step-late",
-        sentence="What sticks is told a step late.",
+        sentence="Sticking is reported a step late.",
         on=("sticking", "rubbing"),
         sees=("event-times", "stick"),
         after=_each(_step_late),
     ),
     event(
         name="slip-at-samples",
-        sentence="Events are told at the next row that is written.",
+        sentence="Events are reported at the time of the next row.",
         on=("sticking",),
         sees=("event-times", "slip"),
         after=_each(_at_next_sample),
     ),
     event(
         name="stick-for-slip",
-        sentence="Sticks are told as slips and slips as sticks.",
+        sentence="Sticks are reported as slips and slips as sticks.",
         on=("sticking",),
         sees=("event-times", "stick"),
         after=_each(_stick_for_slip),
     ),
     event(
         name="contact-that-chatters",
-        sentence="A contact is told to end in the middle, and once more where it ends.",
+        sentence="The end of a contact is reported in its middle, and once more where it ends.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
         after=_chattering,
     ),
     event(
         name="impact-told-of-another-body",
-        sentence="Impacts of three balls are told of the one that does not meet.",
+        sentence="An impact of two of three balls is reported of the third one.",
         on=("cradle",),
         sees=("event-times", "contact"),
         after=_each(_of_third_body),
     ),
     event(
         name="impact-told-twice",
-        sentence="The first impact is told once more in the next step.",
+        sentence="The first impact is reported once more in the next step.",
         on=("cradle", "drop"),
         sees=("event-times", "contact"),
         after=_first_twice,
@@ -133,7 +134,8 @@ FAULTS = (
     event(
         name="release-where-the-force-turns",
         sentence=(
-            "A contact that ends with the overlap is told to end where the dashpot begins to pull."
+            "The end of a contact, which is that of the overlap, is reported where the dashpot"
+            " begins to pull."
         ),
         on=("knock",),
         sees=("event-times", "release"),

@@ -99,7 +99,7 @@ def _pairs_met_once(sound: Parts) -> dict[str, Any]:
 
 
 def _velocity_before_the_kick(sound: Parts) -> dict[str, Any]:
-    """The closing speed of a fall lacks what gravity gave in the last kick of the step."""
+    """The closing speed of a fall leaves out the last kick of gravity in the step."""
     gained = 0.0
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
@@ -337,7 +337,7 @@ FAULTS = (
     ),
     impact(
         name="bounce-before-the-kick",
-        sentence="The closing speed lacks what gravity gave in the last kick of the step.",
+        sentence="The closing speed leaves out the last kick of gravity in the step.",
         on=("drop",),
         sees=("error", "y"),
         levels=6,
@@ -352,7 +352,7 @@ FAULTS = (
     ),
     impact(
         name="bounce-in-thin-air",
-        sentence="Velocities fade a little, as in air that nobody asked for.",
+        sentence="Velocities decay a little, as if by the drag of air.",
         on=("drop",),
         sees=("momentum", "flights"),
         after=_thin_air,

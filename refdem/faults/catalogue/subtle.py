@@ -237,7 +237,7 @@ FAULTS = (
     ),
     subtle(
         name="absolute-threshold",
-        sentence="Overlaps below 1 cm are none.",
+        sentence="Overlaps below 1 cm count as no overlap.",
         on=("bounce",),
         sees=("symmetry", "rescaled"),
         inside=of_results(overlap=_none_below_threshold),

@@ -21,13 +21,13 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
 
-class CoulombOscillator(OnALine):
+class CoulombOscillator(OnALine, ClosedForm):
     """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points
     after the start).
     """

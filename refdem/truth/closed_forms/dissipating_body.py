@@ -38,8 +38,8 @@ def final_axis(
     """The scalar `final_axis`, the principal axis (1, 2 or 3) about which the body ends.
 
     A start exactly about an axis stays there. Else it is the axis of the largest moment as soon as
-    2 E < L^2/J_middle, which is looked for at times that are doubled. Nothing is told where that is
-    not proved.
+    2 E < L^2/J_middle, which is looked for at times that are doubled. There is no such scalar where
+    that is not proved.
     """
     started_about = [i for i in range(3) if omega[i]]
     if len(started_about) == 1:

@@ -20,14 +20,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class DrivenOscillator(OnALine, SmoothFlow):
+class DrivenOscillator(OnALine, ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; `f0` [m/s^2] and `drive` [rad/s] are zero where nothing drives."""
 
     method = "closed form; regime and resonance decided in exact rationals"

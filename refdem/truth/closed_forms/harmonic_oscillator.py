@@ -13,14 +13,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class HarmonicOscillator(OnALine, SmoothFlow):
+class HarmonicOscillator(OnALine, ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the
     equilibrium.
     """

@@ -220,7 +220,7 @@ def by_axis(p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> 
     """The truth by validated integration of the axis n, L and psi + side phi.
 
     It serves where the axis comes near one vertical (`side` 1 for up, -1 for down), where phi' and
-    psi' are large. The equations are those of `cartesian`; phi is told in (-pi, pi].
+    psi' are large. The equations are those of `cartesian`; phi lies in (-pi, pi].
     """
     nutation = Nutation(p, LEAST_TOLD)
     sizes = {

@@ -11,7 +11,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
@@ -23,7 +23,7 @@ from refdem.truth.smooth_flow import SmoothFlow
 HERTZ = Fraction(3, 2)
 
 
-class HertzSpheres(FromCoordinates, SmoothFlow):
+class HertzSpheres(FromCoordinates, ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")

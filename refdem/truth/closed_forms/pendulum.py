@@ -221,7 +221,7 @@ class Pendulum(ClosedForm, SmoothFlow):
     def motion(self) -> PendulumMotion:
         """The motion, of the kind that k says.
 
-        Rest and the separatrix are equalities, which balls cannot decide: they are told from the
+        Rest and the separatrix are equalities, which balls cannot decide: they follow from the
         exact start, at theta0 = 0, where its sine is rational. Raises UndecidedError where a ball
         of 1 - k^2 holds 0.
         """

@@ -15,7 +15,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import homogeneous, linear, steepness
@@ -24,7 +24,7 @@ from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class WedgeCollision(FromCoordinates, SmoothFlow):
+class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")

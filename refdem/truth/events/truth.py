@@ -70,7 +70,7 @@ class Switching(Protocol[Motion]):
 
     @property
     def clock_unit(self) -> Fraction | None:
-        """Seconds in a unit of the clock of its motions; None where they are told in seconds."""
+        """Seconds in a unit of the clock of its motions; None where they are given in seconds."""
 
     def motion_at(self, bits: int) -> Motion:
         """The motion, to be followed at a precision."""

@@ -100,7 +100,7 @@ class Piece:
 
     def _from(self, since: arb, start: arb) -> list[arb]:
         """Balls of the solutions from all points within the norm `start` of the centre: T and the
-        bound of what they are apart from it.
+        bound of their distance from it.
         """
         radii = self.disc.sides(self.disc.apart(outward(since), start))
         return [

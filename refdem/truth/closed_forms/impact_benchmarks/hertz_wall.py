@@ -19,8 +19,8 @@ from typing import Protocol
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import FromCoordinates, per_precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
@@ -34,7 +34,7 @@ STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class AgainstWall(FromCoordinates):
+class AgainstWall(FromCoordinates, Guarded):
     """The part that all impacts of Hertz's law on a wall share: the start, and the normal motion,
     which no friction changes.
 
@@ -115,7 +115,7 @@ class AgainstWall(FromCoordinates):
         return overlap, -contact.speed + arb(0, rate_change.abs_upper())
 
 
-class HertzWallImpact(AgainstWall, SmoothFlow):
+class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0."""
 
     state = STATE

@@ -28,7 +28,7 @@ from functools import partial
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import per_precision
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     HERTZ,
     STATE,
@@ -138,7 +138,7 @@ class Phase:
         return slope * spring.pace(leg, x), self.displacement + stretch - self.stretch
 
 
-class MindlinWallImpact(AgainstWall, SmoothFlow):
+class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
 
     `friction` mu and `stiffness_ratio` k_t/k are not 0. At t = 0 the sphere touches the wall with

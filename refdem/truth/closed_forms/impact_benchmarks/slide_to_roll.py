@@ -19,7 +19,7 @@ from functools import partial
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, narrow, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Size
@@ -28,7 +28,7 @@ STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class SlideToRoll(FromCoordinates):
+class SlideToRoll(FromCoordinates, ClosedForm):
     """The truth of the slide: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
 
     `rate2` is k/m [1/s^2], `sag` the overlap m g/k [m] at rest.
