@@ -55,7 +55,7 @@ class LeakError(EngineError):
 
 
 class UnsupportedError(RefdemError):
-    """An engine cannot say the scene; the message names the missing feature."""
+    """An engine cannot express the scene; the message names the missing feature."""
 
 
 class NotCertifiedError(RefdemError):

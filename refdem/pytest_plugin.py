@@ -154,15 +154,13 @@ def once(what: str, sheets: "Callable[[], list[Sheet]]") -> "list[Record]":
 
 
 def by_check(records: "Iterable[Record]") -> "dict[str, list[Finding]]":
-    """Findings by `case[params]/engine/method/check`; what an engine cannot say is no test."""
+    """Findings by `case[params]/engine/method/check`, without those that an engine refused."""
     findings: dict[str, list[Finding]] = {}
     for record in records:
         for finding in record.findings:
-            if finding.outcome == "unsupported":
-                continue
-            findings.setdefault(
-                f"{record.label}/{record.engine}/{record.method}/{finding.check}", []
-            ).append(finding)
+            if finding.outcome != "unsupported":
+                test = f"{record.label}/{record.engine}/{record.method}/{finding.check}"
+                findings.setdefault(test, []).append(finding)
     return findings
 
 

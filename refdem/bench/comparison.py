@@ -15,7 +15,7 @@ import msgspec
 from refdem.bench.record import BenchRecord, Curve
 
 CHANGE = 0.10
-"""A change of less than this is none."""
+"""A relative change of time that is smaller than this counts as no change."""
 
 
 class Change(msgspec.Struct, frozen=True, kw_only=True):

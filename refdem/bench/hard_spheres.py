@@ -16,7 +16,7 @@ from refdem.scene.elements.plane import Plane
 PARTS = (0.01, 0.3, 0.4)
 """Parts of the box that spheres fill: a gas, and two fluids."""
 IMPACTS = 50_000
-"""Impacts of a round, about: fewer than the method tells one by one, so that it counts them."""
+"""About how many impacts a round has: too many for the method to list them; it counts them."""
 LEAST_GAP = 1.02
 """Diameters between the places of the lattice on which they start, at least."""
 
@@ -69,11 +69,11 @@ diameter."""
 
 
 def caged_spheres(along: int, friction: float) -> Scene:
-    """Rough elastic spheres of unit diameter on a cubic lattice, alone in space: those of its
-    surface are a heavy cage of the others, which move and spin in it.
+    """Rough elastic spheres of unit diameter on a cubic lattice, alone in space. The heavy ones on
+    the surface of the lattice form a cage, in which the others move and spin.
 
-    Nothing acts from outside and nobody comes out, so that impacts go on without end while momentum
-    and angular momentum stay. Planes and a periodic box would change the latter.
+    Nothing acts from outside and no sphere escapes: impacts go on without end, while momentum and
+    angular momentum stay. Planes and a periodic box would change the angular momentum.
     """
     cells = np.indices((along, along, along)).reshape(3, -1).T
     is_cage = np.any((cells == 0) | (cells == along - 1), axis=1)

@@ -59,7 +59,7 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
 def order(points: Sequence[Point]) -> float | None:
     """The order between the finest two levels whose errors are truncation.
 
-    None if there are none.
+    None without such levels.
     """
     pairs = _truncating(points)
     if not pairs:
@@ -80,19 +80,21 @@ def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: flo
 
 
 def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
-    """Neighbours whose errors both stand clear of the floor and of the scale itself, and fall."""
+    """Neighbouring levels whose errors are truncation: they fall, and lie clear of the floor of
+    round-off and of the scale itself.
+    """
     floor = min((point.error for point in points), default=0.0)
     last = 0.0
     if points:
         last = points[-1].error
     still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
-    # While errors still fall, the last of them is no floor.
+    # While errors still fall, the smallest of them is not yet the floor of round-off.
     least = ROUND_OFF
     if not still_falling:
         least = max(ROUND_OFF, CLEAR * floor)
     pairs = []
     for coarse, fine in pairwise(points):
-        # An error near the scale itself is none of truncation.
+        # Errors near the scale itself do not show the order: only smaller ones are truncation.
         is_falling = 0 < fine.error < coarse.error < 0.3
         if is_falling and fine.error > least:
             pairs.append((coarse, fine))

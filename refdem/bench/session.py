@@ -111,6 +111,7 @@ class Bench:
         """The methods of an engine that answer problems of this kind, with the levels they run
         at, or why they do not run.
         """
+        # What a peer or the reference does not run is left out of the tables.
         is_silent = is_peer or engine.is_reference
         entrants = []
         for method in methods:

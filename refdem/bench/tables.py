@@ -104,7 +104,7 @@ def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
 
 
 def _fastest(reached: Sequence[Reach | None]) -> Reach | None:
-    """The fastest of those that get there; None if nobody does."""
+    """The fastest of those that reach the accuracy; None if none does."""
     able = [reach for reach in reached if reach is not None]
     return min(able, key=lambda reach: reach.seconds, default=None)
 

@@ -35,7 +35,7 @@ BASIS = (
     " times are rounded and must not be compared"
 )
 PLAUSIBLE = (0.5, 2.0)
-"""Time passed over time asked for. Outside these limits units are wrong, which other probes tell,
+"""Time passed over time asked for. Outside these limits units are wrong, which other probes show,
 and steps are measured in the program's own pace."""
 
 

@@ -52,7 +52,7 @@ def record(
 
 
 def _is_void(task: Task, findings: list[Finding]) -> bool:
-    """True if nothing was decided and nobody said why: neither a refusal, nor an error, nor the
+    """True if nothing was decided for no stated reason: neither a refusal, nor an error, nor the
     only checks that were asked for.
 
     A check that was named alone may find that a method's properties leave it nothing to decide, and

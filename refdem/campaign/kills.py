@@ -33,7 +33,7 @@ one level.
 """
 ORDERS = ("order", "convergence", "limit")
 WITHHELD = no_truth("truth is withheld")
-"""For settings that are judged as if nobody could prove anything about them."""
+"""The truth of settings that are judged as if nothing could be certified."""
 
 
 class Kill(msgspec.Struct, frozen=True, kw_only=True):

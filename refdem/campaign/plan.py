@@ -356,7 +356,7 @@ def _of_motion(
         denser = np.arange(count + 1, dtype=np.float64) * interval
         return plain.with_scene(problem.scene, denser)
     if variant.change in symmetry.NAMES:
-        transformation, motion = symmetry.picture(task.subject.instance, variant.change)
+        transformation, motion = symmetry.image(task.subject.instance, variant.change)
         if plain.step is None:
             step = None
         else:

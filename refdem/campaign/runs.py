@@ -35,7 +35,7 @@ Place = tuple[int, Variant]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Asked:
-    """One run that a task needs, and the key of what it asks: equal runs have equal keys."""
+    """One run that a task needs, and its key: equal runs have equal keys."""
 
     place: Place
     task: Task
@@ -58,12 +58,14 @@ class Runs:
 
     @property
     def is_lasting(self) -> bool:
-        """No run crashed or hung, or failed in another way that it may not fail in next time."""
+        """True if every run would end in the same way again: none crashed, hung or failed by
+        chance.
+        """
         return all(is_lasting(run.failure) for run in self.by_place.values())
 
 
 def is_lasting(failure: Failure | None) -> bool:
-    """True for how a run ends every time: with a trajectory, or refused."""
+    """True for ends that a run comes to every time: a trajectory, or a refusal."""
     return failure is None or failure.kind == "unsupported"
 
 
@@ -79,10 +81,10 @@ class Hangs:
             self.steps.setdefault(_method_on_case(asked.task), set()).add(_step(asked.request))
 
     def given_up(self, asked: Asked) -> Failure | None:
-        """The reason why a run is not begun any more, or None.
+        """The failure of a run that is not started because others hung, or None.
 
-        A smaller step takes longer than one that hung, and a method that hung at ENOUGH steps hangs
-        at all.
+        A run takes longer than one with a larger step that hung; and a method that hung with ENOUGH
+        different steps is expected to hang with every step.
         """
         steps = self.steps.get(_method_on_case(asked.task), set())
         takes_longer = any(_step(asked.request) <= step for step in steps)

@@ -101,7 +101,7 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
     try:
         file = os.open(place, os.O_WRONLY)
     except OSError:
-        # Without /proc nobody is told, and what a killed proof had certified is lost.
+        # Without /proc the number is not kept, and what a killed proof had certified is lost.
         yield
         return
     original = proof.sensitivity

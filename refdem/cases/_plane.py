@@ -1,4 +1,4 @@
-"""What the cases of one point in the plane share: x, y, vx and vy of body 0."""
+"""What the cases of one body in the plane share: x, y, vx, vy of body 0, and omega if it turns."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,3 +24,13 @@ def observe(trajectory: Trajectory) -> dict[str, Array]:
     x, y, _ = trajectory.position[:, 0].T
     vx, vy, _ = trajectory.velocity[:, 0].T
     return {"x": x, "y": y, "vx": vx, "vy": vy}
+
+
+def quantities_with_spin(length: float, speed: float, spin: float) -> tuple[Quantity, ...]:
+    """The quantities x, y, vx, vy and omega, which is on the scale `spin` [rad/s]."""
+    return (*quantities(length, speed), Quantity("omega", "rad/s", spin))
+
+
+def observe_with_spin(trajectory: Trajectory) -> dict[str, Array]:
+    """Place, velocity and angular velocity about z at the samples (T,)."""
+    return observe(trajectory) | {"omega": trajectory.omega[:, 0, 2]}

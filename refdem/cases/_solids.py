@@ -86,9 +86,8 @@ def solids(p: Parameters) -> list[Piece]:
         [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)],
         [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)],
     )
-    points = Points(
-        mass=(1.0, 2.0, 3.0, 4.0), position=((0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, b, 0.0), (a, b, c))
-    )
+    places = ((0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, b, 0.0), (a, b, c))
+    points = Points(mass=(1.0, 2.0, 3.0, 4.0), position=places)
     cuboid = Cuboid(sides=(a, b, c))
     cylinder = Cylinder(half_axes=(a, a), height=c)
     shapes: dict[str, Any] = {

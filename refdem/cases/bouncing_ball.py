@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _rigid
+from refdem.cases import _plane, _rigid
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -37,7 +37,7 @@ class BouncingBall(Case):
         " before it: the bounces come to an end in finite time, at T, and without number. Friction"
         " stops the slip of the point that touches, or reverses a part of it, and is cut at mu"
         " times the normal impulse. The run ends before T, towards which errors grow without bound;"
-        " the rest that follows is not told."
+        " the rest that follows is left out."
     )
     latex = (
         r"v_n=e^{n-1}v_1,\quad t_n=t_1+\frac{2v_1}{g}\sum_{k=1}^{n-1}e^k,\quad"
@@ -148,23 +148,11 @@ class BouncingBall(Case):
         """Place, velocity and angular velocity in the plane."""
         scales = self.scales(p)
         spin = max(abs(p.spin), scales.speed / p.radius)
-        return (
-            Quantity("x", "m", scales.length),
-            Quantity("y", "m", scales.length),
-            Quantity("vx", "m/s", scales.speed),
-            Quantity("vy", "m/s", scales.speed),
-            Quantity("omega", "rad/s", spin),
-        )
+        return _plane.quantities_with_spin(scales.length, scales.speed, spin)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place, velocity and angular velocity in the plane at the samples, each (T,)."""
-        return {
-            "x": trajectory.position[:, 0, 0],
-            "y": trajectory.position[:, 0, 1],
-            "vx": trajectory.velocity[:, 0, 0],
-            "vy": trajectory.velocity[:, 0, 1],
-            "omega": trajectory.omega[:, 0, 2],
-        }
+        return _plane.observe_with_spin(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
         """All bounces in exact arithmetic of one square root."""

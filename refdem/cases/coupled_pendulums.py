@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.cases import _two_rods
 from refdem.core.case import Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -113,27 +114,12 @@ class CoupledPendulums(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: angles [rad] and rates [rad/s]."""
-        fastest = 1.0 / self.scales(p).tau
-        angles = [Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2)]
-        rates = [Quantity(f"thetadot{i}", "rad/s", fastest) for i in (1, 2)]
-        return (*angles, *rates)
+        return _two_rods.quantities(self.scales(p).tau)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Angles and their rates of the two rods, each from its pivot to its bob."""
         pivots = np.array([[0.0, 0.0, 0.0], [p.distance, 0.0, 0.0]])
-        # Vectors r along the rods and their rates v, (T, 2, 3).
-        r = trajectory.position - pivots
-        v = trajectory.velocity
-        theta = np.arctan2(r[..., 0], -r[..., 1])
-        # theta' = (r x v)_z/r^2.
-        cross = r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0]
-        thetadot = cross / np.sum(r[..., :2] ** 2, axis=-1)
-        return {
-            "theta1": theta[:, 0],
-            "theta2": theta[:, 1],
-            "thetadot1": thetadot[:, 0],
-            "thetadot2": thetadot[:, 1],
-        }
+        return _two_rods.observe(trajectory.position - pivots, trajectory.velocity)
 
     def truth(self, p: Parameters) -> Truth:
         """The certified motion, by validated integration of the angles."""

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.cases import _two_rods
 from refdem.core.case import Case, given
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -98,28 +99,16 @@ class DoublePendulum(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: angles [rad] and rates [rad/s]."""
-        fastest = 1.0 / self.scales(p).tau
-        angles = [Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2)]
-        rates = [Quantity(f"thetadot{i}", "rad/s", fastest) for i in (1, 2)]
-        return (*angles, *rates)
+        return _two_rods.quantities(self.scales(p).tau)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Angles and their rates of the two rods: from the pivot to the upper bob, and from the
         upper to the lower bob.
         """
-        # Vectors r along the rods and their rates v, (T, 2, 3).
+        # From the pivot, which rests at 0, and from the upper bob.
         r = np.diff(trajectory.position, axis=1, prepend=0.0)
         v = np.diff(trajectory.velocity, axis=1, prepend=0.0)
-        theta = np.arctan2(r[..., 0], -r[..., 1])
-        # theta' = (r x v)_z/r^2.
-        cross = r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0]
-        thetadot = cross / np.sum(r[..., :2] ** 2, axis=-1)
-        return {
-            "theta1": theta[:, 0],
-            "theta2": theta[:, 1],
-            "thetadot1": thetadot[:, 0],
-            "thetadot2": thetadot[:, 1],
-        }
+        return _two_rods.observe(r, v)
 
     def truth(self, p: Parameters) -> Truth:
         """The certified motion, by validated integration of the angles."""

@@ -30,8 +30,8 @@ class KapitzaPendulum(Case):
         "The pivot of a pendulum moves up and down by a law of time. Fast enough, it holds the"
         " pendulum upright: the top is stable where both Floquet multipliers of the motion about it"
         " lie on the unit circle, which needs (a drive)^2 > 2 g l for a fast drive, and ends at an"
-        " amplitude near 0.45 l. A multiplier is told as it is where it is real, by its modulus 1"
-        " where it is one of a pair."
+        " amplitude near 0.45 l. A real multiplier is reported as it is, one of a complex pair by"
+        " its modulus 1."
     )
     latex = r"\ddot\theta=\frac{g-a\Omega^2\cos\Omega t}{l}\,\sin\theta"
     source = (

@@ -68,11 +68,7 @@ class RigidCluster(Case):
         points = np.array(exact, dtype=object).reshape(4, 3)
         a, b, c = points[1:] - points[0]
         # a . (b x c), in exact numbers.
-        volume: Fraction = (
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-            + a[1] * (b[2] * c[0] - b[0] * c[2])
-            + a[2] * (b[0] * c[1] - b[1] * c[0])
-        )
+        volume: Fraction = a @ np.cross(b, c)
         if volume == 0:
             raise UsageError(
                 f"parameter positions: got {p.texts()['positions']}; expected four points that do"

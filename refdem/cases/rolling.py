@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _rigid
+from refdem.cases import _plane, _rigid
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -119,23 +119,11 @@ class Rolling(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place, velocity and angular velocity in the plane x-y."""
         scales = self.scales(p)
-        return (
-            Quantity("x", "m", scales.length),
-            Quantity("y", "m", scales.length),
-            Quantity("vx", "m/s", scales.speed),
-            Quantity("vy", "m/s", scales.speed),
-            Quantity("omega", "rad/s", 1 / scales.tau),
-        )
+        return _plane.quantities_with_spin(scales.length, scales.speed, 1 / scales.tau)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place, velocity and angular velocity in the plane at the samples, each (T,)."""
-        return {
-            "x": trajectory.position[:, 0, 0],
-            "y": trajectory.position[:, 0, 1],
-            "vx": trajectory.velocity[:, 0, 0],
-            "vy": trajectory.velocity[:, 0, 1],
-            "omega": trajectory.omega[:, 0, 2],
-        }
+        return _plane.observe_with_spin(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
         """Uniform accelerations, phase by phase."""

@@ -37,7 +37,7 @@ MOST = 16
 """Largest number of bodies whose pairs are all searched; truth knows collisions of three at most.
 """
 ALIKE = 1e-9
-"""Relative difference of closing speeds below which contacts that begin together end together."""
+"""Relative difference of closing speeds below which contacts that start together end together."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Crossing:
     - `rate` [1/s] is |g'| at the event, on the side on which it is smaller.
     - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
     - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
-    - `bodies` are those of which it must be told, where it matters.
+    - `bodies` are the bodies under one of which the event must be reported; empty if any will do.
     """
 
     time: float
@@ -357,8 +357,8 @@ def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
 
 
 def sticking(subject: Subject, truth: SampledTruth) -> Crossings:
-    """The time at which a body begins to roll: g is the slip v + R omega, which falls uniformly
-    and, where it is 0 at the start or falls never, is no event.
+    """The time at which a body begins to roll: g is the slip v + R omega, which falls uniformly.
+    There is no event if the slip is 0 at the start or never falls.
 
     One scale of v and of omega changes the slip by V + R W.
     """

@@ -1,7 +1,7 @@
 """Impacts in sequence: the certified list of them in the scalars of the truth, and the samples of a
 run between which each comes alone.
 
-Truth tells of impact number k, from 1 on, the time `impact_k` [s], the closing speed
+Truth has of impact number k, from 1 on, the time `impact_k` [s], the closing speed
 `impact_k_closing` [m/s], and the numbers of the bodies, `impact_k_body` and, unless it is a plane,
 `impact_k_other` (refdem/truth/impact_scalars.py).
 """
@@ -88,14 +88,16 @@ def falling(scene: Scene) -> Array:
 
 
 def gap_rates(instance: Instance, impact: Impact) -> tuple[float, float]:
-    """|g'| [1/s] and a bound on |g''| [1/s^2] of the gap at an impact, in units of what one scale
-    of every place changes it by.
+    """|g'| [1/s] and a bound on |g''| [1/s^2] of the gap at an impact. The unit of the gap is its
+    change when every coordinate changes by its scale.
 
-    Towards a plane a gap changes with the pull g. Two spheres fall alike: with the relative speed w
-    the gap bends by (w^2 - c^2)/R, which is nothing on a line, w being at most 2 V.
+    For a sphere above a plane |g''| is the acceleration of gravity. Two spheres fall alike: with
+    their relative speed w <= 2 V, the closing speed c and the sum R of their radii g'' = (w^2 -
+    c^2)/R, which is 0 for a motion on a line.
     """
     scene = instance.scene
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    # The unit of the gap: each body moves by L along each axis.
     reach = instance.scales.length * len(impact.bodies) * sqrt(dimension)
     if len(impact.bodies) == 1:
         bend = float(np.linalg.norm(falling(scene)))
@@ -154,8 +156,8 @@ def windows(truth: SampledTruth, run: Trajectory, late_by: Sequence[float]) -> l
     """The impacts of the list that come alone between two samples of the run, in their order, up to
     the last certified one.
 
-    `late_by` [s] is by how much each may come at another time in the run; of impacts after the last
-    one that has a number nothing is known but that they come later.
+    `late_by` [s] is by how much each impact may come earlier or later in the run. Impacts beyond
+    the end of `late_by` are only known to come after those before them.
     """
     impacts = listed(truth.scalars)
     known = impacts[: len(late_by)]

@@ -278,7 +278,7 @@ def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:
 
 
 def _force_at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
-    """The limit of the force (T,) [N] for overlap 0, c d', at samples next to the begin or end of a
+    """The limit of the force (T,) [N] for overlap 0, c d', at samples next to the start or end of a
     contact; elsewhere the force itself.
     """
     touches = overlap > 0

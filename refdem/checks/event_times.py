@@ -155,8 +155,8 @@ class Predicted:
     """Crossings of each kind with the time [s] by which an event may differ from each, as far as
     the motion is predictable.
 
-    Crossings that end before `due` [s] must be reported. Events reported before `told` [s] must be
-    one of them. `why` is the reason why predictions end.
+    Crossings that end before `due` [s] must be reported. An event that is reported before `told`
+    [s] must be one of these crossings. `why` is the reason why predictions end.
     """
 
     events: Mapping[str, Judged]
@@ -179,13 +179,12 @@ def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, flo
 def one_to_one(
     events: list[Event], known: Judged, due: Judged, whole: float
 ) -> list[tuple[float, float, float]]:
-    """(distance, bound, time) of every certified event of some bodies and the reported one of one
-    of them that is nearest, no reported one being taken twice; the distance is `whole` where none
-    is left.
+    """(distance, bound, time) of every certified event, from the nearest event that is reported of
+    one of its bodies. No reported event is taken twice; the distance is `whole` where none is left.
 
-    An event may be told once for each of its bodies: what else is told at the same time, within the
-    bound, is the same event. Those that remain are events that never were: `whole`, and a bound of
-    0.
+    An event may be reported once for each of its bodies: others at the same time, within the bound,
+    are the same event. Reported events that remain did not happen: their distance is `whole`, their
+    bound 0.
     """
     left = sorted(events, key=lambda event: event.time)
     partners: list[tuple[Crossing, float, Event]] = []
@@ -260,9 +259,10 @@ def late_by(
     subject: Subject, truth: SampledTruth, known: list[Crossing], run: Trajectory
 ) -> list[float]:
     """The time [s] by which each of these crossings may come earlier or later in a run, up to the
-    first one of which nothing is known.
+    first one that cannot be predicted.
 
-    As far as the claims do not tell, what the run is observed to be off by does.
+    It follows from the error of the state: the smaller one of what the method claims and of what
+    the run itself shows.
     """
     times = subject.instance.times[: truth.until]
     bound = subject.bound(subject.levels[-1])

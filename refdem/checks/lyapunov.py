@@ -47,7 +47,7 @@ driven-duffing.
 SLOWER = 1000.0
 """Factor by which neighbours may separate more slowly than S.
 
-S holds for all directions and for perturbations that begin later; one direction grows less by this
+S holds for all directions and for perturbations that start later; one direction grows less by this
 factor once in about a thousand times. Measured: 50 in 180 motions, where an orbit of the logistic
 map passed its middle, or the initial difference lay along a contracting direction.
 """

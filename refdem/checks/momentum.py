@@ -33,7 +33,7 @@ class Momentum(Check):
     title = "Momentum"
     kills = (
         "a contact force applied to one body only, a lost mass, velocities exchanged between"
-        " bodies, a reaction on the wrong one, air that nobody asked for"
+        " bodies, a reaction on the wrong one, a drag that the scene does not have"
     )
 
     def applies(self, subject: Subject) -> str | None:

@@ -247,11 +247,13 @@ def _claimed_forward_error(subject: Subject, level: float) -> float:
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
-    # Round-off c u sqrt(2 n), of the steps of both ways, and of sums whose terms repeat, times S.
-    summation = clock(subject.instance, subject.method, level) + flight(
-        subject.instance, subject.method, level
-    )
-    rounding = math.sqrt(2.0) * subject.round_off(level) + summation
+    # Round-off c u sqrt(2 n) of the steps of both ways, and that of sums of equal terms: of the
+    # clock, and of positions and velocities in flight. All of it grows by S.
+    instance = subject.instance
+    of_steps = math.sqrt(2.0) * subject.round_off(level)
+    of_clock = clock(instance, subject.method, level)
+    of_flight = flight(instance, subject.method, level)
+    rounding = of_steps + (of_clock + of_flight)
     return rounding * float(subject.truth.growth()[-1])
 
 

@@ -1,7 +1,7 @@
 """Symmetries of mechanics: a scene that is shifted, rotated, boosted, mirrored, relabelled,
 rescaled or delayed moves in the same way.
 
-A *picture* of the scene is the scene after such a transformation. The run of a picture, transformed
+An *image* of the scene is the scene after such a transformation. The run of an image, transformed
 back, must agree with the plain run to round-off. No truth is needed.
 """
 
@@ -62,32 +62,32 @@ class Symmetry(Check):
     )
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with a symmetry whose picture the method supports."""
+        """Scenes with a symmetry whose image the method supports."""
         if self._shown(subject):
             return None
         return "the method can run no symmetry of the scene"
 
     def _shown(self, subject: Subject) -> list[str]:
-        """Names of the symmetries that the scene has and whose picture the method supports."""
+        """Names of the symmetries that the scene has and whose image the method supports."""
         scene = subject.instance.scene
         names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
         return [
             name
             for name in names
-            if subject.unsupported(symmetry.picture(subject.instance, name)[1]) is None
+            if subject.unsupported(symmetry.image(subject.instance, name)[1]) is None
         ]
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """One level plain, in every picture, and with perturbed starts: several where rounding may
+        """One level plain, in every image, and with perturbed starts: several where rounding may
         decide.
 
-        Where truncation error may depend on the axes of space, the rotated picture runs at a second
+        Where truncation error may depend on the axes of space, the rotated image runs at a second
         level too, since such an error falls with the step.
         """
         level = level_for(subject)
-        pictures = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
+        images = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
         extra: tuple[Variant, ...] = ()
-        if _has_axes(subject) and Variant(level, "rotated") in pictures:
+        if _has_axes(subject) and Variant(level, "rotated") in images:
             second_level = _second_level(subject)
             extra = (Variant(second_level), Variant(second_level, "rotated"))
         if _rounding_decides(subject) and subject.method.control == "step":
@@ -97,7 +97,7 @@ class Symmetry(Check):
         return (
             Variant(level),
             Variant(level, "perturbed", perturbation(subject.method)),
-            *pictures,
+            *images,
             *extra,
         )
 
@@ -109,24 +109,24 @@ class Symmetry(Check):
         growth = growth_of(subject, _least_moved(subject, runs, perturbed), runs[plain].trajectory)
         findings = []
         for variant in others:
-            is_picture = variant.level == plain.level and variant.change in symmetry.NAMES
-            # An engine may refuse a picture only when it runs.
-            if is_picture and variant in runs:
-                findings.append(self._picture(subject, runs, variant, growth))
+            is_image = variant.level == plain.level and variant.change in symmetry.NAMES
+            # An engine may refuse an image only when it runs.
+            if is_image and variant in runs:
+                findings.append(self._image(subject, runs, variant, growth))
         return findings or [
             undecided(
                 self.name, "any", "the engine refused every symmetry of the scene during the run"
             )
         ]
 
-    def _picture(
+    def _image(
         self,
         subject: Subject,
         runs: Mapping[Variant, CompletedRun],
         variant: Variant,
         growth: Array,
     ) -> Finding:
-        """The finding that the run of a picture, transformed back, is the plain run; `growth` (T,)
+        """The finding that the run of an image, transformed back, is the plain run; `growth` (T,)
         is that of errors.
         """
         base = runs[Variant(variant.level)].trajectory
@@ -266,7 +266,7 @@ def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
 
 
 def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Bound (T,) from round-off of both runs, plus truncation where a branch may flip, for pictures
+    """Bound (T,) from round-off of both runs, plus truncation where a branch may flip, for images
     without perturbed runs.
     """
     error = np.full_like(growth, round_off(subject, view))
@@ -300,9 +300,9 @@ def _iterates(subject: Subject) -> bool:
 
 
 def _decided_by_rounding(
-    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
-    """Difference (T,) allowed in a picture because a rounding decided otherwise; at most the
+    """Difference (T,) allowed in an image because a rounding decided otherwise; at most the
     truncation error of both runs.
 
     Whether a contact begins, or a body sticks, in this step or the next depends on the last bit
@@ -320,7 +320,7 @@ def _decided_by_rounding(
     base = runs[Variant(level)].trajectory
     truncation: Array = 2 * subject.truncation(level) * growth
     if subject.method.control != "step":
-        return np.minimum(truncation, _difference_of_step_choices(subject, runs, growth, picture))
+        return np.minimum(truncation, _difference_of_step_choices(subject, runs, growth, image))
     shown = _differences_of_perturbed_starts(subject, runs, base)
     if not shown:
         return truncation
@@ -328,7 +328,7 @@ def _decided_by_rounding(
     largest = np.maximum.reduce(shown)
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
-        observed = observed + _left_by_iterations(subject, runs, growth, picture)
+        observed = observed + _left_by_iterations(subject, runs, growth, image)
     return np.minimum(observed, truncation)
 
 
@@ -377,66 +377,66 @@ def _is_one_collision(subject: Subject) -> bool:
 
 
 def _left_by_iterations(
-    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
-    """Difference (T,) that iterations over contacts of rigid bodies may leave in a picture.
+    """Difference (T,) that iterations over contacts of rigid bodies may leave in an image.
 
-    It is round-off of many operations, plus the change between two steps where the picture changes
+    It is round-off of many operations, plus the change between two steps where the image changes
     the order or the units of contacts. Measured: a stack that is turned has other contact points in
     MuJoCo and moves by 1.2 times as much as when the step is doubled.
     """
     level = level_for(subject)
-    rounding: Array = _many_roundings(subject, picture) * growth
-    if picture not in REORDERED:
+    rounding: Array = _many_roundings(subject, image) * growth
+    if image not in REORDERED:
         return rounding
     coarser = _coarser_run(subject)
     if not coarser or coarser[0] not in runs:
         return np.full(len(growth), np.inf)
-    change = distances(
-        subject.instance, runs[coarser[0]].trajectory, runs[Variant(level)].trajectory
-    )
+    coarse_run = runs[coarser[0]].trajectory
+    fine_run = runs[Variant(level)].trajectory
+    change = distances(subject.instance, coarse_run, fine_run)
     return rounding + room_of(subject) * np.maximum.accumulate(change)
 
 
-def _many_roundings(subject: Subject, picture: str) -> float:
-    """Round-off of a picture where each step takes many operations: iterations, or an unknown
+def _many_roundings(subject: Subject, image: str) -> float:
+    """Round-off of an image where each step takes many operations: iterations, or an unknown
     number of inner steps.
     """
-    view = symmetry.of(subject.instance, picture)
+    view = symmetry.of(subject.instance, image)
     return (
         COUNTING_FLOOR * subject.noise(level_for(subject)) * symmetry.size(subject.instance, view)
     )
 
 
-def _looser_tolerance(subject: Subject, picture: str) -> float | None:
-    """The tightest tolerance that ran and is at least as loose as the picture makes the finest one;
+def _looser_tolerance(subject: Subject, image: str) -> float | None:
+    """The tightest tolerance that ran and is at least as loose as the image makes the finest one;
     None without one.
 
-    A relative tolerance grows with the numbers of the picture, an absolute one with its units.
+    A relative tolerance grows with the numbers of the image, an absolute one with its units.
     """
-    view = symmetry.of(subject.instance, picture)
+    view = symmetry.of(subject.instance, image)
     unit_ratio = max(max(view.units), 1.0 / min(view.units))
     effective = subject.levels[-1] * unit_ratio * symmetry.size(subject.instance, view)
     return next((level for level in reversed(subject.levels[:-1]) if level >= effective), None)
 
 
 def _difference_of_step_choices(
-    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, picture: str
+    subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
     """Difference (T,) that other choices of steps may make: the error of a run with a looser
     tolerance against truth.
 
     Where orders are chosen as well as steps, the error falls with the tolerance in stairs, so a run
-    and its picture may be on different stairs; a tolerance that is looser by a level is above both.
+    and its image may be on different stairs; a tolerance that is looser by a level is above both.
     Without truth for all of the motion it is infinite.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
-    looser = _looser_tolerance(subject, picture)
+    looser = _looser_tolerance(subject, image)
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
     observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
-    bound: Array = PREDICTION_FACTOR * observed + _many_roundings(subject, picture) * growth
+    bound: Array = PREDICTION_FACTOR * observed + _many_roundings(subject, image) * growth
     return bound
 
 

@@ -18,61 +18,66 @@ FEWEST_SPHERES = 100
 """Spheres of the smallest crowd: fewer spend their time in the calls and not in the contacts."""
 
 
-def command(
-    case: Annotated[
-        list[str] | None,
-        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: pendulum."),
-    ] = None,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
-    ] = None,
-    method: Annotated[
-        str, typer.Option(help="Only this method of the engines; peers are kept.")
-    ] = "",
-    set: Annotated[
-        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
-    ] = None,
-    rounds: Annotated[
-        int, typer.Option(help="Number of interleaved repeats of every run.", min=1)
-    ] = 5,
-    most_steps: Annotated[float, typer.Option(help="Largest number of steps of a run.")] = 1e6,
-    longest: Annotated[
-        float,
-        typer.Option(help="Longest run [s]; refinement ends with the first one that takes longer."),
-    ] = 0.3,
-    grow: Annotated[
-        list[str] | None,
-        typer.Option(help="Measure run time against a parameter, as samples=64,256,1024."),
-    ] = None,
-    peers: Annotated[
-        bool, typer.Option(help="Include the peers heyoka and SciPy, where installed.")
-    ] = True,
-    memory: Annotated[
-        bool, typer.Option(help="Measure the peak memory, in a separate process.")
-    ] = True,
-    crowd: Annotated[
-        str,
-        typer.Option(
-            help=(
-                "Measure the cost per body and step in gases of these numbers of spheres,"
-                " as 1000,10000."
-            )
-        ),
-    ] = "",
-    stability: Annotated[bool, typer.Option(help="Measure the largest stable step.")] = True,
-    against: Annotated[
-        Path | None,
-        typer.Option(
-            help=(
-                "Compare with the Python of another installation, run in turns with this"
-                " one, or with a bench.json."
-            )
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")] = Path(
-        "refdem-bench"
+# The options of the command, in the order of its help.
+Cases = Annotated[
+    list[str] | None,
+    typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: pendulum."),
+]
+Engines = Annotated[
+    list[str] | None,
+    typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
+]
+MethodName = Annotated[str, typer.Option(help="Only this method of the engines; peers are kept.")]
+Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")]
+Rounds = Annotated[int, typer.Option(help="Number of interleaved repeats of every run.", min=1)]
+MostSteps = Annotated[float, typer.Option(help="Largest number of steps of a run.")]
+Longest = Annotated[
+    float,
+    typer.Option(help="Longest run [s]; refinement ends with the first one that takes longer."),
+]
+Grow = Annotated[
+    list[str] | None,
+    typer.Option(help="Measure run time against a parameter, as samples=64,256,1024."),
+]
+Peers = Annotated[bool, typer.Option(help="Include the peers heyoka and SciPy, where installed.")]
+Memory = Annotated[bool, typer.Option(help="Measure the peak memory, in a separate process.")]
+Crowd = Annotated[
+    str,
+    typer.Option(
+        help=(
+            "Measure the cost per body and step in gases of these numbers of spheres, as"
+            " 1000,10000."
+        )
     ),
+]
+Stability = Annotated[bool, typer.Option(help="Measure the largest stable step.")]
+Against = Annotated[
+    Path | None,
+    typer.Option(
+        help=(
+            "Compare with the Python of another installation, run in turns with this one, or with"
+            " a bench.json."
+        )
+    ),
+]
+Out = Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")]
+
+
+def command(
+    case: Cases = None,
+    engine: Engines = None,
+    method: MethodName = "",
+    set: Settings = None,
+    rounds: Rounds = 5,
+    most_steps: MostSteps = 1e6,
+    longest: Longest = 0.3,
+    grow: Grow = None,
+    peers: Peers = True,
+    memory: Memory = True,
+    crowd: Crowd = "",
+    stability: Stability = True,
+    against: Against = None,
+    out: Out = Path("refdem-bench"),
 ) -> None:
     """Measures run time against error; exit 1 if a method is slower than in the record that it is
     compared with.
@@ -85,11 +90,11 @@ def command(
     from refdem.cli.outputs import refuse_unwritable
     from refdem.core.parameters import labelled, settings
 
-    given = settings(set or [])
+    parameters = settings(set or [])
     entries = []
     for label in case or ["pendulum"]:
-        name, of_label = labelled(label)
-        entries.append(Entry(name, of_label | given))
+        name, parameters_of_label = labelled(label)
+        entries.append(Entry(name, parameters_of_label | parameters))
     # Either another Python, which runs in turns with this one, or an earlier record.
     beside = runnable(against)
     earlier = None
@@ -111,11 +116,10 @@ def command(
         progress=_report,
     )
     record = bench.record()
-    more = []
+    crowds = []
     if crowd:
-        more.append(_cells(crowded(crowd, rounds)))
-        more.append(_cells(collided(crowd, rounds)))
-    finish(record, out, earlier, more)
+        crowds = [_cells(crowded(crowd, rounds)), _cells(collided(crowd, rounds))]
+    finish(record, out, earlier, crowds)
 
 
 def _report(progress: str) -> None:

@@ -64,10 +64,11 @@ def command(
         return
     if features or not case:
         raise UsageError("expected a case (`refdem list cases`), or --features alone")
-    name, of_label = labelled(case)
+    name, parameters_of_label = labelled(case)
+    parameters = parameters_of_label | settings(set or [])
     specification = Specification(
         name="explain",
-        case=[Entry(name, of_label | settings(set or []))],
+        case=[Entry(name, parameters)],
         engines=engine or [],
         timeout=timeout,
     )
@@ -75,15 +76,15 @@ def command(
     store = Store(default_path())
     for instance, only in plan.instances(specification):
         print("\n".join(asked(instance)), flush=True)
-        # A proof has the time that it has in a campaign, and is kept as there.
+        # As in a campaign, the proof has a time limit and is kept in the store.
         with Schedule(1, specification.timeout) as schedule:
             (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
         if truth.reason:
             print(f"  certified for {truth.until} of {len(instance.times)} samples: {truth.reason}")
         for chosen_engine in engines:
             show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
-    for name, reason in missing.items():
-        print(f"  {name}: not installed; {reason}")
+    for missing_engine, reason in missing.items():
+        print(f"  {missing_engine}: not installed; {reason}")
 
 
 def meanings() -> list[str]:
@@ -120,9 +121,8 @@ def asked(instance: "Instance") -> list[str]:
             ),
         ]
     dimension = next(feature[-1] for feature in features if feature.startswith("dimension:"))
-    without = (
-        ", ".join(without for what, without in SKIPPED.items() if what not in features) or "nothing"
-    )
+    skipped = [words for feature, words in SKIPPED.items() if feature not in features]
+    without = ", ".join(skipped) or "nothing"
     sizes = f"L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s"
     needs = f"  required features: {', '.join(sorted(features))}"
     return [

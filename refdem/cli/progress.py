@@ -58,11 +58,11 @@ def _show(text: str) -> None:
 
 
 class Watch:
-    """Says that work in this process goes on, whatever the work is: after `quiet` CPU seconds, and
-    in a pipe each time that it has doubled.
+    """Reports that work in this process goes on: after `quiet` CPU seconds, and in a pipe whenever
+    that time has doubled.
 
-    A thread of its own looks, so that no part of the work can forget to say it. `expect` gives the
-    CPU seconds that are left, where they are known.
+    A thread of its own reports, so that no part of the work has to. `expect` gives the CPU seconds
+    that are left, where they are known.
     """
 
     def __init__(self, work: str, quiet: float = QUIET) -> None:
@@ -94,18 +94,18 @@ class Watch:
         self._whole = self._spent() + seconds
 
     def say(self, text: str) -> None:
-        """Prints a text in a line of its own, whatever is redrawn."""
+        """Prints a text in a line of its own, above the line that is redrawn."""
         start = ""
         if self._tty:
             start = ERASE
         _show(f"{start}{text}\n")
 
     def _spent(self) -> float:
-        """CPU seconds since the begin."""
+        """CPU seconds since the start."""
         return time.process_time() - self._begun
 
     def _look(self) -> None:
-        """Looks until the work has ended."""
+        """Reports now and then, until the work has ended."""
         while not self._ended.wait(LOOK):
             spent = self._spent()
             if spent < self._next:

@@ -203,9 +203,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
 
 
 def warn(seconds: float) -> None:
-    """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError
-    if nobody can wait for it.
-    """
+    """Warns of work that takes more than DEAR seconds; raises UsageError above HOPELESS."""
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import HOPELESS
 
@@ -265,10 +263,12 @@ def show(document: dict[str, Any], as_json: bool, unit: str) -> None:
         return
     values = document["values"]
     for item in values:
-        time = ""
+        name = item["quantity"]
         if item["t"] is not None:
-            time = f"({item['t']} {unit}".rstrip() + ")"
-        print(f"{item['quantity'] + time:24} {item['mid']} +- {item['radius']}")
+            # A map counts its iterates and has no unit of time.
+            time = f"{item['t']} {unit}".rstrip()
+            name = f"{name}({time})"
+        print(f"{name:24} {item['mid']} +- {item['radius']}")
     method = "none"
     if values:
         method = values[0]["method"]

@@ -149,7 +149,7 @@ class Engine(ABC):
     expected: tuple[Deviation, ...] = ()
     may_refuse: frozenset[str] = frozenset()
     """Limits that the engine's own description sets, in seconds a run and seconds a campaign;
-    deviations it accepts; and pictures of a scene (shifted, rotated, mirrored ...) that it may
+    deviations it accepts; and images of a scene (shifted, rotated, mirrored ...) that it may
     refuse when it runs although it runs the scene itself."""
 
     @property

@@ -14,7 +14,9 @@ from refdem.core.store import cache_folder
 
 
 def kept_file(name: str, made: Callable[[], bytes]) -> bytes:
-    """The content kept under a name, which says all that decides it; `made()` if there is none."""
+    """The content kept under a name, or that of `made()`, which is then kept. The name must contain
+    all that decides the content.
+    """
     path = cache_folder() / name
     with suppress(OSError):
         seal, _, content = path.read_bytes().partition(b"\n")

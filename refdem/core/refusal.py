@@ -1,11 +1,11 @@
 """The two reasons for which an adapter refuses a motion, each with the feature that is missing.
 
-An engine cannot say a feature if its own users could not have it, however they drive the engine.
-What they could have and the adapter leaves out is a gap of the adapter, to be closed.
+An engine cannot express a feature if its own users could not have it, however they drive the
+engine. What they could have and the adapter leaves out is a gap of the adapter, to be closed.
 """
 
 ENGINE_CANNOT = "engine cannot: "
-ADAPTER_LACKS = "adapter does not say yet: "
+ADAPTER_LACKS = "adapter does not support yet: "
 
 
 def engine_cannot(feature: str) -> str:

@@ -22,7 +22,7 @@ ELEMENTS = (
 
 def commented(request: Request) -> Iterator[str]:
     """The lines of `request_text`, each new field, body and element with its meaning before it as
-    lines that begin with #.
+    lines that start with #.
     """
     meanings = dict(_meanings(request))
     for line in request_text(request).splitlines():
@@ -34,7 +34,7 @@ def commented(request: Request) -> Iterator[str]:
 
 
 def _first_of(key: str, meanings: dict[str, str]) -> str:
-    """The meaning of the part that begins with this line, "" if none does; each is told once."""
+    """The meaning of the part that begins with this line, "" if none does; each is given once."""
     parts = key.split(".")
     for count in range(len(parts), 0, -1):
         meaning = meanings.pop(".".join(parts[:count]), "")

@@ -32,7 +32,7 @@ class Static(Problem):
 
     @property
     def interval(self) -> float:
-        """There is none; one second stands for it."""
+        """One second [s], in place of an interval that does not exist."""
         return 1.0
 
     def when(self, sample: float) -> str:
@@ -156,8 +156,8 @@ MASS_PROPERTIES = (
 
 @dataclass(frozen=True, eq=False)
 class Solid(Static):
-    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>` (1,); what an engine cannot say is
-    left out.
+    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>` (1,), without those that an engine
+    does not give.
     """
 
     kind: ClassVar[str] = "solid"

@@ -245,20 +245,20 @@ def of(instance: Instance, name: str) -> Symmetry:
     return symmetries[name]
 
 
-_PICTURES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = WeakKeyDictionary()
+_IMAGES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = WeakKeyDictionary()
 """The mapped motions of every instance by the symmetry's name; they live as long as it does."""
 
 
-def picture(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
+def image(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
     """The symmetry called `name` and the instance's motion mapped by it.
 
     They are made once for each instance, because every method is given the same.
     """
-    pictures = _PICTURES.setdefault(instance, {})
-    if name not in pictures:
+    images = _IMAGES.setdefault(instance, {})
+    if name not in images:
         symmetry = of(instance, name)
-        pictures[name] = symmetry, symmetry.applied(instance.motion)
-    return pictures[name]
+        images[name] = symmetry, symmetry.applied(instance.motion)
+    return images[name]
 
 
 def broken(scene: Scene, name: str) -> str | None:

@@ -34,7 +34,7 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
     """The work of all forces without a potential along a run of points; None where the samples do
     not show it.
 
-    It cannot be told where some force does not follow from position and velocity (contacts,
+    It cannot be computed where some force does not follow from position and velocity (contacts,
     friction that sticks), where bodies turn, and where the samples are fewer than five. The
     uncertainty is the difference to what one sample less in each polynomial gives (two less where
     a force is singular), summed over the intervals: in the limit of close samples the error of a

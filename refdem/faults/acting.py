@@ -19,28 +19,28 @@ MEMORY = "fresh"
 """The part that makes others forget the run before; it changes nothing by itself."""
 
 
-def listening(heard: set[str]) -> Parts:
+def listening(called: set[str]) -> Parts:
     """The sound parts; each notes its name when it is called."""
-    noting: Parts = _listening(SOUND, "", heard)
+    noting: Parts = _listening(SOUND, "", called)
     return noting
 
 
-def _listening(parts: Any, prefix: str, heard: set[str]) -> Any:
+def _listening(parts: Any, prefix: str, called: set[str]) -> Any:
     """A record of parts whose functions note their names."""
     changed = {}
     for name, part in _items(parts):
         if is_dataclass(part):
-            changed[name] = _listening(part, f"{prefix}{name}.", heard)
+            changed[name] = _listening(part, f"{prefix}{name}.", called)
         elif callable(part):
-            changed[name] = _noting(part, prefix + name, heard)
+            changed[name] = _noting(part, prefix + name, called)
     return replace(parts, **changed)
 
 
-def _noting(part: Callable[..., Any], name: str, heard: set[str]) -> Callable[..., Any]:
+def _noting(part: Callable[..., Any], name: str, called: set[str]) -> Callable[..., Any]:
     """The function, which notes its name when it is called."""
 
     def noting(*arguments: Any, **named: Any) -> Any:
-        heard.add(name)
+        called.add(name)
         return part(*arguments, **named)
 
     return noting
@@ -68,8 +68,8 @@ def _replaced(faulty: Any, sound: Any, prefix: str) -> Iterator[str]:
             yield prefix + name
 
 
-def acts(fault: Fault, request: Request, heard: set[str]) -> bool:
-    """Whether a fault can change the run of a request that calls the parts `heard`."""
+def acts(fault: Fault, request: Request, called: set[str]) -> bool:
+    """Whether a fault can change the run of a request that calls the parts `called`."""
     if fault.after is not None:
         return True
     if fault.before is not None:
@@ -83,4 +83,4 @@ def acts(fault: Fault, request: Request, heard: set[str]) -> bool:
     else:
         method = request.method
     numbers = CONSTANTS.get(method, ("verlet_kicks",))
-    return not replaced(fault).isdisjoint({*heard, *numbers})
+    return not replaced(fault).isdisjoint({*called, *numbers})

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import count
+from itertools import cycle
 from typing import Any
 
 import msgspec
@@ -26,11 +26,11 @@ def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request
 
     def before(request: Request) -> Request:
         scene = request.problem.scene
-        changed: dict[str, Any] = {
-            name: np.array(make(getattr(scene.bodies, name)), float)
-            for name, make in change.items()
-        }
-        return request.with_scene(Scene(replace(scene.bodies, **changed), scene.elements))
+        columns: dict[str, Any] = {}
+        for name, make in change.items():
+            columns[name] = np.array(make(getattr(scene.bodies, name)), float)
+        bodies = replace(scene.bodies, **columns)
+        return request.with_scene(Scene(bodies, scene.elements))
 
     return before
 
@@ -43,15 +43,13 @@ def of_elements(
     def made(element: Element) -> Element:
         if not isinstance(element, kind):
             return element
-        return msgspec.structs.replace(
-            element, **{name: make(getattr(element, name)) for name, make in change.items()}
-        )
+        fields = {name: make(getattr(element, name)) for name, make in change.items()}
+        return msgspec.structs.replace(element, **fields)
 
     def before(request: Request) -> Request:
         scene = request.problem.scene
-        return request.with_scene(
-            Scene(scene.bodies, tuple(made(element) for element in scene.elements))
-        )
+        elements = tuple(made(element) for element in scene.elements)
+        return request.with_scene(Scene(scene.bodies, elements))
 
     return before
 
@@ -107,12 +105,12 @@ class Late:
         return self.answers[0]
 
 
-def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
+def forgetting(sound: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
     """Faulty parts that remember, by name; `forget` is called whenever a run begins."""
 
     def fresh(kept: dict[str, Any]) -> None:
         forget()
-        p.fresh(kept)
+        sound.fresh(kept)
 
     return {"fresh": fresh, **parts}
 
@@ -120,9 +118,9 @@ def forgetting(p: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, A
 def late(name: str) -> Inside:
     """The part of that name answers one call late."""
 
-    def inside(p: Parts) -> dict[str, Any]:
-        part = Late(getattr(p, name))
-        return forgetting(p, part.answers.clear, **{name: part})
+    def inside(sound: Parts) -> dict[str, Any]:
+        part = Late(getattr(sound, name))
+        return forgetting(sound, part.answers.clear, **{name: part})
 
     return inside
 
@@ -130,13 +128,13 @@ def late(name: str) -> Inside:
 def every_other(name: str) -> Inside:
     """The part of that name, whose result is a vector, gives the zero vector every second time."""
 
-    def inside(p: Parts) -> dict[str, Any]:
-        sound = getattr(p, name)
-        calls = count(1)
+    def inside(sound: Parts) -> dict[str, Any]:
+        sound_part = getattr(sound, name)
+        is_sound = cycle((True, False))
 
         def part(*arguments: Any) -> Any:
-            if next(calls) % 2:
-                return sound(*arguments)
+            if next(is_sound):
+                return sound_part(*arguments)
             return ZERO
 
         return {name: part}
@@ -146,33 +144,37 @@ def every_other(name: str) -> Inside:
 
 def of_parts(**parts: Any) -> Inside:
     """Parts replaced by other functions or numbers."""
-    return lambda p: parts
+    return lambda sound: parts
 
 
 def of_results(**change: Callable[[Any], Any]) -> Inside:
     """Parts whose results are changed."""
 
-    def changed(sound: Callable[..., Any], make: Callable[[Any], Any]) -> Callable[..., Any]:
-        return lambda *arguments: make(sound(*arguments))
+    def changed(part: Callable[..., Any], make: Callable[[Any], Any]) -> Callable[..., Any]:
+        return lambda *arguments: make(part(*arguments))
 
-    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+    return lambda sound: {
+        name: changed(getattr(sound, name), make) for name, make in change.items()
+    }
 
 
 def of_arguments(**change: Callable[..., tuple[Any, ...]]) -> Inside:
     """Parts that are called with other arguments, all of which `change` gives."""
 
-    def changed(sound: Callable[..., Any], make: Callable[..., Any]) -> Callable[..., Any]:
-        return lambda *arguments: sound(*make(*arguments))
+    def changed(part: Callable[..., Any], make: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: part(*make(*arguments))
 
-    return lambda p: {name: changed(getattr(p, name), make) for name, make in change.items()}
+    return lambda sound: {
+        name: changed(getattr(sound, name), make) for name, make in change.items()
+    }
 
 
 def within(record: str, inside: Inside) -> Inside:
     """Parts of one record of parts changed, as those of `maps` or of `holding`."""
 
-    def changed(p: Parts) -> dict[str, Any]:
-        sound = getattr(p, record)
-        return {record: replace(sound, **inside(sound))}
+    def changed(sound: Parts) -> dict[str, Any]:
+        sound_record = getattr(sound, record)
+        return {record: replace(sound_record, **inside(sound_record))}
 
     return changed
 
@@ -180,10 +182,10 @@ def within(record: str, inside: Inside) -> Inside:
 def of_pace(pace: float, *names: str) -> Inside:
     """Parts whose step, the last of their arguments, is longer by a factor."""
 
-    def longer(sound: Callable[..., Any]) -> Callable[..., Any]:
-        return lambda *arguments: sound(*arguments[:-1], pace * arguments[-1])
+    def longer(part: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *arguments: part(*arguments[:-1], pace * arguments[-1])
 
-    return lambda p: {name: longer(getattr(p, name)) for name in names}
+    return lambda sound: {name: longer(getattr(sound, name)) for name in names}
 
 
 def rounded(value: Any) -> Any:

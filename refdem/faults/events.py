@@ -3,7 +3,7 @@ stops.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from refdem.faults import holding, impacts, positional, rolling
 from refdem.faults import vectors as vec
@@ -19,118 +19,125 @@ faulty rule; the rest of the step is then made without events.
 """
 
 
-def touch(m: Moving) -> float:
-    """Relative overlap that rounding alone may leave of a touch."""
-    if m.world.number is float:
+def touch_tolerance(motion: Moving) -> float:
+    """Overlap, relative to the radii, that rounding alone may leave where bodies only touch."""
+    if motion.world.number is float:
         return 1e-12
     return 1e-5
 
 
-def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number]:
-    """The guards of a contact's modes, and the rate of its overlap [m/s]: the first is positive
-    while the contact acts, the second, its normal force [N], while it presses.
+def contact_guards(motion: Moving, state: State, number: int) -> tuple[Number, Number]:
+    """The guards of a contact's modes: the first is positive while the contact acts, the second,
+    its normal force [N], while it presses.
     """
-    _, depth, rate, _ = meeting(m.world, state, m.parts, number)
-    push = m.parts.normal_force(m.world.law, depth, rate)
-    acts = m.parts.presses(m.world.law, depth, push)
-    if m.world.corners[number] is not None:
+    law = motion.world.law
+    _, depth, rate, _ = meeting(motion.world, state, motion.parts, number)
+    push = motion.parts.normal_force(law, depth, rate)
+    acts = motion.parts.presses(law, depth, push)
+    if motion.world.corners[number] is not None:
         # A corner parts at zero overlap at the latest, whatever the cutoff.
-        acts = min(acts, m.world.law.stiffness * depth)
-    return acts, push, rate
+        acts = min(acts, law.stiffness * depth)
+    return acts, push
 
 
-def first_modes(m: Moving, state: State, h: Number) -> None:
+def first_modes(motion: Moving, state: State, h: Number) -> None:
     """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
     starts towards what pulls it.
     """
-    for number in m.world.lying:
-        rolling.first_mode(m, state, number)
-    if m.world.is_rigid:
+    for number in motion.world.lying:
+        rolling.first_mode(motion, state, number)
+    if motion.world.is_rigid:
         return
-    for number, (i, j) in enumerate(m.world.pairs):
-        acts, push, rate = values(m, state, number)
-        radii = m.world.radius[i]
-        if j >= 0:
-            radii = radii + m.world.radius[j]
-        # A guard this near to 0 is a touch: in m, or in N where the guard is a force.
-        tolerance = radii * touch(m)
-        if m.world.law.cutoff == "zero_force":
-            tolerance = tolerance * m.world.law.stiffness
-        closes = rate * h > 0
-        is_acting = bool(acts > tolerance or (acts > -tolerance and closes))
-        state.acting[number] = is_acting
-        state.pressing[number] = is_acting
-        # Without a force to press, any slip is beyond Coulomb's limit.
-        if state.acting[number] and push <= m.world.law.stiffness * m.world.radius[i] * touch(m):
-            state.sliding[number] = slides(
-                m, state, m.parts.loads(m.world, state, m.parts), number, h
-            )
-    for number, slider in enumerate(m.world.sliders):
-        state.side[number] = m.parts.side_of(
-            m, state, number, m.parts.slides_at(slider, state.v[slider.a])
-        )
+    for number in range(len(motion.world.pairs)):
+        _first_contact_mode(motion, state, number, h)
+    for number, slider in enumerate(motion.world.sliders):
+        speed = motion.parts.slides_at(slider, state.v[slider.a])
+        state.side[number] = motion.parts.side_of(motion, state, number, speed)
 
 
-def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
+def _first_contact_mode(motion: Moving, state: State, number: int, h: Number) -> None:
+    """Sets whether a pair acts, presses and slides at the start."""
+    world = motion.world
+    i, j = world.pairs[number]
+    _, _, rate, _ = meeting(world, state, motion.parts, number)
+    acts, push = contact_guards(motion, state, number)
+    radii = world.radius[i]
+    if j >= 0:
+        radii = radii + world.radius[j]
+    # A guard this near to 0 is a touch: in m, or in N where the guard is a force.
+    tolerance = radii * touch_tolerance(motion)
+    if world.law.cutoff == "zero_force":
+        tolerance = tolerance * world.law.stiffness
+    closes = rate * h > 0
+    is_acting = bool(acts > tolerance or (acts > -tolerance and closes))
+    state.acting[number] = is_acting
+    state.pressing[number] = is_acting
+    # Without a force to press, any slip is beyond Coulomb's limit.
+    weakest_push = world.law.stiffness * world.radius[i] * touch_tolerance(motion)
+    if is_acting and push <= weakest_push:
+        load = motion.parts.loads(world, state, motion.parts)
+        state.sliding[number] = slides(motion, state, load, number, h)
+
+
+def side_of(motion: Moving, state: State, number: int, speed: Number) -> int:
     """Towards where a slider moves: 0 if it is at rest and friction holds it."""
     if speed:
         if speed > 0:
             return 1
         return -1
-    along = pull_along(m, state, number)
-    if m.parts.holds(m.world.sliders[number], along):
+    along = pull_along(motion, state, number)
+    if motion.parts.holds(motion.world.sliders[number], along):
         return 0
     if along > 0:
         return 1
     return -1
 
 
-def pull_along(m: Moving, state: State, number: int) -> Number:
+def pull_along(motion: Moving, state: State, number: int) -> Number:
     """The force [N] along a slider's axis of all else, where it does not slip.
 
     A slider at rest would balance whatever pulls it; one that slips adds a known friction. So the
     loads are taken as if it slipped, less that friction.
     """
-    slider = m.world.sliders[number]
+    slider = motion.world.sliders[number]
     subject = state.copy()
     subject.side[number] = 1
-    without = m.parts.loads(m.world, subject, m.parts).force[slider.a]
-    speed = abs(m.parts.slides_at(slider, subject.v[slider.a]))
-    friction = m.parts.slider_force(slider, 1, speed)
+    without = motion.parts.loads(motion.world, subject, motion.parts).force[slider.a]
+    speed = abs(motion.parts.slides_at(slider, subject.v[slider.a]))
+    friction = motion.parts.slider_force(slider, 1, speed)
     return vec.dot(vec.minus(without, friction), slider.axis)
 
 
-def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
-    """A tangential spring at its limit stays there."""
-    return bool(limit_excess_rate(m, state, load, number, h) > 0)
+def slides(motion: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
+    """Whether a tangential spring at Coulomb's limit stays there."""
+    return bool(limit_excess_rate(motion, state, load, number, h) > 0)
 
 
-def limit_excess_rate(m: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
-    """The rate at which a tangential spring at its limit would exceed the limit, k_t |s|' - mu F'
-    [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
+def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
+    """The rate at which a tangential spring xi at Coulomb's limit would exceed it, k_t |xi|' - mu
+    F_n' [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
     """
-    law = m.world.law
-    if law is None or not (
-        law.friction > 0 and law.tangential_stiffness > 0 and state.pressing[number]
-    ):
+    law = motion.world.law
+    if not (_law_has_spring(law) and state.pressing[number]):
         return 0.0
-    i, j = m.world.pairs[number]
-    _, _, rate, relative = meeting(m.world, state, m.parts, number)
+    i, j = motion.world.pairs[number]
+    _, _, rate, relative = meeting(motion.world, state, motion.parts, number)
     stretch = load.stretch[number]
     slip = load.slip[number]
     length = vec.size(stretch)
-    # |s|' = s.s'/|s|, and |s'| for a spring that is not stretched yet.
+    # xi' is the slip: |xi|' = xi . xi'/|xi|, and |xi'| for a spring that is not stretched yet.
     if length > 0:
         stretching = vec.dot(stretch, slip) / length
     else:
         stretching = vec.size(slip)
-    # F' = k d' + c d''.
+    # F_n' = k d' + c d''.
     normal_rate = law.stiffness * rate
     if law.damping > 0:
-        pull = vec.times(1.0 / m.world.mass[i], load.force[i])
+        acceleration = vec.times(1.0 / motion.world.mass[i], load.force[i])
         if j >= 0:
-            pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j])
-        normal_rate += law.damping * second_rate(m, state, number, relative, rate, pull)
+            acceleration = vec.moved(acceleration, -1.0 / motion.world.mass[j], load.force[j])
+        d_second = second_rate(motion, state, number, relative, rate, acceleration)
+        normal_rate += law.damping * d_second
     excess_rate = law.tangential_stiffness * stretching - law.friction * normal_rate
     if h > 0:
         return excess_rate
@@ -138,177 +145,201 @@ def limit_excess_rate(m: Moving, state: State, load: Loads, number: int, h: Numb
 
 
 def second_rate(
-    m: Moving, state: State, number: int, relative: Vector, rate: Number, pull: Vector
+    motion: Moving,
+    state: State,
+    number: int,
+    relative: Vector,
+    rate: Number,
+    acceleration: Vector,
 ) -> Number:
-    """d'' [m/s^2] of a pair, `pull` being the relative acceleration a = a_i - a_j (3), `relative`
-    the relative velocity v and `rate` d'.
+    """d'' [m/s^2] of a pair, from its relative acceleration a = a_i - a_j (3), its relative
+    velocity v and the rate d' of its overlap.
 
     d = R_i + R_j - rho has d' = v . n; the normal turns with n' = -(v - (v . n) n)/rho, so that d''
     = a . n - (|v|^2 - d'^2)/rho. The normal of a plane does not turn.
     """
-    i, j = m.world.pairs[number]
-    normal, depth, _, _ = meeting(m.world, state, m.parts, number)
+    i, j = motion.world.pairs[number]
+    normal, depth, _, _ = meeting(motion.world, state, motion.parts, number)
+    along_normal = vec.dot(acceleration, normal)
     if j < 0:
-        return vec.dot(pull, normal)
-    distance = m.world.radius[i] + m.world.radius[j] - depth
-    return vec.dot(pull, normal) - (vec.dot(relative, relative) - rate * rate) / distance
+        return along_normal
+    distance = motion.world.radius[i] + motion.world.radius[j] - depth
+    return along_normal - (vec.dot(relative, relative) - rate * rate) / distance
 
 
-def has_spring(m: Moving, state: State, number: int) -> bool:
+def _law_has_spring(law: Any) -> bool:
+    """The contact law, None without contacts, has friction with a tangential spring."""
+    return law is not None and bool(law.friction > 0 and law.tangential_stiffness > 0)
+
+
+def has_spring(motion: Moving, state: State, number: int) -> bool:
     """The pair's tangential spring is at work."""
-    law = m.world.law
-    return bool(
-        state.acting[number]
-        and state.pressing[number]
-        and law.friction > 0
-        and law.tangential_stiffness > 0
-    )
+    touches = state.acting[number] and state.pressing[number]
+    return touches and _law_has_spring(motion.world.law)
 
 
 def slide_margin(
-    m: Moving, before: State, after: State, load: Loads, number: int, h: Number, push: Number
+    motion: Moving, before: State, after: State, load: Loads, number: int, h: Number, push: Number
 ) -> Number:
     """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
         # It slides on while the limit would be exceeded; exactly 0 counts as below 0, and sticks.
-        excess_rate = limit_excess_rate(m, after, load, number, h)
+        excess_rate = limit_excess_rate(motion, after, load, number, h)
         if excess_rate == 0:
             return -positional.TINY
         return excess_rate
     # It sticks on while k_t |xi| <= mu F_n.
-    law = m.world.law
+    law = motion.world.law
     return law.friction * push - law.tangential_stiffness * vec.size(load.stretch[number])
 
 
 Change = tuple[str, int]
+"""A kind of change of mode, and the number of the pair, hook, wall or slider that changes."""
+Margins = list[tuple[Number, Change]]
+"""The guard of every mode with the change of mode that it stands for: below 0 it is due."""
 
 
-def margins(
-    m: Moving, before: State, after: State, load: Loads, h: Number
-) -> list[tuple[Number, Change]]:
+def margins(motion: Moving, before: State, after: State, load: Loads, h: Number) -> Margins:
     """The guard of every mode at the end of a step, each with the change of mode it stands for.
 
-    A guard below 0 says that the mode of the step's begin does not fit any more.
+    A guard below 0 says that the mode of the step's start does not fit any more.
     """
-    pairs = range(len(m.world.pairs))
-    if m.world.lying:
-        return [(rolling.margin(m, after, number), ("roll", number)) for number in m.world.lying]
-    if m.world.is_rigid:
-        return [(impacts.margin(m, after, number, h), ("impact", number)) for number in pairs]
-    margins_found: list[tuple[Number, Change]] = []
+    world = motion.world
+    pairs = range(len(world.pairs))
+    if world.lying:
+        return [(rolling.margin(motion, after, n), ("roll", n)) for n in world.lying]
+    if world.is_rigid:
+        return [(impacts.margin(motion, after, n, h), ("impact", n)) for n in pairs]
+    guards: Margins = []
     for number in pairs:
-        margins_found += _contact_margins(m, before, after, load, number, h)
-    if m.world.hooks:
-        margins_found += holding.margins(m.world, before, after, h)
-    if m.world.tents or m.world.walls:
-        margins_found += positional.margins(m.world, before, after, m.parts, h)
-    return margins_found + _stop_margins(m, before, after)
+        guards += _contact_margins(motion, before, after, load, number, h)
+    if world.hooks:
+        guards += holding.margins(world, before, after, h)
+    if world.tents or world.walls:
+        guards += positional.margins(world, before, after, motion.parts, h)
+    return guards + _stop_margins(motion, before, after)
 
 
 def _contact_margins(
-    m: Moving, before: State, after: State, load: Loads, number: int, h: Number
-) -> list[tuple[Number, Change]]:
+    motion: Moving, before: State, after: State, load: Loads, number: int, h: Number
+) -> Margins:
     """The guards of a pair: it parts (contact), it ceases to press (press), its tangential spring
     comes to its limit or leaves it (slide).
     """
-    acts, push, _ = values(m, after, number)
-    if before.acting[number]:
-        margin = acts
-    else:
-        margin = -acts
-    guards: list[tuple[Number, Change]] = [(margin, ("contact", number))]
-    # "press" and "slide" mean nothing for a pair that parts, does not act, or has no friction.
-    if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
+    acts, push = contact_guards(motion, after, number)
+    if not before.acting[number]:
+        return [(-acts, ("contact", number))]
+    guards: Margins = [(acts, ("contact", number))]
+    # "press" and "slide" mean nothing for a pair that parts or has no friction.
+    if acts < 0 or not motion.world.law.friction > 0:
         return guards
     if before.pressing[number]:
-        margin = push
+        press_margin = push
+    elif push == 0:
+        # A force of exactly 0 begins to press.
+        press_margin = -positional.TINY
     else:
-        # 0 counts as below 0: a force of exactly 0 begins to press.
-        margin = -push
-        if margin == 0:
-            margin = -positional.TINY
-    guards.append((margin, ("press", number)))
-    if margin >= 0 and has_spring(m, before, number):
-        guards.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+        press_margin = -push
+    guards.append((press_margin, ("press", number)))
+    if press_margin >= 0 and has_spring(motion, before, number):
+        margin = slide_margin(motion, before, after, load, number, h, push)
+        guards.append((margin, ("slide", number)))
     return guards
 
 
-def _stop_margins(m: Moving, before: State, after: State) -> list[tuple[Number, Change]]:
+def _stop_margins(motion: Moving, before: State, after: State) -> Margins:
     """How far every slider is from its stop, and from letting go."""
-    margins_found: list[tuple[Number, Change]] = []
-    for number, slider in enumerate(m.world.sliders):
+    guards: Margins = []
+    for number, slider in enumerate(motion.world.sliders):
         side = before.side[number]
         if side != 0:
-            margin = m.parts.slides_at(slider, after.v[slider.a]) * side
-        elif m.parts.holds(slider, pull_along(m, after, number)):
+            margin = motion.parts.slides_at(slider, after.v[slider.a]) * side
+        elif motion.parts.holds(slider, pull_along(motion, after, number)):
             margin = 1.0
         else:
             margin = -1.0
-        margins_found.append((margin, ("stop", number)))
-    return margins_found
+        guards.append((margin, ("stop", number)))
+    return guards
 
 
-def least(margins_found: list[tuple[Number, Change]]) -> Number:
+def least(guards: Margins) -> Number:
     """The smallest of all margins."""
-    return min((margin for margin, _ in margins_found), default=1.0)
+    return min((margin for margin, _ in guards), default=1.0)
 
 
-def _meet_or_part(m: Moving, state: State, number: int) -> None:
+def _meet_or_part(motion: Moving, state: State, number: int) -> None:
     """A pair that does not act begins to; one that acts ends."""
-    _, depth, _, _ = meeting(m.world, state, m.parts, number)
+    _, depth, _, _ = meeting(motion.world, state, motion.parts, number)
     begins = not state.acting[number]
     if begins:
-        state.work -= held(m.world, depth)
+        state.work -= stored_energy(motion.world, depth)
         kind = "contact"
     else:
-        state.work += held(m.world, depth)
+        state.work += stored_energy(motion.world, depth)
         kind = "release"
     state.acting[number] = begins
     state.pressing[number] = begins
     state.stretch[number] = ZERO
     state.sliding[number] = False
-    body, _ = m.world.pairs[number]
-    m.events.append((state.t, kind, body))
+    body, _ = motion.world.pairs[number]
+    motion.events.append((state.t, kind, body))
 
 
-OF_BODIES: Mapping[str, Callable[[Moving, State, int], None]] = {
+def _press_or_lift(motion: Moving, state: State, number: int) -> None:
+    """A pair whose force begins or ceases to press starts with a new tangential spring."""
+    state.pressing[number] = not state.pressing[number]
+    state.stretch[number] = ZERO
+
+
+def _slide_or_stick(motion: Moving, state: State, number: int) -> None:
+    """A tangential spring comes to Coulomb's limit, or leaves it."""
+    state.sliding[number] = not state.sliding[number]
+
+
+def _turn_wedge(motion: Moving, state: State, number: int) -> None:
+    """A wedge that has come to its stop in a wall turns round."""
+    positional.turned(motion.world, state, motion.parts, number)
+
+
+def _pass_edge(motion: Moving, state: State, number: int) -> None:
+    """A force has a corner here, and a step ends; nothing else changes."""
+
+
+def _stop_slider(motion: Moving, state: State, number: int) -> None:
+    """A slider is at rest: its slip is set to exactly 0, and it sticks or slips to where all else
+    pulls it.
+    """
+    slider = motion.world.sliders[number]
+    v = state.v[slider.a]
+    speed = motion.parts.slides_at(slider, v)
+    state.v[slider.a] = vec.moved(v, -speed, slider.axis)
+    side_before = state.side[number]
+    side = motion.parts.side_of(motion, state, number, 0.0)
+    state.side[number] = side
+    if side_before == 0:
+        motion.events.append((state.t, "slip", slider.a))
+    elif side == 0:
+        motion.events.append((state.t, "stick", slider.a))
+
+
+CHANGES: Mapping[str, Callable[[Moving, State, int], None]] = {
     "contact": _meet_or_part,
+    "press": _press_or_lift,
+    "slide": _slide_or_stick,
     "impact": impacts.struck,
     "roll": rolling.ended,
     "catch": holding.catch,
+    "turn": _turn_wedge,
+    "edge": _pass_edge,
+    "stop": _stop_slider,
 }
-"""Changes of mode of pairs and hooks."""
+"""Changes of mode by their kinds; each changes the state in place."""
 
 
-def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
-    """Makes one change of mode in `state`: its kind, and the number of pair, hook or slider."""
-    kind, number = change
-    if kind in OF_BODIES:
-        OF_BODIES[kind](m, state, number)
-    elif kind == "turn":
-        positional.turned(m.world, state, m.parts, number)
-    elif kind == "edge":
-        pass  # the force has a corner there, nothing else
-    elif kind == "slide":
-        state.sliding[number] = not state.sliding[number]
-    elif kind == "press":
-        state.pressing[number] = not state.pressing[number]
-        state.stretch[number] = ZERO
-    else:
-        # "stop": the slip along the axis is exactly 0, and the next side is what pulls it.
-        slider = m.world.sliders[number]
-        v = state.v[slider.a]
-        state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
-        before = state.side[number]
-        state.side[number] = m.parts.side_of(m, state, number, 0.0)
-        if not before:
-            m.events.append((state.t, "slip", slider.a))
-        elif not state.side[number]:
-            m.events.append((state.t, "stick", slider.a))
-
-
-def held(world: World, depth: Number) -> Number:
-    """What the normal spring holds [J]; lost if the contact ends while the bodies still overlap."""
+def stored_energy(world: World, depth: Number) -> Number:
+    """Energy [J] of the normal spring at an overlap [m]; lost if the contact ends before the bodies
+    are apart.
+    """
     # k d^(n+1)/(n+1), the work against k d^n.
     power = world.law.exponent + 1
     if depth > 0:
@@ -316,57 +347,72 @@ def held(world: World, depth: Number) -> Number:
     return 0.0
 
 
-def advance(m: Moving, step: Step, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+def advance(
+    motion: Moving, step: Step, state: State, load: Loads, h: Number
+) -> tuple[State, Loads]:
     """One step of h [s], in pieces between changes of mode: the state and its loads at the end.
 
-    A trial step over the rest of h is accepted if all modes of its begin still fit at its end.
+    A trial step over the rest of h is accepted if all modes of its start still fit at its end.
     Otherwise it is cut where the first of them has just ceased to fit, and that mode is changed.
     """
-    if m.world.is_smooth:
-        return step(m, state, load, h)
+    if motion.world.is_smooth:
+        return step(motion, state, load, h)
     left = h
     for _ in range(MOST_EVENTS):
-        after, load_after = step(m, state, load, left)
-        margins_found = margins(m, state, after, load_after, left)
-        if least(margins_found) >= 0:
+        after, load_after = step(motion, state, load, left)
+        guards = margins(motion, state, after, load_after, left)
+        if least(guards) >= 0:
             return after, load_after
-        # `part` in [0, 1] is the part of the rest at which the mode ends.
-        part, after, margins_found = _cut(m, step, state, load, left, (after, margins_found))
-        after = after.copy()
-        for margin, change in margins_found:
+        cut = _cut(motion, step, state, load, left, (after, guards))
+        state = cut.state.copy()
+        for margin, (kind, number) in cut.guards:
             if margin < 0:
-                changed(m, after, change)
-        state = after
-        load = m.parts.loads(m.world, after, m.parts)
-        left = left - part * left
+                CHANGES[kind](motion, state, number)
+        load = motion.parts.loads(motion.world, state, motion.parts)
+        left = left - cut.part * left
         if not left:
             return state, load
-    return step(m, state, load, left)
+    return step(motion, state, load, left)
+
+
+class Cut(NamedTuple):
+    """Where a step ends early: after this part of it, in [0, 1], a mode has just ceased to fit; the
+    state there, and its guards.
+    """
+
+    part: float
+    state: State
+    guards: Margins
 
 
 def _cut(
-    m: Moving, step: Step, state: State, load: Loads, h: Number, end: tuple[State, Any]
-) -> tuple[float, State, Any]:
-    """The part of a step after which a mode has just ceased to fit, the state there and its
-    margins.
-    """
-    kept = [end]
+    motion: Moving,
+    step: Step,
+    state: State,
+    load: Loads,
+    h: Number,
+    end: tuple[State, Margins],
+) -> Cut:
+    """Where a step of h [s] is to be cut, from the state and the guards at its end."""
+    end_state, end_guards = end
 
     def margin(part: float) -> float:
-        subject, load_trial = step(m, state, load, part * h)
-        margins_found = margins(m, state, subject, load_trial, h)
-        if least(margins_found) < 0:
-            kept[0] = subject, margins_found
-        return float(least(margins_found))
+        """The least guard after a part of the step; the last one below 0 is kept as the end."""
+        nonlocal end_state, end_guards
+        trial, load_trial = step(motion, state, load, part * h)
+        guards = margins(motion, state, trial, load_trial, h)
+        if least(guards) < 0:
+            end_state = trial
+            end_guards = guards
+        return float(least(guards))
 
-    if m.world.number is float:
+    resolution = 2.0**-24
+    if motion.world.number is float:
         resolution = 2.0**-53
-    else:
-        resolution = 2.0**-24
-    first = float(least(margins(m, state, state, load, h)))
-    last = float(least(end[1]))
-    part = m.parts.located(margin, first, last, resolution)
-    return (part, *kept[0])
+    first = float(least(margins(motion, state, state, load, h)))
+    last = float(least(end_guards))
+    part = motion.parts.located(margin, first, last, resolution)
+    return Cut(part, end_state, end_guards)
 
 
 def sign_change(

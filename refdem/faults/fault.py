@@ -22,9 +22,8 @@ class Fault:
 
     before(request) changes the question, after(request, trajectory) the answer; inside(sound parts)
     gives the faulty parts by name, anew for every engine, so that what they remember is their own.
-    `on` names the settings on which it acts with
-    `method` of the transparent engine, `sees` the (check, quantity) that must fail there; `levels`
-    is how far that must refine.
+    `on` names the settings on which it acts with `method` of the transparent engine, `sees` the
+    (check, quantity) that must fail there; `levels` is how many levels of refinement that needs.
     """
 
     name: str

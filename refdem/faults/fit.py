@@ -20,13 +20,14 @@ PROBE = 1e-4
 ALIGNED = 0.9
 """A fault whose effect and the run's defect have a smaller cosine is not followed further."""
 UNEXPLAINED = 0.3
-"""Part of the defect of a window; a fault that leaves more of it is none of the code's."""
+"""Part of the defect of a window. A fault that leaves more than this part unexplained is not in the
+code."""
 ROUNDS = 6
-"""Of the secant on each window."""
+"""Rounds of the secant method on each window."""
 SETTLED = 1e-13
 """A change of the amplitude, relative to it, that no longer matters."""
 LARGEST = 1e3
-"""An amplitude beyond this times the fault of the catalogue is no amplitude of it."""
+"""Largest amplitude, in units of the fault of the catalogue: beyond it the fault is another one."""
 
 
 def states(instance: Instance, run: Trajectory, like: Trajectory) -> Array:
@@ -76,7 +77,8 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
         return 0.0
     effect_norm = float(np.linalg.norm(effect))
     defect_norm = float(np.linalg.norm(plain))
-    # The cosine of effect and defect: a fault that moves the run elsewhere is none of its.
+    # The cosine between effect and defect: the code does not have a fault that moves a run in
+    # another direction.
     projection = float(effect @ plain)
     if defect_norm == 0 or abs(projection) < ALIGNED * effect_norm * defect_norm:
         return None
@@ -90,8 +92,8 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
 
 
 def _explains(difference: Difference, count: int, amplitude: float) -> bool:
-    """True if the amplitude leaves little of the defect over `count` samples: a fault that does not
-    is not followed to the end of the run.
+    """True if the fault at this amplitude explains most of the defect over `count` samples; other
+    faults are not followed to the end of the run.
     """
     defect = difference(0.0, count)
     remainder = difference(amplitude, count)
@@ -101,8 +103,10 @@ def _explains(difference: Difference, count: int, amplitude: float) -> bool:
 
 
 def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
-    """A small amplitude, and the twin at it less the run; the amplitude is negative where a larger
-    number is none that a scene can have.
+    """A small amplitude, and the difference of the twin at that amplitude from the run (M,), None
+    if neither sign of the amplitude can run.
+
+    The amplitude is negative where a positive one makes a number too large for the scene.
     """
     upwards = difference(PROBE, count)
     if upwards is not None:

@@ -66,17 +66,17 @@ def turned_at_joints(world: World, state: State, parts: Parts, total: Loads, *_:
         total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
-def follow(m: Moving, state: State) -> State:
+def follow(motion: Moving, state: State) -> State:
     """The state with the centres of mass where their attitudes about the joints put them: r = joint
     + arm, v = omega x arm.
     """
-    if m.world.joints:
+    if motion.world.joints:
         state.r = list(state.r)
         state.v = list(state.v)
-    for joint in m.world.joints:
+    for joint in motion.world.joints:
         i = joint.a
-        arm = vec.times(-1.0, m.parts.to_space(state.q[i], joint.anchor_a))
-        omega = m.parts.to_space(state.q[i], state.w[i])
+        arm = vec.times(-1.0, motion.parts.to_space(state.q[i], joint.anchor_a))
+        omega = motion.parts.to_space(state.q[i], state.w[i])
         state.r[i] = vec.plus(joint.anchor_b, arm)
         # v = omega x arm
         state.v[i] = vec.cross(omega, arm)
@@ -90,28 +90,28 @@ def rods_of(world: World, state: State) -> list[Rod]:
     return world.rods
 
 
-def _ends(m: Moving, rod: Rod, state: State) -> tuple[Vector, Vector, Number]:
+def _ends(motion: Moving, rod: Rod, state: State) -> tuple[Vector, Vector, Number]:
     """The branch vector r_a - r_b [m] of a rod, its rate [m/s], and 1/m_a + 1/m_b [1/kg]: the
     change of that rate by a unit impulse. The world has an infinite mass.
     """
     a = rod.a
     b = rod.b
     if b < 0:
-        return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]
-    inverse_mass = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
+        return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / motion.world.mass[a]
+    inverse_mass = 1.0 / motion.world.mass[a] + 1.0 / motion.world.mass[b]
     branch = vec.minus(state.r[a], state.r[b])
     relative = vec.minus(state.v[a], state.v[b])
     return branch, relative, inverse_mass
 
 
-def _pull(m: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> None:
+def _pull(motion: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> None:
     """Takes an impulse, `amount` times the vector `along`, from end a and gives it to end b."""
     a = rod.a
     b = rod.b
-    state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
+    state.v[a] = vec.moved(state.v[a], -amount / motion.world.mass[a], along)
     if b >= 0:
-        reaction = m.parts.reaction(vec.times(-amount, along))
-        state.v[b] = vec.moved(state.v[b], 1.0 / m.world.mass[b], reaction)
+        reaction = motion.parts.reaction(vec.times(-amount, along))
+        state.v[b] = vec.moved(state.v[b], 1.0 / motion.world.mass[b], reaction)
 
 
 def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
@@ -124,14 +124,16 @@ def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, 
     return sides
 
 
-def _haul(m: Moving, state: State, sides: list[tuple[int, Vector, Number]], amount: Number) -> None:
+def _haul(
+    motion: Moving, state: State, sides: list[tuple[int, Vector, Number]], amount: Number
+) -> None:
     """The string pulls both bodies to the wheel by an impulse [N s]."""
     for i, direction, _ in sides:
-        state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], direction)
+        state.v[i] = vec.moved(state.v[i], -amount / motion.world.mass[i], direction)
 
 
 def _hold_string(
-    m: Moving, string: StringOverWheel, length: Number, state: State, sides: Any, h: Number
+    motion: Moving, string: StringOverWheel, length: Number, state: State, sides: Any, h: Number
 ) -> Number:
     """Makes one Newton step for a string's length at the end of a drift of h; returns by how much
     it was too long [m].
@@ -142,49 +144,51 @@ def _hold_string(
     drifted = [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)]
     reached = _sides(string, drifted)
     reached_length = sum(distance for _, _, distance in reached)
-    excess = m.parts.holding.string_excess(string, length, reached_length)
+    excess = motion.parts.holding.string_excess(string, length, reached_length)
     inverse_mass = 0.0
     for (i, old, _), (_, new, _) in zip(sides, reached, strict=True):
-        inverse_mass = inverse_mass + vec.dot(old, new) / m.world.mass[i]
-    _haul(m, state, sides, excess / (h * inverse_mass))
+        inverse_mass = inverse_mass + vec.dot(old, new) / motion.world.mass[i]
+    _haul(motion, state, sides, excess / (h * inverse_mass))
     return excess
 
 
-def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
+def hold_length(motion: Moving, before: State, state: State, h: Number) -> State:
     """Velocities with which a drift of h ends at the lengths of rods and strings (RATTLE, Andersen
     1983).
 
-    Newton steps, rod by rod, with impulses along the rods of the begin (`before`): each moves the
+    Newton steps, rod by rod, with impulses along the rods of the start (`before`): each moves the
     end of the drift to the rod's length, and sweeps go on until all hold.
     """
-    if not m.tied:
+    if not motion.tied:
         return state
-    rods = rods_of(m.world, before)
-    enough = ENOUGH[m.world.number is float]
-    strings = [(string, _sides(string, before.r)) for string in m.world.strings]
+    rods = rods_of(motion.world, before)
+    enough = ENOUGH[motion.world.number is float]
+    strings = [(string, _sides(string, before.r)) for string in motion.world.strings]
     for _ in range(SWEEPS):
         largest = 0.0
         for rod in rods:
-            along, _, inverse_mass = _ends(m, rod, before)
-            branch, relative, _ = _ends(m, rod, state)
+            along, _, inverse_mass = _ends(motion, rod, before)
+            branch, relative, _ = _ends(motion, rod, state)
             # The branch vector at the end of the drift, with the velocities so far.
             reached = vec.moved(branch, h, relative)
-            amount = m.parts.rod_position(rod, reached, along, inverse_mass) / h
-            _pull(m, rod, state, along, amount)
+            amount = motion.parts.rod_position(rod, reached, along, inverse_mass) / h
+            _pull(motion, rod, state, along, amount)
             # How much this rod was off, relative to its length.
             largest = max(largest, abs(amount * h * inverse_mass))
-        for (string, sides), length in zip(strings, m.world.string_lengths, strict=True):
-            largest = max(largest, abs(_hold_string(m, string, length, state, sides, h)) / length)
+        for (string, sides), length in zip(strings, motion.world.string_lengths, strict=True):
+            largest = max(
+                largest, abs(_hold_string(motion, string, length, state, sides, h)) / length
+            )
         if largest <= enough:
             break
     return state
 
 
-def hold_speed(m: Moving, state: State) -> State:
+def hold_speed(motion: Moving, state: State) -> State:
     """Velocities without a part along rods and strings, and as bodies turn about their joints."""
-    if not m.tied:
+    if not motion.tied:
         return state
-    rods = rods_of(m.world, state)
+    rods = rods_of(motion.world, state)
     # One rod is held by one sweep; several pull at each other.
     sweeps = len(rods)
     if len(rods) > 1:
@@ -192,35 +196,35 @@ def hold_speed(m: Moving, state: State) -> State:
     for _ in range(sweeps):
         largest = 0.0
         for rod in rods:
-            branch, relative, inverse_mass = _ends(m, rod, state)
-            amount = m.parts.rod_velocity(rod, branch, relative, inverse_mass)
-            _pull(m, rod, state, branch, amount)
+            branch, relative, inverse_mass = _ends(motion, rod, state)
+            amount = motion.parts.rod_velocity(rod, branch, relative, inverse_mass)
+            _pull(motion, rod, state, branch, amount)
             # The velocity along the rod that this sweep took away, relative to the speed; a body at
             # rest has none to compare with.
             speed = vec.size(relative)
             if speed == 0:
                 speed = 1.0
             largest = max(largest, abs(amount) * inverse_mass * rod.length / speed)
-        if largest <= ENOUGH[m.world.number is float]:
+        if largest <= ENOUGH[motion.world.number is float]:
             break
-    for string in m.world.strings:
+    for string in motion.world.strings:
         sides = _sides(string, state.r)
         out_a, out_b = (vec.dot(state.v[i], direction) for i, direction, _ in sides)
         # An impulse P takes P (1/m_a + 1/m_b) from the rate at which the string lengthens.
-        speed = m.parts.holding.string_speed(string, out_a, out_b)
-        inverse_mass = sum(1.0 / m.world.mass[i] for i, _, _ in sides)
-        _haul(m, state, sides, speed / inverse_mass)
-    return follow(m, state)
+        speed = motion.parts.holding.string_speed(string, out_a, out_b)
+        inverse_mass = sum(1.0 / motion.world.mass[i] for i, _, _ in sides)
+        _haul(motion, state, sides, speed / inverse_mass)
+    return follow(motion, state)
 
 
-def rod_forces(m: Moving, state: State) -> list[Number]:
+def rod_forces(motion: Moving, state: State) -> list[Number]:
     """Force [N] in every rod that ends at the world."""
-    load = m.parts.loads(m.world, state, m.parts)
+    load = motion.parts.loads(motion.world, state, motion.parts)
     forces = []
-    for rod in m.world.rods:
-        branch, relative, inverse_mass = _ends(m, rod, state)
-        acceleration = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
-        forces.append(m.parts.rod_tension(rod, branch, relative, acceleration, inverse_mass))
+    for rod in motion.world.rods:
+        branch, relative, inverse_mass = _ends(motion, rod, state)
+        acceleration = vec.times(1.0 / motion.world.mass[rod.a], load.force[rod.a])
+        forces.append(motion.parts.rod_tension(rod, branch, relative, acceleration, inverse_mass))
     return forces
 
 
@@ -242,11 +246,11 @@ def _leaving(hook: Catch, state: State) -> Number:
     return vec.dot(vec.minus(state.r[hook.a], hook.anchor_b), state.v[hook.a])
 
 
-def catch(m: Moving, state: State, number: int) -> None:
+def catch(motion: Moving, state: State, number: int) -> None:
     """A hook catches at closest approach what is in its reach."""
-    hook = m.world.hooks[number]
+    hook = motion.world.hooks[number]
     distance = vec.size(vec.minus(state.r[hook.a], hook.anchor_b))
-    length = m.parts.holding.line_caught(hook, distance, NEAR[m.world.number is float])
+    length = motion.parts.holding.line_caught(hook, distance, NEAR[motion.world.number is float])
     if length > 0:
         state.caught = list(state.caught)
         state.caught[number] = Rod(a=hook.a, length=length, anchor_b=hook.anchor_b)

@@ -52,31 +52,31 @@ APART = 1.0
 """What stands for the margin of a pair that does not close."""
 
 
-def margin(m: Moving, state: State, number: int, h: Number) -> Number:
+def margin(motion: Moving, state: State, number: int, h: Number) -> Number:
     """The gap [m] of a pair that closes: below 0 it has met."""
-    _, depth, rate, _ = meeting(m.world, state, m.parts, number)
-    if m.parts.impacts.meets(rate * h):
+    _, depth, rate, _ = meeting(motion.world, state, motion.parts, number)
+    if motion.parts.impacts.meets(rate * h):
         return -depth
     return APART
 
 
-def struck(m: Moving, state: State, number: int) -> None:
+def struck(motion: Moving, state: State, number: int) -> None:
     """Makes the impact of pair `number`: changes velocities and spins, and adds the energy lost.
 
     Body i gets the impulse P = -p n - k s, body j its reaction; the slip is s = v - (v . n) n +
     (R_i omega_i + R_j omega_j) x n. A plane (j < 0) does not move.
     """
-    parts = m.parts
-    world = m.world
+    parts = motion.parts
+    world = motion.world
     law = world.law
     i, j = world.pairs[number]
     normal, _, closing, relative = meeting(world, state, parts, number)
     inverse_mass = 1 / world.mass[i]
-    turns = [_turn_ease(m, i), 0.0]
+    turns = [_turn_ease(motion, i), 0.0]
     spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
     if j >= 0:
         inverse_mass = inverse_mass + 1 / world.mass[j]
-        turns[1] = _turn_ease(m, j)
+        turns[1] = _turn_ease(motion, j)
         spin = vec.moved(spin, world.radius[j], parts.to_space(state.q[j], state.w[j]))
     slip = parts.slip(relative, spin, normal)
     pressing = parts.impacts.normal_impulse(law, inverse_mass, closing)
@@ -84,34 +84,34 @@ def struck(m: Moving, state: State, number: int) -> None:
     rubbing = parts.impacts.tangential_impulse(law, tangential_inverse_mass, slip, pressing)
     # P = -p n - k s, `rubbing` being -k s.
     impulse = vec.moved(rubbing, -pressing, normal)
-    before = _energy(m, state, i) + _energy(m, state, j)
-    _push(m, state, i, normal, impulse, rubbing)
+    before = _energy(motion, state, i) + _energy(motion, state, j)
+    _push(motion, state, i, normal, impulse, rubbing)
     if j >= 0:
-        _push(m, state, j, normal, parts.reaction(impulse), rubbing)
+        _push(motion, state, j, normal, parts.reaction(impulse), rubbing)
     # What the kinetic energies lose is the work of the contact.
-    state.work = state.work + before - _energy(m, state, i) - _energy(m, state, j)
-    m.events.append((state.t, "contact", i))
+    state.work = state.work + before - _energy(motion, state, i) - _energy(motion, state, j)
+    motion.events.append((state.t, "contact", i))
 
 
-def _turn_ease(m: Moving, i: int) -> Number:
+def _turn_ease(motion: Moving, i: int) -> Number:
     """R^2/J [1/kg] of a sphere."""
-    return m.world.radius[i] * m.world.radius[i] / m.world.inertia[i][0]
+    return motion.world.radius[i] * motion.world.radius[i] / motion.world.inertia[i][0]
 
 
 def _push(
-    m: Moving, state: State, i: int, normal: Vector, impulse: Vector, rubbing: Vector
+    motion: Moving, state: State, i: int, normal: Vector, impulse: Vector, rubbing: Vector
 ) -> None:
     """v += P/m and J omega += R n x P_t: both bodies turn the same way."""
-    state.v[i] = m.parts.kicked(state.v[i], impulse, m.world.mass[i], 1.0)
-    torque = m.parts.torque_on(m.world.radius[i], normal, rubbing)
-    turning = m.parts.to_body(state.q[i], torque)
-    state.w[i] = m.parts.spun_up(state.w[i], turning, m.world.inertia[i], 1.0)
+    state.v[i] = motion.parts.kicked(state.v[i], impulse, motion.world.mass[i], 1.0)
+    torque = motion.parts.torque_on(motion.world.radius[i], normal, rubbing)
+    turning = motion.parts.to_body(state.q[i], torque)
+    state.w[i] = motion.parts.spun_up(state.w[i], turning, motion.world.inertia[i], 1.0)
 
 
-def _energy(m: Moving, state: State, i: int) -> Number:
+def _energy(motion: Moving, state: State, i: int) -> Number:
     """Kinetic energy [J] of a sphere; 0 of a plane."""
     if i < 0:
         return 0.0
-    moving = m.world.mass[i] * vec.dot(state.v[i], state.v[i])
-    turning = vec.dot(vec.per_axis(m.world.inertia[i], state.w[i]), state.w[i])
+    moving = motion.world.mass[i] * vec.dot(state.v[i], state.v[i])
+    turning = vec.dot(vec.per_axis(motion.world.inertia[i], state.w[i]), state.w[i])
     return (moving + turning) / 2

@@ -81,8 +81,12 @@ def _contacts(
 ) -> None:
     """Adds the forces and torques of the contacts that act."""
     for number, acts in enumerate(state.acting):
-        if acts:
-            _touch(world, state, parts, total, number, before, h)
+        if not acts:
+            continue
+        if world.corners[number] is not None:
+            _corner(world, state, parts, total, number, h)
+        else:
+            _sphere(world, state, parts, total, number, before, h)
 
 
 def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
@@ -182,7 +186,7 @@ def _corner(world: World, state: State, parts: Parts, total: Loads, number: int,
     spring.
     """
     law = world.law
-    (i, j) = world.pairs[number]
+    i, j = world.pairs[number]
     normal, depth, rate, velocity = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     force = vec.times(-push, normal)
@@ -200,7 +204,7 @@ def _corner(world: World, state: State, parts: Parts, total: Loads, number: int,
     total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
-def _touch(
+def _sphere(
     world: World,
     state: State,
     parts: Parts,
@@ -209,48 +213,69 @@ def _touch(
     before: Loads | None,
     h: Number,
 ) -> None:
-    """Adds the contact forces and torques of pair `number`.
+    """Adds the contact forces and torques of a sphere on a plane or on another sphere, pair
+    `number`.
 
-    `before` are the loads at the begin of a step of h [s], from which its tangential spring grows;
+    `before` are the loads at the start of a step of h [s], from which its tangential spring grows;
     None where there is no step, and the spring stays as it is in the state.
     """
-    if world.corners[number] is not None:
-        return _corner(world, state, parts, total, number, h)
     law = world.law
-    (i, j) = world.pairs[number]
+    i, j = world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     _add(total, i, j, vec.times(-push, normal), parts)
     # The dashpot c d' loses c d'^2.
     total.power += law.damping * rate * rate
-    if not law.friction > 0 or not state.pressing[number]:
+    has_friction = law.friction > 0 and state.pressing[number]
+    if not has_friction:
         return
-    arm = parts.lever(law, world.radius[i], depth)
-    arm_j = 0.0
-    spin = vec.times(arm, parts.to_space(state.q[i], state.w[i]))
-    if j >= 0:
-        arm_j = parts.lever(law, world.radius[j], depth)
-        spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
-    slip = parts.slip(relative, spin, normal)
+    arms = {body: parts.lever(law, world.radius[body], depth) for body in (i, j) if body >= 0}
+    slip = parts.slip(relative, _surface_spin(state, parts, arms), normal)
+    total.normal[number] = normal
     total.slip[number] = slip
     if law.tangential_stiffness > 0:
-        total.normal[number] = normal
-        stretch = state.stretch[number]
-        if before is not None:
-            stretch = _grown(world, state, parts, total, number, before, h, push)
-        if state.sliding[number]:
-            stretch = parts.clipped(law, stretch, push)
+        stretch = _stretch(world, state, parts, total, number, before, h, push)
         total.stretch[number] = stretch
-        force = parts.spring_friction(law, stretch)
+        friction = parts.spring_friction(law, stretch)
     else:
-        force = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-    _add(total, i, j, force, parts)
-    total.power -= vec.dot(force, slip)
+        friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
+    _add(total, i, j, friction, parts)
+    total.power -= vec.dot(friction, slip)
     # Both bodies turn the same way: the torque of the tangential force is arm n x F on each.
-    for body, length in ((i, arm), (j, arm_j)):
-        if body >= 0:
-            torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
-            total.torque[body] = vec.plus(total.torque[body], torque)
+    for body, arm in arms.items():
+        torque = parts.to_body(state.q[body], parts.torque_on(arm, normal, friction))
+        total.torque[body] = vec.plus(total.torque[body], torque)
+
+
+def _surface_spin(state: State, parts: Parts, arms: dict[int, Number]) -> Vector:
+    """The sum (3) [m/s] of arm omega over the bodies of a contact, with their arms [m]: its cross
+    product with the normal is what their rotation adds to the slip.
+    """
+    spin = ZERO
+    for body, arm in arms.items():
+        spin = vec.moved(spin, arm, parts.to_space(state.q[body], state.w[body]))
+    return spin
+
+
+def _stretch(
+    world: World,
+    state: State,
+    parts: Parts,
+    total: Loads,
+    number: int,
+    before: Loads | None,
+    h: Number,
+    push: Number,
+) -> Vector:
+    """The tangential spring (3) [m] of pair `number`: as it is in the state, or grown over a step
+    of h [s] from the loads `before`; at Coulomb's limit while the contact slides.
+    """
+    stretch = state.stretch[number]
+    if before is not None:
+        stretch = _grown(world, state, parts, total, number, before, h, push)
+    if state.sliding[number]:
+        return parts.clipped(world.law, stretch, push)
+    return stretch
 
 
 def _grown(
@@ -268,14 +293,14 @@ def _grown(
     """
     normal = total.normal[number]
     slip = total.slip[number]
-    # Spring and slip of the begin are turned into the tangent plane of the end.
+    # Spring and slip of the start are turned into the tangent plane of the end.
     old_normal = before.normal[number]
     stretch = parts.transported(state.stretch[number], old_normal, normal)
     old_slip = parts.transported(before.slip[number], old_normal, normal)
     if not state.sliding[number] or not vec.size(stretch) > abs(h) * vec.size(slip):
         return parts.stretched(stretch, old_slip, slip, h)
     # At Coulomb's limit the spring turns with the slip, and its length is the limit's: taken midway
-    # between those of the begin and of the end.
+    # between those of the start and of the end.
     stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(world.law, stretch, push)))
     across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
     return parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)

@@ -33,8 +33,8 @@ def lies(scene: Scene) -> bool:
 
 
 def leaves_its_line(scene: Scene) -> bool:
-    """The slip of a sphere that lies on a slope has a part across the slope: its direction turns,
-    and is none that a mode could keep.
+    """The slip of a sphere that lies on a slope has a part across the slope, so that its direction
+    turns: no mode with a constant direction of friction describes it.
     """
     bodies = scene.bodies
     normal = np.array(scene.all(Plane)[0].normal)

@@ -18,7 +18,7 @@ Coefficient = Callable[[Slider, Any], Any]
 
 
 def regularised(
-    p: Parts, slip: Slip, coefficient: Coefficient, *, counts_work: bool
+    sound: Parts, slip: Slip, coefficient: Coefficient, *, counts_work: bool
 ) -> dict[str, Any]:
     """Replacements of parts of the engine, by which sliders exert F = -mu N tanh(u/SLOW).
 
@@ -31,7 +31,7 @@ def regularised(
         # All loads without sliders, then the regularised friction of each.
         without_sides = state.copy()
         without_sides.side = []
-        total = p.loads(replace(world, sliders=[]), without_sides, parts, before, h)
+        total = sound.loads(replace(world, sliders=[]), without_sides, parts, before, h)
         for slider in world.sliders:
             u = slip(parts, slider, state.v[slider.a])
             force = -coefficient(slider, u) * slider.normal_force * tanh(u / SLOW)

@@ -97,45 +97,47 @@ def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any
         total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 
 
-def first_mode(m: Moving, state: State, number: int) -> None:
+def first_mode(motion: Moving, state: State, number: int) -> None:
     """A sphere slides from the start if the point that touches slips, or if friction cannot hold
     it.
     """
-    i, _ = m.world.pairs[number]
-    slip = slip_of(m.world, state, m.parts, number)
-    speeds = vec.size(state.v[i]) + m.world.radius[i] * vec.size(state.w[i])
-    if vec.size(slip) > NEAR[m.world.number is float] * speeds:
+    i, _ = motion.world.pairs[number]
+    slip = slip_of(motion.world, state, motion.parts, number)
+    speeds = vec.size(state.v[i]) + motion.world.radius[i] * vec.size(state.w[i])
+    if vec.size(slip) > NEAR[motion.world.number is float] * speeds:
         state.sliding[number] = True
         state.stretch[number] = vec.times(1 / vec.size(slip), slip)
     else:
-        _released(m, state, number)
+        _released(motion, state, number)
 
 
-def margin(m: Moving, state: State, number: int) -> Number:
+def margin(motion: Moving, state: State, number: int) -> Number:
     """What is left of a slip [m/s]; 1 for a sphere that rolls, on which nothing changes."""
     if not state.sliding[number]:
         return 1.0
-    slip = slip_of(m.world, state, m.parts, number)
-    return m.parts.rolling.slips_on(slip, state.stretch[number])
+    slip = slip_of(motion.world, state, motion.parts, number)
+    return motion.parts.rolling.slips_on(slip, state.stretch[number])
 
 
-def ended(m: Moving, state: State, number: int) -> None:
+def ended(motion: Moving, state: State, number: int) -> None:
     """Where the slip has ended the sphere rolls, or slides on down the slope."""
-    i, _ = m.world.pairs[number]
-    _released(m, state, number)
+    i, _ = motion.world.pairs[number]
+    _released(motion, state, number)
     if not state.sliding[number]:
-        m.events.append((state.t, "stick", i))
+        motion.events.append((state.t, "stick", i))
 
 
-def _released(m: Moving, state: State, number: int) -> None:
+def _released(motion: Moving, state: State, number: int) -> None:
     """The mode of a sphere whose point of contact is at rest."""
-    i, _ = m.world.pairs[number]
+    i, _ = motion.world.pairs[number]
     weight = vec.ZERO
-    for g in m.world.gravity:
-        weight = vec.plus(weight, m.parts.weight(m.world.mass[i], g))
-    push, along, needed = needed_of(m.world, m.parts, number, weight)
+    for g in motion.world.gravity:
+        weight = vec.plus(weight, motion.parts.weight(motion.world.mass[i], g))
+    push, along, needed = needed_of(motion.world, motion.parts, number, weight)
     size = vec.size(needed)
-    if m.parts.rolling.grips(m.world.law, push * (1 + NEAR[m.world.number is float]), size):
+    if motion.parts.rolling.grips(
+        motion.world.law, push * (1 + NEAR[motion.world.number is float]), size
+    ):
         state.sliding[number] = False
         state.stretch[number] = vec.ZERO
     else:

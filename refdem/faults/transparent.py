@@ -12,7 +12,7 @@ from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.faults.events import advance, first_modes, held
+from refdem.faults.events import advance, first_modes, stored_energy
 from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
@@ -175,17 +175,17 @@ class Transparent(Engine):
         times = request.problem.times
         number = PRECISIONS[method.precision]
         world = world_of(scene, number)
-        m = Moving(world, self.parts)
+        motion = Moving(world, self.parts)
         state = start_of(scene, world, self.parts.to_body)
         h = number(request.signed_step)
         state.t = float(times[0])
-        first_modes(m, state, h)
+        first_modes(motion, state, h)
         load = self.parts.loads(world, state, self.parts)
-        record = Recording(m, len(times), float(times[0]), request.problem.interval)
+        record = Recording(motion, len(times), float(times[0]), request.problem.interval)
         record.row(0, state)
         for count in range(1, len(times)):
             for _ in range(request.stride):
-                state, load = advance(m, STEPS[method.name], state, load, h)
+                state, load = advance(motion, STEPS[method.name], state, load, h)
             state = record.row(count, state)
         steps = request.stride * (len(times) - 1)
         return record.trajectory(), Cost(seconds=perf_counter() - begun, steps=steps)
@@ -275,9 +275,9 @@ def _corners_refused(scene: Scene) -> str | None:
 class Recording:
     """The rows of a trajectory in double precision."""
 
-    def __init__(self, m: Moving, samples: int, start: float, interval: float) -> None:
-        bodies = len(m.world.mass)
-        self.m = m
+    def __init__(self, motion: Moving, samples: int, start: float, interval: float) -> None:
+        bodies = len(motion.world.mass)
+        self.motion = motion
         self.start = start
         self.interval = interval
         self.t = np.zeros(samples)
@@ -286,18 +286,20 @@ class Recording:
         }
         self.columns["attitude"][..., 0] = 1.0
         self.channels: dict[str, NDArray[np.float64]] = {}
-        if m.world.rods and all(rod.b < 0 for rod in m.world.rods):
-            self.channels["rod_force"] = np.zeros((samples, len(m.world.rods)))
-        if m.world.law is not None and not m.world.is_rigid:
+        if motion.world.rods and all(rod.b < 0 for rod in motion.world.rods):
+            self.channels["rod_force"] = np.zeros((samples, len(motion.world.rods)))
+        if motion.world.law is not None and not motion.world.is_rigid:
             self.channels |= {name: np.zeros(samples) for name in ("overlap", "contact_force")}
-        springs = m.world.law is not None and m.world.law.tangential_stiffness > 0
-        if (m.world.sliders or m.world.walls or m.world.law is not None) and not springs:
+        springs = motion.world.law is not None and motion.world.law.tangential_stiffness > 0
+        if (
+            motion.world.sliders or motion.world.walls or motion.world.law is not None
+        ) and not springs:
             self.channels["dissipated_work"] = np.zeros(samples)
 
     def row(self, count: int, state: State) -> State:
         """Writes one sample and hands the state on."""
-        parts = self.m.parts
-        world = self.m.world
+        parts = self.motion.parts
+        world = self.motion.world
         state = parts.output(state)
         self.t[count] = parts.clock(self.start, count, self.interval)
         for i in range(len(world.mass)):
@@ -307,7 +309,7 @@ class Recording:
                 self.columns["attitude"][count, i] = state.q[i]
                 self.columns["omega"][count, i] = parts.to_space(state.q[i], state.w[i])
         if "rod_force" in self.channels:
-            self.channels["rod_force"][count] = rod_forces(self.m, state)
+            self.channels["rod_force"][count] = rod_forces(self.motion, state)
         work = state.work
         if "overlap" not in self.channels:
             pairs = range(0)
@@ -319,7 +321,7 @@ class Recording:
                 push = parts.normal_force(world.law, depth, rate)
             else:
                 push = 0.0
-                work -= held(world, depth)
+                work -= stored_energy(world, depth)
             self.channels["overlap"][count] = max(self.channels["overlap"][count], depth)
             self.channels["contact_force"][count] = max(self.channels["contact_force"][count], push)
         if "dissipated_work" in self.channels:
@@ -328,7 +330,9 @@ class Recording:
 
     def trajectory(self) -> Trajectory:
         """The recorded samples as a trajectory."""
-        events = tuple(Event(time=time, kind=kind, body=body) for time, kind, body in self.m.events)
+        events = tuple(
+            Event(time=time, kind=kind, body=body) for time, kind, body in self.motion.events
+        )
         return Trajectory(t=self.t, **self.columns, channels=self.channels, events=events)
 
 

@@ -40,15 +40,15 @@ FINER = 4
 """Steps of the best method in one of the code's: its run is then nearer to the motion itself, with
 the fault or without.
 """
-TOLD = ("euler", "verlet", "rk4")
+TRIED = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
 """Steps of the code's run that are looked at."""
 EXPLAINED = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
 SOUND = 1e-9
-"""A code that is farther from every twin without fault has more to it than another order of its
-sums.
+"""A code that is farther than this from every twin without fault differs by more than the order of
+its sums.
 """
 ALIKE = 10.0
 """Of two twins whose distances differ by less than this factor, neither is the better explanation.
@@ -198,7 +198,9 @@ def _complexity(twin: Twin) -> int:
 
 
 def _is_alike(twin: Twin, nearest: Twin) -> bool:
-    """Round-off, or a factor of ten, does not tell one explanation from another."""
+    """Whether a twin explains the run as well as the nearest one: it is at most ten times as far,
+    or so near that only round-off is left.
+    """
     return twin.distance <= max(ALIKE * nearest.distance, FLOOR)
 
 
@@ -274,7 +276,8 @@ class Beside:
         self.step = request.step or abs(request.problem.interval) / FINER
         self.like = fit.states(instance, run, run)
         self.answers: dict[tuple[str, float | None, int], Trajectory] = {}
-        self.heard: dict[str, set[str]] = {}
+        self.called: dict[str, set[str]] = {}
+        """Names of the parts of the engine that each method calls."""
         self.plain: dict[tuple[str, float, int], Array | None] = {}
 
     @cached_property
@@ -294,8 +297,8 @@ class Beside:
             asked.append((best, self.step / FINER))
         twins = {}
         for method, step in asked:
-            heard = self.heard.setdefault(method, set())
-            distance = self.distance(self.ran(Transparent(listening(heard)), method, step))
+            called = self.called.setdefault(method, set())
+            distance = self.distance(self.ran(Transparent(listening(called)), method, step))
             if distance is not None:
                 twins[method, step] = Twin(method=method, step=step, distance=distance)
         return twins
@@ -412,12 +415,12 @@ class Beside:
         step.
         """
         for method, step in followed:
-            is_usual = method in TOLD or step < self.step
+            is_usual = method in TRIED or step < self.step
             is_own = fault is not None and method == fault.method
-            may_act = fault is None or acts(
-                fault, replace(self.request, method=method), self.heard[method]
-            )
-            if (is_usual or is_own) and may_act:
+            if not (is_usual or is_own):
+                continue
+            request = replace(self.request, method=method)
+            if fault is None or acts(fault, request, self.called[method]):
                 yield method, step
 
     def _known(
@@ -448,19 +451,22 @@ class Beside:
                 )
 
     def _fitted(self, knob: Knob, followed: list[tuple[str, float]]) -> Iterator[Twin]:
-        """The knob at the amplitude that the run shows, where it shows one, in each method."""
+        """Twins with a fault of any amplitude, one in each method that can explain the run: at the
+        amplitude at which it is nearest to the run.
+        """
         inert = set()
         for method, step in self._tries(knob.fault, followed):
             if method in inert:
                 continue
             amplitude = fit.amplitude(self._differences(knob, method, step), self.counts)
+            if amplitude is None:
+                continue
             if amplitude == 0.0:
+                # The fault does not act in this method, at whatever step.
                 inert.add(method)
-            if not amplitude:
                 continue
             distance = self.distance(self.ran(knob.carrier(amplitude), method, step))
             if distance is not None:
-                plain = self.sound[method, step].distance
                 yield Twin(
                     fault=knob.fault,
                     knob=knob,
@@ -468,7 +474,7 @@ class Beside:
                     method=method,
                     step=step,
                     distance=distance,
-                    beside=plain,
+                    beside=self.sound[method, step].distance,
                 )
 
     def _differences(self, knob: Knob, method: str, step: float) -> fit.Difference:

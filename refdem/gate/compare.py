@@ -27,7 +27,7 @@ the last place.
 
 
 def size(finding: Finding) -> float | None:
-    """The error constant, or the value where there is none."""
+    """The number that is compared: the error constant, or the value without such a constant."""
     if finding.constant_seen is not None:
         return finding.constant_seen
     return finding.value

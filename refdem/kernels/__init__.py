@@ -57,16 +57,15 @@ def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) ->
 
 
 def repeats() -> int:
-    """How often what takes less than a clock can tell is done within one reading of it; 1 but for
-    `repeated`.
-    """
+    """How often a call is repeated within one reading of the clock; 1 outside of `repeated`."""
     return _repeats
 
 
 @contextmanager
 def repeated(times: int) -> Iterator[None]:
-    """Within it, `timed` calls so many times: a benchmark's runs of microseconds, with code and
-    data at hand as in a program's own loop.
+    """Within this context `timed` makes its call that many times: for runs of microseconds, which
+    one reading of the clock does not resolve, with code and data in the cache as in a program's own
+    loop.
     """
     global _repeats
     before = _repeats
@@ -78,10 +77,10 @@ def repeated(times: int) -> Iterator[None]:
 
 
 def timed(call: Callable[..., Any], *arguments: Any) -> tuple[float, Any]:
-    """Seconds of one call, what a kernel takes to answer once all that it is told is at hand; and
+    """Seconds of one call of a kernel's function, without the preparation of its arguments; and
     what it returned.
 
-    It answers the same when asked again.
+    The function must return the same when it is called again.
     """
     times = range(_repeats)
     answer = None

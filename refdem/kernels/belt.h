@@ -98,8 +98,8 @@ static inline motion begin(const belt *p, double x0, double v0, double t0)
     return m;
 }
 
-/* Taylor coefficients of the drive about now: the n-th derivative of cos is cos, -sin, -cos, sin.
- */
+/* Taylor coefficients of the drive about now: `drive_terms` times the n-th derivative of cos, which
+ * is cos, -sin, -cos, sin, cos, ... at the angle of the drive. */
 static inline void expand_drive(const belt *p, const motion *m, double *restrict force)
 {
     double c, s;

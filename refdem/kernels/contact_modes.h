@@ -178,12 +178,12 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
     if (mode == PARTED)
         return APART;
     if (kind == GAP) {
-        if (ends_with_force(p)) /* they overlap still */
+        if (ends_with_force(p)) /* the spheres still overlap */
             return PARTED;
         return APART;
     }
     if (kind == PULL) {
-        if (mode >= SLIP) /* what pulls does not rub */
+        if (mode >= SLIP) /* without a force that presses there is no friction */
             return FREE;
         return begin_pressing(p, k, y);
     }

@@ -42,6 +42,7 @@ static inline dd two_product(double a, double b)
     return (dd){p, fma(a, b, -p)};
 }
 
+/* a + b within 3 u^2 of the sum, relatively (Joldes, Muller and Popescu 2017, algorithm 6). */
 static inline dd dd_add(dd a, dd b)
 {
     dd s = two_sum(a.hi, b.hi);

@@ -5,7 +5,7 @@
  *   slip         u = v_a - v_b - d' n + l (w_a + w_b) x n,   l = diameter/2 - branch d
  *   spring       s' = u: it grows by the slip of both halves of a step, each with its own geometry,
  *                and turns with the normal in between; beyond its limit it is cut
- * A step of velocity Verlet changes velocities by h/2 force/m at its begin and at its end: that
+ * A step of velocity Verlet changes velocities by h/2 force/m at its start and at its end: that
  * half is the impulse (per mass) of a contact, and h/2 torque/J its change of spin.
  */
 #ifndef REFDEM_GAS_CONTACT_H

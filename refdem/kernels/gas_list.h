@@ -135,8 +135,9 @@ static inline int64_t cell_of(const gas *g, const double *x)
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
 
-/* Where the bodies of every cell and thread begin: a sum over cells, then over threads, each thread
- * for its share of the cells. */
+/* Turns the counts of bodies into places: `start` is the first place of each cell, `count` of a
+ * thread the first place of its bodies in each cell. Bodies are sorted by cells, and within a cell
+ * by threads; every thread sums up its own share of the cells. */
 static void count_cells(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
@@ -148,7 +149,7 @@ static void count_cells(gas *g, share *t, int rank)
             sum += g->share[k].count[c];
     t->cells = sum;
     wait_for_all(&g->team);
-    sum = 0;
+    sum = 0; /* bodies in the shares of the threads before */
     for (int k = 0; k < rank; k++)
         sum += g->share[k].cells;
     for (int64_t c = from; c < to; c++) {
@@ -281,7 +282,7 @@ static void list_row(gas *g, share *t, int64_t i, int64_t x, int64_t base, int i
     if (is_own) /* bodies lie in the order of their cells */
         begin = i + 1;
     list_pairs(g, t, i, begin, g->start[base + high + 1], image_of(0, y, z));
-    if (!(g->p->size > 0.0)) /* beyond the edge there is nothing */
+    if (!(g->p->size > 0.0)) /* no box: no images beyond the edge */
         return;
     if (x == 0 && !is_own)
         list_pairs(g, t, i, g->start[base + n - 1], g->start[base + n], image_of(-1, y, z));
@@ -350,19 +351,23 @@ static int64_t pair_number(const share *t, int64_t a, int64_t b)
  * where the bodies have changed their order. */
 static void find_contacts_again(gas *g, share *t)
 {
-    for (int64_t s = 0; s < g->threads; s++)
-        for (int64_t k = s * g->p->most_contacts;
-             k < s * g->p->most_contacts + g->share[s].contacts; k++) {
+    for (int64_t s = 0; s < g->threads; s++) {
+        /* The contacts of each thread have room of their own. */
+        int64_t first = s * g->p->most_contacts;
+        int64_t end = first + g->share[s].contacts;
+        for (int64_t k = first; k < end; k++) {
             const contact *c = g->contact[t->side] + k;
+            int is_with_plane = c->b < 0;
             int64_t pair = pair_number(t, c->a, c->b);
             int64_t pair_turned = -1;
-            if (pair < 0 && c->b >= 0)
+            if (pair < 0 && !is_with_plane)
                 pair_turned = pair_number(t, c->b, c->a);
             if (pair >= 0)
                 t->was[pair] = (int32_t)(k + 1);
             if (pair_turned >= 0)
                 t->was[pair_turned] = -(int32_t)(k + 1);
         }
+    }
 }
 
 /* Makes the list anew: wrap, cells, sort, pairs, contacts. A share without room for its pairs says

@@ -55,7 +55,7 @@ typedef struct {
     int rank;
 } duty;
 
-/* A thread waits until all are had, then does its work, or goes home if one is missing. */
+/* A thread waits until all have started, then does its work; it ends at once if one is missing. */
 static void *member_thread(void *given)
 {
     duty *d = given;
@@ -67,13 +67,13 @@ static void *member_thread(void *given)
     return NULL;
 }
 
-/* work(shared, rank) on every member, rank 0 on the caller's own thread. Returns 0, or 1 if a
- * thread could not be had: nothing is done. */
+/* Calls work(shared, rank) on every member, rank 0 on the caller's own thread; returns 0. If a
+ * thread cannot be started the others end without work; returns 1. */
 static int run_team(team *t, int members, void (*work)(void *shared, int rank), void *shared)
 {
     pthread_t thread[MOST_THREADS];
     duty given[MOST_THREADS];
-    int had = 1;
+    int had = 1; /* members that have a thread, the caller among them */
     t->members = members;
     atomic_init(&t->arrived, 0);
     atomic_init(&t->round, 0);
@@ -83,7 +83,7 @@ static int run_team(team *t, int members, void (*work)(void *shared, int rank), 
         if (pthread_create(&thread[had], NULL, member_thread, &given[had]))
             break;
     }
-    int go = -1; /* all go home if one is missing */
+    int go = -1; /* one is missing: the others end */
     if (had == members)
         go = 1;
     atomic_store_explicit(&t->go, go, memory_order_release);

@@ -313,7 +313,9 @@ static void begin_cells(const refdem_impacts *p, crowd *k, double now)
     make_grid(p, k, now);
 }
 
-/* All impacts up to the time `end`; why they end before. */
+/* Makes all impacts up to the time `end`; returns GOES_ON, or why it stops before. The soonest
+ * event of a body is that it leaves its cell, or meets its partner; the plan of a body whose
+ * partner has met another one since is out of date, and is made anew. */
 static int cells_until(const refdem_impacts *p, crowd *k, double end, event_log *log)
 {
     for (;;) {

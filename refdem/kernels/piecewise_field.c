@@ -1,5 +1,5 @@
 /* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (Matuttis and Chen
- * 2014, (1.139)), in closed form, with the time t since the begin of a phase, x and v there, and s
+ * 2014, (1.139)), in closed form, with the time t since the start of a phase, x and v there, and s
  * = x - x1 or x - x2:
  *
  *   rising,  x1 < x < 0:  x - x1 = A exp(lambda t) + B exp(-lambda t),  lambda^2 = k1/m,
@@ -23,7 +23,7 @@ typedef struct {
 /* The motion while it stays in one region. */
 typedef struct {
     int region;
-    double x, v;      /* at its begin [m, m/s] */
+    double x, v;      /* at its start [m, m/s] */
     double a, b, lag; /* A, B; or R and delta in a and lag */
     double lasts;     /* how long [s] */
     int next;         /* the region that follows */
@@ -101,7 +101,7 @@ static phase enter(const tent *f, int region, double x, double v)
     return free_flight(f, region, x, v);
 }
 
-/* x [m] and v [m/s] at t [s] after the begin of a phase. */
+/* x [m] and v [m/s] at t [s] after the start of a phase. */
 static void state_at(const tent *f, const phase *p, double t, double *restrict x,
                      double *restrict v)
 {

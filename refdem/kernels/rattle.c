@@ -33,7 +33,7 @@ typedef struct {
     const double *spring_anchor, *spring_law; /* law: stiffness, length, exponent */
     double *acceleration;                     /* (n, 3) [m/s^2] */
     double *low_x, *low_v;  /* (n, 3), what rounding the sums x and v has lost so far */
-    double *old, *new;      /* (rods, 3), the vectors d of the begin and of the end of a step */
+    double *old, *new;      /* (rods, 3), the vectors d of the start and of the end of a step */
     double *matrix;         /* (rods, rods), G M^-1 G^T; `solve` leaves its triangular form */
     double *rhs, *solution; /* (rods,) */
     int64_t *unknown;       /* (rods,), the number of the unknown that each column multiplies */

@@ -17,6 +17,7 @@ static double *copy_state(int64_t n_source, void *const *source, const int64_t *
     return row;
 }
 
+/* Rows of all samples in `out`, from `stride` calls of step(a, b) between two of them. */
 int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride, int64_t n_source,
                   void *const *source, const int64_t *size, double *out)
 {

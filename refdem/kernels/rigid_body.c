@@ -178,7 +178,7 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
     double outer = rate_about(inertia[least], middle, h);
     precession p = precession_of(&b, middle);
     turn_about(&b, least, 0.5 * outer);
-    /* The half turns at the end of a step and at the begin of the next one are made as one; a
+    /* The half turns at the end of a step and at the start of the next one are made as one; a
      * sample adds the last half to a copy. */
     for (int64_t k = 1; k < samples; k++) {
         for (int64_t n = 0; n < stride; n++) {

@@ -64,7 +64,7 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
     if (2.0 * fabs(v[0]) > largest_value) /* |v0| > sum of |v_n| h^n, n >= 1: there is no zero */
         return count;
     /* A series that begins at a zero is divided by its power, so that the next zero is found: at
-     * the begin only if v is 0 there, and always after a zero that was found. */
+     * the start only if v is 0 there, and always after a zero that was found. */
     int zeros = 0;
     if (v[0] == 0.0)
         zeros = 1;

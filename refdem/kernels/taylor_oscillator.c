@@ -15,7 +15,7 @@ enum { ORDER = 24 };
 
 typedef refdem_oscillator oscillator;
 
-/* Series of X, X' and the work in the time since the begin of the step. */
+/* Series of X, X' and the work in the time since the start of the step. */
 typedef struct {
     double x[ORDER + 2], v[ORDER + 1], work[ORDER + 2];
 } series;

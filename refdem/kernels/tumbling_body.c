@@ -27,7 +27,7 @@
 enum { STATES = 14, MOST_CORNERS = 32 };
 enum { OFF = 0, PRESSES = 1, IDLES = 2 }; /* modes of a corner */
 enum { NONE = 0, GAP = 1, PUSH = 2 };     /* guards, which end a mode at their zero */
-typedef double line[ORDER + 1]; /* a Taylor series in the time since the begin of the step */
+typedef double line[ORDER + 1]; /* a Taylor series in the time since the start of the step */
 
 /* exp(-2): the step over the radius of convergence, so that what is cut off is exp(-40) (Jorba and
  * Zou 2005). */
@@ -37,7 +37,7 @@ static const double STEP_PART = 0.1353352832366127;
 static const double SHORTEST = 1e-10;
 
 /* One corner: series of gap [m], N [N], c [m/s], |s|^2, 1/|s|, friction N/|s|, and of the vectors
- * s, u, F in body axes; its mode, and the guard that is zero at the begin of the step, if one is.
+ * s, u, F in body axes; its mode, and the guard that is zero at the start of the step, if one is.
  */
 typedef struct {
     line gap, push, closing, slip_squared, inverse_slip, friction_over_slip;
@@ -254,7 +254,7 @@ static double step_size(const motion *m)
 }
 
 /* When the guard sign a(s) first falls through zero in (0, h]; -1 if it does not. A fresh guard is
- * zero at the begin, exactly: that zero does not count. */
+ * zero at the start, exactly: that zero does not count. */
 static double zero_of_guard(const double *a, double sign, int begins_at_zero, double h)
 {
     line guard;
@@ -322,7 +322,7 @@ static void accept(motion *m, double h)
         m->y[i][0] = sum.hi;
         m->low[i] = sum.lo;
     }
-    if (!(h > 0.0)) /* two events at one time: what began at zero is there still */
+    if (!(h > 0.0)) /* two events at one time: guards that began at zero are still there */
         return;
     for (int number = 0; number < m->body->corners; number++)
         m->corner[number].zero_guard = NONE;

@@ -4,17 +4,32 @@ settles it, made when it is asked for.
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
 from refdem.core.discovery import case, truth_of
 from refdem.core.manual import Slip
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
 from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.mechanics.rotation import about_axis, euler_rates
 
 Measured = tuple[tuple[str, str], ...]
+"""Lines of a measurement: what was measured, and the number found."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownSlip:
+    """A slip: the cases that it concerns, where it is in the chapter, what the chapter says, what
+    holds, and the measurement that settles it.
+    """
+
+    cases: tuple[str, ...]
+    where: str
+    says: str
+    holds: str
+    measure: Callable[[], Measured]
 
 
 def frequency_rises() -> Measured:
@@ -53,14 +68,15 @@ def sense_of_turn() -> Measured:
     """Where e_y goes under a turn by +90 degrees about x with either sign of the vector part."""
     # cos and sin of half the angle, 45 degrees.
     half = math.sqrt(0.5)
+    plus = np.array([half, half, 0, 0])
+    minus = np.array([half, -half, 0, 0])
     e_y = np.array([0.0, 1, 0])
-    shown = []
-    for text, sign in (("(cos, +sin e_x), (1.64)", 1), ("(cos, -sin e_x), (1.62)", -1)):
-        turn = np.array([half, sign * half, 0, 0])
-        shown.append((f"e_y turned by {text}", vector(rotated(turn, e_y))))
-    by_matrix = about_axis(0, math.pi / 2) @ [0, 1, 0]
-    shown.append(("e_y under the matrix of a turn by +90 degrees about x", vector(by_matrix)))
-    return tuple(shown)
+    by_matrix = about_axis(0, math.pi / 2) @ e_y
+    return (
+        ("e_y turned by (cos, +sin e_x), (1.64)", vector(rotated(plus, e_y))),
+        ("e_y turned by (cos, -sin e_x), (1.62)", vector(rotated(minus, e_y))),
+        ("e_y under the matrix of a turn by +90 degrees about x", vector(by_matrix)),
+    )
 
 
 def euler_angles_diverge() -> Measured:
@@ -78,17 +94,19 @@ def euler_angles_diverge() -> Measured:
 
 def spin_wanders() -> Measured:
     """How far omega in space goes while L stays: about no principal axis, and about one."""
-    shown = []
-    for text, omega in (
-        ("(0.9, 1.1, 1.3)", "0.9,1.1,1.3"),
-        ("(0, 0, 1), a principal axis", "0,0,1"),
-    ):
-        truth = truth_of("free-rigid-body", omega_body=omega)
-        start = _vector_of(truth.at(Fraction(0)), "omega", "xyz")
-        later = _vector_of(truth.at(Fraction(3)), "omega", "xyz")
-        what = f"|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body = {text}"
-        shown.append((what, number(norm(later - start))))
-    return tuple(shown)
+    what = "|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body ="
+    return (
+        (f"{what} (0.9, 1.1, 1.3)", number(_spin_change("0.9,1.1,1.3"))),
+        (f"{what} (0, 0, 1), a principal axis", number(_spin_change("0,0,1"))),
+    )
+
+
+def _spin_change(omega_body: str) -> float:
+    """|omega(3 s) - omega(0)| [rad/s] in space axes of the free rigid body, certified."""
+    truth = truth_of("free-rigid-body", omega_body=omega_body)
+    start = _vector_of(truth.at(Fraction(0)), "omega", "xyz")
+    later = _vector_of(truth.at(Fraction(3)), "omega", "xyz")
+    return norm(later - start)
 
 
 def _vector_of(balls: Mapping[str, Ball], name: str, axes: str) -> np.ndarray:
@@ -124,27 +142,31 @@ def peak_only_if_weakly_damped() -> Measured:
 
 
 def resonance_curve() -> Measured:
-    """What (1.120), |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A = f0, leaves of the roots that
-    either reading of (1.121) gives.
+    """The force f0 that (1.120) needs for the frequency that either reading of (1.121) gives."""
+    what = "force that the root with"
+    here = number(_force_of_root(sign=1))
+    printed = number(_force_of_root(sign=-1))
+    return (
+        (f"{what} - 4 delta^2 (w0^2 + 3/4 eps A^2 - delta^2), as here needs; f0 = 1.5", here),
+        (f"{what} - 4 delta^2 (w0^2 - 3/4 eps A^2 - delta^2), as printed needs; f0 = 1.5", printed),
+    )
+
+
+def _force_of_root(sign: int) -> float:
+    """The force f0 of (1.120), |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A = f0, at the frequency W
+    of (1.121), where 3/4 eps A^2 has this sign inside the root; 1.5 if (1.121) is right.
     """
     eps = 0.4
     f0 = 1.5
     delta = 0.1
     amplitude = 1.5
-    stiff = 0.75 * eps * amplitude**2
-    shown = []
-    for text, sign in (
-        ("- 4 delta^2 (w0^2 + 3/4 eps A^2 - delta^2), as here", 1),
-        ("- 4 delta^2 (w0^2 - 3/4 eps A^2 - delta^2), as printed", -1),
-    ):
-        # (1.121): W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 + root, with w0 = 1.
-        root = math.sqrt(f0**2 / amplitude**2 - 4 * delta**2 * (1 + sign * stiff - delta**2))
-        squared = 1 + stiff - 2 * delta**2 + root
-        # (1.120): f0 = |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A.
-        response = 1 + stiff - squared + 2j * delta * math.sqrt(squared)
-        force = abs(response) * amplitude
-        shown.append((f"force that the root with {text} needs; f0 = 1.5", number(force)))
-    return tuple(shown)
+    stiffening = 0.75 * eps * amplitude**2
+    # (1.121): W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 + root, with w0 = 1.
+    damped = 4 * delta**2 * (1 + sign * stiffening - delta**2)
+    root = math.sqrt(f0**2 / amplitude**2 - damped)
+    squared = 1 + stiffening - 2 * delta**2 + root
+    response = 1 + stiffening - squared + 2j * delta * math.sqrt(squared)
+    return abs(response) * amplitude
 
 
 def energy_of_spin() -> Measured:
@@ -160,16 +182,21 @@ def driven_paths_cross() -> Measured:
     """How often the path of a driven and of a free oscillator crosses itself in the plane of x and
     v, on certified samples.
     """
-    shown = []
-    for text, name, given in (
-        ("driven", "driven-oscillator", {"drive": "3", "f0": "4"}),
-        ("free", "viscous-oscillator", {}),
-    ):
-        truth = truth_of(name, **given)
-        path = np.array([_point(truth.at(Fraction(n, 16))) for n in range(321)])
-        what = f"crossings of the path with itself in 20 s, {name} ({text})"
-        shown.append((what, str(crossings(path))))
-    return tuple(shown)
+    driven = _crossings_of(truth_of("driven-oscillator", drive="3", f0="4"))
+    free = _crossings_of(truth_of("viscous-oscillator"))
+    what = "crossings of the path with itself in 20 s,"
+    return (
+        (f"{what} driven-oscillator (driven)", str(driven)),
+        (f"{what} viscous-oscillator (free)", str(free)),
+    )
+
+
+def _crossings_of(truth: Truth) -> int:
+    """How often a certified path in the plane of x and v crosses itself in 20 s, by 16 samples a
+    second.
+    """
+    path = [_point(truth.at(Fraction(n, 16))) for n in range(20 * 16 + 1)]
+    return crossings(np.array(path))
 
 
 def resonance_grows_linearly() -> Measured:
@@ -214,11 +241,12 @@ def kept_with_minus_integral() -> Measured:
     work = (force[1:] + force[:-1]) / 2 * np.diff(x)
     potential = -np.concatenate([[0.0], np.cumsum(work)])
     kinetic = mass * v * v / 2
-    shown = []
-    for text, sign in (("T", 0), ("T + Phi", 1), ("T - Phi", -1)):
-        energy = kinetic + sign * potential
-        shown.append((f"range of {text} along the certified motion [J]", number(np.ptp(energy))))
-    return tuple(shown)
+    what = "along the certified motion [J]"
+    return (
+        (f"range of T {what}", number(np.ptp(kinetic))),
+        (f"range of T + Phi {what}", number(np.ptp(kinetic + potential))),
+        (f"range of T - Phi {what}", number(np.ptp(kinetic - potential))),
+    )
 
 
 def _point(balls: Mapping[str, Ball]) -> tuple[float, float]:
@@ -230,12 +258,11 @@ def crossings(path: np.ndarray) -> int:
     """How many pairs of segments of a polygon (n, 2) cross, neighbours left out."""
     a = path[:-1]
     b = path[1:]
-
     # Two segments cross if the ends of each lie on different sides of the other.
     i, j = np.triu_indices(len(a), 2)
-    apart = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j])
-    across = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i])
-    return int(np.sum((apart < 0) & (across < 0)))
+    sides_of_i = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j])
+    sides_of_j = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i])
+    return int(np.sum((sides_of_i < 0) & (sides_of_j < 0)))
 
 
 def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
@@ -263,115 +290,114 @@ def vector(values: np.ndarray) -> str:
     return f"({', '.join(number(float(value)) for value in values)})"
 
 
-SLIPS: tuple[tuple[tuple[str, ...], str, str, str, Callable[[], Measured]], ...] = (
-    (
-        ("duffing", "driven-duffing"),
-        "(1.116)",
-        "the frequency is w0 (1 - 3 eps A^2/(8 w0^2))",
-        (
+SLIPS = (
+    KnownSlip(
+        cases=("duffing", "driven-duffing"),
+        where="(1.116)",
+        says="the frequency is w0 (1 - 3 eps A^2/(8 w0^2))",
+        holds=(
             "it rises with the amplitude for eps > 0: w0 (1 + 3 eps A^2/(8 w0^2)), as the text"
             " beside it says"
         ),
-        frequency_rises,
+        measure=frequency_rises,
     ),
-    (
-        ("viscous-oscillator", "driven-oscillator"),
-        "(1.95), (1.96)",
-        "m x'' + 2 delta x' + k x = 0 decays as exp(-delta t)",
-        "the damping is 2 delta x' per mass, delta = b/(2 m)",
-        damping_per_mass,
+    KnownSlip(
+        cases=("viscous-oscillator", "driven-oscillator"),
+        where="(1.95), (1.96)",
+        says="m x'' + 2 delta x' + k x = 0 decays as exp(-delta t)",
+        holds="the damping is 2 delta x' per mass, delta = b/(2 m)",
+        measure=damping_per_mass,
     ),
-    (
-        ("quaternions", "rotations"),
-        "(1.62) against (1.64)",
-        "a turn has the vector part -sin in one equation and +sin in the other",
-        "the second is used: q = (cos phi/2, v sin phi/2) turns by +phi about v",
-        sense_of_turn,
+    KnownSlip(
+        cases=("quaternions", "rotations"),
+        where="(1.62) against (1.64)",
+        says="a turn has the vector part -sin in one equation and +sin in the other",
+        holds="the second is used: q = (cos phi/2, v sin phi/2) turns by +phi about v",
+        measure=sense_of_turn,
     ),
-    (
-        ("rotations",),
-        "section 1.3.7",
-        "Euler angles diverge close to theta = pi/2",
-        "they diverge where sin theta = 0, and nowhere else",
-        euler_angles_diverge,
+    KnownSlip(
+        cases=("rotations",),
+        where="section 1.3.7",
+        says="Euler angles diverge close to theta = pi/2",
+        holds="they diverge where sin theta = 0, and nowhere else",
+        measure=euler_angles_diverge,
     ),
-    (
-        ("free-rigid-body", "neglected-gyroscopic"),
-        "section 1.3.6",
-        "a constant angular momentum makes omega constant",
-        "only if the body turns about a principal axis",
-        spin_wanders,
+    KnownSlip(
+        cases=("free-rigid-body", "neglected-gyroscopic"),
+        where="section 1.3.6",
+        says="a constant angular momentum makes omega constant",
+        holds="only if the body turns about a principal axis",
+        measure=spin_wanders,
     ),
-    (
-        ("quaternions", "free-rigid-body"),
-        "after (1.75)",
-        "a quaternion and its derivative commute",
-        "they do not; what holds is q qdot* = -qdot q*, and that both are orthogonal",
-        quaternion_and_rate,
+    KnownSlip(
+        cases=("quaternions", "free-rigid-body"),
+        where="after (1.75)",
+        says="a quaternion and its derivative commute",
+        holds="they do not; what holds is q qdot* = -qdot q*, and that both are orthogonal",
+        measure=quaternion_and_rate,
     ),
-    (
-        ("driven-oscillator",),
-        "(1.106)",
-        "the amplitude has its peak at w^2 = w0^2 - 2 delta^2",
-        "only for delta < w0/sqrt 2; beyond, it falls from w = 0 on",
-        peak_only_if_weakly_damped,
+    KnownSlip(
+        cases=("driven-oscillator",),
+        where="(1.106)",
+        says="the amplitude has its peak at w^2 = w0^2 - 2 delta^2",
+        holds="only for delta < w0/sqrt 2; beyond, it falls from w = 0 on",
+        measure=peak_only_if_weakly_damped,
     ),
-    (
-        ("driven-duffing",),
-        "(1.121)",
-        "inside the root 3/4 eps A^2 counts with the other sign than w0^2",
-        (
+    KnownSlip(
+        cases=("driven-duffing",),
+        where="(1.121)",
+        says="inside the root 3/4 eps A^2 counts with the other sign than w0^2",
+        holds=(
             "W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 +- sqrt(f0^2/A^2 - 4 delta^2 (w0^2 + 3/4 eps A^2"
             " - delta^2))"
         ),
-        resonance_curve,
+        measure=resonance_curve,
     ),
-    (
-        ("intermediate-axis", "dissipating-body"),
-        "section 1.7.3",
-        "the energy of a spin about axis i is L/(2 Ji)",
-        "T = L^2/(2 J)",
-        energy_of_spin,
+    KnownSlip(
+        cases=("intermediate-axis", "dissipating-body"),
+        where="section 1.7.3",
+        says="the energy of a spin about axis i is L/(2 Ji)",
+        holds="T = L^2/(2 J)",
+        measure=energy_of_spin,
     ),
-    (
-        ("driven-oscillator", "van-der-pol", "stick-slip"),
-        "sections 1.5.4, 1.6.2",
-        "the theorem of Poincare and Bendixson is named for driven oscillators",
-        (
+    KnownSlip(
+        cases=("driven-oscillator", "van-der-pol", "stick-slip"),
+        where="sections 1.5.4, 1.6.2",
+        says="the theorem of Poincare and Bendixson is named for driven oscillators",
+        holds=(
             "it does not bind them: time is a third coordinate, and paths cross in the plane of x"
             " and v"
         ),
-        driven_paths_cross,
+        measure=driven_paths_cross,
     ),
-    (
-        ("asymmetric-field",),
-        "section 1.7.4, (1.139)",
-        "T - Phi, or Phi with the other sign",
-        "T + Phi is kept with Phi = -integral of F",
-        kept_with_minus_integral,
+    KnownSlip(
+        cases=("asymmetric-field",),
+        where="section 1.7.4, (1.139)",
+        says="T - Phi, or Phi with the other sign",
+        holds="T + Phi is kept with Phi = -integral of F",
+        measure=kept_with_minus_integral,
     ),
-    (
-        ("driven-oscillator",),
-        "exercise 1.3",
-        "x = t sin(i w t) solves the driven oscillator at resonance",
-        "f0 t exp(i w t)/(2 i w0) does; it grows linearly",
-        resonance_grows_linearly,
+    KnownSlip(
+        cases=("driven-oscillator",),
+        where="exercise 1.3",
+        says="x = t sin(i w t) solves the driven oscillator at resonance",
+        holds="f0 t exp(i w t)/(2 i w0) does; it grows linearly",
+        measure=resonance_grows_linearly,
     ),
-    (
-        ("rotations",),
-        "figure 1.7",
-        "two quarter turns one after the other equal one quarter turn",
-        "that is a statement about one vector: the product is a turn by 120 degrees",
-        one_vector,
+    KnownSlip(
+        cases=("rotations",),
+        where="figure 1.7",
+        says="two quarter turns one after the other equal one quarter turn",
+        holds="that is a statement about one vector: the product is a turn by 120 degrees",
+        measure=one_vector,
     ),
 )
-"""Cases, place, what the chapter says, what holds, and the measurement."""
 
 
 def slips_of(case: str) -> tuple[Slip, ...]:
     """The slips that concern a case, measured now."""
     return tuple(
-        Slip(where=where, says=says, holds=holds, measured=measure())
-        for cases, where, says, holds, measure in SLIPS
-        if case in cases
+        Slip(where=slip.where, says=slip.says, holds=slip.holds, measured=slip.measure())
+        for slip in SLIPS
+        if case in slip.cases
     )

@@ -16,7 +16,7 @@ def between_samples(
     """Times (T - 1, G), positions and velocities (T - 1, G, ...) inside the T - 1 intervals.
 
     t (T,) [s] is strictly monotonic, position and velocity (T, ...) are those of its samples, nodes
-    (G,) are places in each interval from -1 (its begin) to 1 (its end). Every interval has the
+    (G,) are places in each interval from -1 (its start) to 1 (its end). Every interval has the
     polynomial of the `window` samples nearest to it. The error of a position is
     x^(2m) prod (t - t_j)^2 / (2m)!, m = window: of order H^(2m) in the distance H of the samples.
     Raises ValueError if there are fewer samples than the window needs.

@@ -29,7 +29,7 @@ class DissipatingBody(KernelSolver):
                 " always 1"
             ),
             "dissipated_work": (
-                "it is told as what the energy lacks, so that the balance always holds"
+                "it is reported as the loss of energy, so that the balance always holds"
             ),
         },
         conserves=frozenset({"momentum", "angular-momentum"}),

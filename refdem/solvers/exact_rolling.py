@@ -73,7 +73,7 @@ class Phase:
     """Constant rates from `begin` [s] on, where the way [m], u [m/s], the angle [rad], w [rad/s]
     and the work of friction [J] have the values of `state`.
 
-    `side` is the sign of the slip, 0 while it rolls; `slip` [m/s] is that at the begin and
+    `side` is the sign of the slip, 0 while it rolls; `slip` [m/s] is that at the start and
     `slip_rate` [m/s^2] its rate. `rubbing` is the size of the friction [N] while it slides.
     """
 
@@ -86,7 +86,7 @@ class Phase:
     rubbing: float
 
     def after(self, since: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """The same five numbers at times `since` [s] after the begin."""
+        """The same five numbers at times `since` [s] after the start."""
         way, speed, angle, spin, work = self.state
         acceleration, spin_up = self.rates
         gained = since * since / 2
@@ -143,7 +143,7 @@ class ExactRolling(SceneSolver):
         return _off_line(scene, load)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Sliding, then rolling or sliding on; the begin of rolling is an event."""
+        """Sliding, then rolling or sliding on; the start of rolling is an event."""
         begun = perf_counter()
         scene = request.problem.scene
         bodies = scene.bodies

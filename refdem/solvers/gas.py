@@ -130,7 +130,7 @@ class Gas(KernelSolver):
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
         """States at the samples, number of contacts, dissipated work, and the events of contacts
-        that begin.
+        that start.
         """
         t = request.problem.times
         _, event_counts, event_rows, channel_rows, *states = call.outputs
@@ -277,7 +277,7 @@ def threads() -> int:
 def _contact_events(
     counts: NDArray[np.int64], rows_by_thread: Array, start: float
 ) -> tuple[Event, ...]:
-    """Events of contacts that begin, in time; none if there were too many to report all.
+    """Events of contacts that start, in time; none if there were too many to report all.
 
     Equal times keep the order of threads, which is that of the list, so the result does not depend
     on their number.

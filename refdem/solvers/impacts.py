@@ -23,9 +23,10 @@ FEW = 8
 """Spheres up to which every pair is looked at. Cells are faster from 4 on, 3 times at 16; ties of
 impacts that happen at one time are broken in another order there, though."""
 MOST_EVENTS = 100_000
-"""Impacts that are told; of a motion with more none is, so that those told are all."""
+"""Most impacts that a trajectory lists; a motion with more of them lists none, so that a list is
+always complete."""
 LONGEST = 100_000_000
-"""Impacts after which a run ends, minutes of them."""
+"""Impacts after which a run ends: they take minutes."""
 FEWEST_DIAMETERS = 5 * (1 + 2.0**-19)
 """Largest diameters along a periodic box, at least: as many cells, with the kernel's margin."""
 ROUNDED = 8 * 2.0**-53

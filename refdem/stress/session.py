@@ -36,6 +36,7 @@ GRACE = 10.0
 output.
 """
 Progress = Callable[[str, int, int], None]
+"""Is told a stage, how many of its jobs are done, and how many there are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,19 @@ class Attempt:
     def climb(self) -> tuple[str, str, str, str]:
         """Key of the climb that the rung belongs to: battery, ladder, engine, method."""
         return self.battery.id, self.ladder.name, self.engine.name, self.method.name
+
+
+Wave = list[tuple[Attempt, Task | Failure]]
+"""Rungs that run together, each with its task, or the failure to make one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Need:
+    """A run that a rung needs: the rung's place in its wave, the variant and the request."""
+
+    place: int
+    variant: Variant
+    request: Request
 
 
 @dataclass
@@ -101,7 +115,7 @@ class Stress:
             workers = Schedule(self.jobs, self.timeout)
         with workers as schedule:
             tasks = self._tasks(schedule, attempts)
-            waves: dict[int, list[tuple[Attempt, Task | Failure]]] = {}
+            waves: dict[int, Wave] = {}
             for attempt, task in zip(attempts, tasks, strict=True):
                 waves.setdefault(self._wave(attempt), []).append((attempt, task))
             for _, wave in sorted(waves.items()):
@@ -137,20 +151,7 @@ class Stress:
         self, schedule: Schedule | InProcess, attempts: Sequence[Attempt]
     ) -> list[Task | Failure]:
         """The task of every attempt, with certified truth where its measure needs it."""
-        instances = {
-            attempt.instance.label: attempt.instance
-            for attempt in attempts
-            if attempt.ladder.measure.needs_truth
-        }
-        delays = _delays(attempts)
-        local_truths = {label: truth_here(instance) for label, instance in instances.items()}
-        missing = {
-            label: (instance, delays.get(label, ()))
-            for label, instance in instances.items()
-            if local_truths[label] is None
-        }
-        proven = truths.sampled_truths(schedule, self.store, list(missing.values()), self.progress)
-        truth_of = local_truths | dict(zip(missing, proven, strict=True))
+        truth_of = self._truths(schedule, attempts)
         without_truth = worker.no_truth("this measure does not use truth")
         tasks = []
         for attempt in attempts:
@@ -158,42 +159,59 @@ class Stress:
             tasks.append(_task(attempt, truth))
         return tasks
 
-    def _run(
-        self, schedule: Schedule | InProcess, wave: Sequence[tuple[Attempt, Task | Failure]]
-    ) -> None:
+    def _truths(
+        self, schedule: Schedule | InProcess, attempts: Sequence[Attempt]
+    ) -> dict[str, SampledTruth | None]:
+        """Certified truth by label of the instances whose measure needs it: made here where that is
+        cheap, else by the workers.
+        """
+        instances = {
+            attempt.instance.label: attempt.instance
+            for attempt in attempts
+            if attempt.ladder.measure.needs_truth
+        }
+        delays = _delays(attempts)
+        truth_of = {label: truth_here(instance) for label, instance in instances.items()}
+        missing = {
+            label: (instance, delays.get(label, ()))
+            for label, instance in instances.items()
+            if truth_of[label] is None
+        }
+        proven = truths.sampled_truths(schedule, self.store, list(missing.values()), self.progress)
+        return truth_of | dict(zip(missing, proven, strict=True))
+
+    def _run(self, schedule: Schedule | InProcess, wave: Wave) -> None:
         """Runs and judges the rungs of one wave; equal requests run once."""
-        variants_by_key: dict[str, list[tuple[int, Variant]]] = {}
         jobs: dict[str, Job] = {}
-        requests: dict[tuple[int, Variant], Request] = {}
-        for n, (attempt, task) in enumerate(wave):
-            if (
-                isinstance(task, Failure)
-                or task.unsupported is not None
-                or self._is_too_long(attempt)
-            ):
+        needs: dict[str, list[Need]] = {}
+        for place, (attempt, task) in enumerate(wave):
+            if isinstance(task, Failure) or task.unsupported is not None:
+                continue
+            if self._is_too_long(attempt):
                 continue
             for variant in task.variants:
                 request = attempt.ladder.measure.request(task, variant, attempt.x)
-                requests[n, variant] = request
-                address = attempt.engine.address
-                body = request.packed()
-                # Equal keys mean equal engines and requests.
-                head = f"{address}\0{request.repeat}\0".encode()
-                key = hashlib.sha256(head + body).hexdigest()
-                variants_by_key.setdefault(key, []).append((n, variant))
-                limit = self._limit(attempt.engine)
-                job = Job(key, quiet_run, (address, body), limit, computes=limit is None)
-                jobs.setdefault(key, job)
-        runs: dict[int, dict[Variant, Run]] = {}
+                job = self._job(attempt.engine, request)
+                jobs.setdefault(job.key, job)
+                needs.setdefault(job.key, []).append(Need(place, variant, request))
+        runs: list[dict[Variant, Run]] = [{} for _ in wave]
         results = schedule.results(list(jobs.values()))
         for job, result in counted(results, "runs", len(jobs), self.progress):
-            for n, variant in variants_by_key[job.key]:
-                attempt, _ = wave[n]
-                run = _run_of(job.key, requests[n, variant], attempt.engine, result)
-                runs.setdefault(n, {})[variant] = run
-        for n, (attempt, task) in enumerate(wave):
-            rung = self._rung(attempt, task, runs.get(n, {}))
+            for need in needs[job.key]:
+                attempt, _ = wave[need.place]
+                run = _run_of(job.key, need.request, attempt.engine, result)
+                runs[need.place][need.variant] = run
+        for (attempt, task), runs_by_variant in zip(wave, runs, strict=True):
+            rung = self._rung(attempt, task, runs_by_variant)
             self.rungs.setdefault(attempt.climb, {})[attempt.number] = rung
+
+    def _job(self, engine: Engine, request: Request) -> Job:
+        """The job of a request to an engine; equal keys mean equal engines and requests."""
+        body = request.packed()
+        head = f"{engine.address}\0{request.repeat}\0".encode()
+        key = hashlib.sha256(head + body).hexdigest()
+        limit = self._limit(engine)
+        return Job(key, quiet_run, (engine.address, body), limit, computes=limit is None)
 
     def _limit(self, engine: Engine) -> float | None:
         """The worker's time limit [s] for an engine, above the one that a program keeps itself;
@@ -253,41 +271,46 @@ class Stress:
         """The record of all climbs but those that were refused from the first rung; reasons where
         an engine has no other.
         """
-        first_attempts = {attempt.climb: attempt for attempt in reversed(attempts)}
+        first_attempts: dict[tuple[str, str, str, str], Attempt] = {}
+        for attempt in attempts:
+            first_attempts.setdefault(attempt.climb, attempt)
         climbs: list[Climb] = []
-        refused: dict[tuple[str, str, str], str] = {}
-        for attempt in reversed(first_attempts.values()):
+        refusals: dict[tuple[str, str, str], str] = {}
+        for attempt in first_attempts.values():
             rungs = [rung for _, rung in sorted(self.rungs[attempt.climb].items())]
             if rungs[0].verdict == "unsupported":
                 climber = (attempt.battery.id, attempt.ladder.name, attempt.engine.name)
-                refused.setdefault(climber, rungs[0].sentence)
-                continue
-            empty = Climb(
-                battery=attempt.battery.id,
-                ladder=attempt.ladder.name,
-                label=attempt.instance.case.id,
-                along=attempt.ladder.along,
-                engine=attempt.engine.name,
-                version=versions[attempt.engine.name],
-                method=attempt.method.name,
-                is_reference=attempt.engine.is_reference,
-                rungs=[],
-            )
-            is_required = self.require or attempt.engine.is_reference
-            climbs.append(climbed(empty, attempt.ladder, rungs, is_required=is_required))
+                refusals.setdefault(climber, rungs[0].sentence)
+            else:
+                climbs.append(self._climb(attempt, versions[attempt.engine.name], rungs))
         # An engine that climbs a ladder with one method supports it.
         for climb in climbs:
-            refused.pop((climb.battery, climb.ladder, climb.engine), None)
+            refusals.pop((climb.battery, climb.ladder, climb.engine), None)
         batteries = {attempt.battery.id: attempt.battery for attempt in attempts}
+        asks = [Ask(id=b.id, title=b.title, question=b.question) for b in batteries.values()]
         return StressRecord(
             refdem=refdem.__version__,
             longest=self.longest,
-            batteries=[
-                Ask(id=b.id, title=b.title, question=b.question) for b in batteries.values()
-            ],
+            batteries=asks,
             climbs=climbs,
-            refused=[(engine, ladder, why) for (_, ladder, engine), why in refused.items()],
+            refused=[(engine, ladder, why) for (_, ladder, engine), why in refusals.items()],
         )
+
+    def _climb(self, first: Attempt, version: str, rungs: list[Rung]) -> Climb:
+        """The climb of the method of a first attempt, with the verdicts on its rungs."""
+        empty = Climb(
+            battery=first.battery.id,
+            ladder=first.ladder.name,
+            label=first.instance.case.id,
+            along=first.ladder.along,
+            engine=first.engine.name,
+            version=version,
+            method=first.method.name,
+            is_reference=first.engine.is_reference,
+            rungs=[],
+        )
+        is_required = self.require or first.engine.is_reference
+        return climbed(empty, first.ladder, rungs, is_required=is_required)
 
 
 def quiet_run(engine: str, request: bytes) -> bytes:
@@ -334,10 +357,9 @@ def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure)
         reply = worker.Reply(failure=result)
     else:
         reply = msgspec.msgpack.decode(result, type=worker.Reply)
+    trajectory = None
     if reply.failure is None:
         trajectory = Trajectory.from_bytes(reply.trajectory)
-    else:
-        trajectory = None
     return Run(
         key=key,
         request=request,

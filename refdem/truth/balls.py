@@ -12,7 +12,7 @@ from inspect import isfunction
 from threading import RLock
 from typing import Any, ParamSpec, Self, TypeVar
 
-from flint import acb, arb, arb_series, ctx, fmpq
+from flint import acb, arb, arb_mat, arb_series, ctx, fmpq
 
 from refdem.core.truth import Ball
 from refdem.truth.exact import refuse_rounded
@@ -23,9 +23,9 @@ python-flint, not of a thread.
 """
 
 FARTHEST = 2**13
-"""Binary exponents within which balls are told: 10^2466 has no use for a larger one, whose decimals
-Python refuses to write, and exp(-1e60), a damped motion long afterwards, would as a fraction take
-all memory.
+"""Largest size of the binary exponent of a value that is reported, about 10^2466. Python refuses to
+write the decimals of larger numbers, and a fraction such as exp(-1e60), a damped motion long after
+its start, would take all memory.
 """
 
 Parameters = ParamSpec("Parameters")
@@ -146,14 +146,14 @@ def ball_of(value: arb) -> Ball:
     if not value.is_finite():
         raise ValueError(f"{value} is not finite")
     mid = value.mid()
-    radius = _not_below(value.rad())
+    radius = _magnitude(value.rad())
     if mid != 0 and _size(mid) < -FARTHEST:
-        return Ball(Fraction(0), _not_below(mid) + radius)
+        return Ball(Fraction(0), _magnitude(mid) + radius)
     return Ball(_exact(mid), radius)
 
 
-def _not_below(value: arb) -> Fraction:
-    """An exact number >= |value|, 0 if that is 0: |value| itself where it is not tiny."""
+def _magnitude(value: arb) -> Fraction:
+    """|value| as an exact number, rounded up to 2^-FARTHEST if it is smaller, but for 0."""
     if value == 0:
         return Fraction(0)
     if _size(value) < -FARTHEST:
@@ -280,3 +280,8 @@ def refined(
 ) -> dict[str, Ball] | None:
     """The balls of `climbed`: None if the formula is undecided or not finite to the end."""
     return climbed(evaluate, target, bits, most).balls
+
+
+def unit_matrix(size: int) -> arb_mat:
+    """The exact unit matrix (size, size)."""
+    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])

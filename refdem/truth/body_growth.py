@@ -424,7 +424,7 @@ class Tumbling(BodyGrowth):
         assert self.period is not None
         end = upper(self.period)
         self.cover(end)
-        # All cells that begin before the end of the period.
+        # All cells that start before the end of the period.
         count = 1 + bisect_left([cell.high for cell in self.cells], end)
         recent = range(1, min(periods, RECENT - 1) + 1)
         growths = [self.grown(read, now, since, count, n) for n in recent]

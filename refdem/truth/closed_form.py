@@ -5,7 +5,7 @@ Theorem: the quantities at t are what a formula of exact numbers says. A family 
 how errors of it grow (`growth`); values are proved by a refiner, S(t) by a sensitivity
 (refdem/truth/refiner.py, where the hypotheses are, and where each is checked).
 
-This class is abstract; its families are final.
+The classes here are abstract; their families are final.
 """
 
 from abc import abstractmethod
@@ -143,3 +143,37 @@ class ClosedForm(Guarded, Truth):
             )
         bound: float = self.kept["sensitivity", t]
         return bound
+
+
+class OnALine:
+    """The part of closed forms that start at the place `x0` with the velocity `v0`."""
+
+    x0: Fraction
+    v0: Fraction
+    kept: dict[Any, Any]
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The motion whose x0 (axis 0) or v0 (axis 1) is larger by `amount`."""
+        other = copy(self)
+        other.kept = {}
+        if axis == 0:
+            other.x0 = self.x0 + amount
+        else:
+            other.v0 = self.v0 + amount
+        return other
+
+
+class FromCoordinates:
+    """The part of closed forms whose start is the tuple `begin`, a number for each coordinate."""
+
+    begin: tuple[Any, ...]
+    kept: dict[Any, Any]
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The motion whose start is larger by `amount` in the coordinate `axis`."""
+        begin = list(self.begin)
+        begin[axis] += amount
+        other = copy(self)
+        other.kept = {}
+        other.begin = tuple(begin)
+        return other

@@ -2,7 +2,7 @@
 
 Theorem: the quantities at t are those of the motion through the phases of the contact
 (contact_phases.py in the plane, spatial_phases.py out of it), by validated integration through
-events (events/truth.py, where the hypotheses are, and where each is checked). Phases are told in
+events (events/truth.py, where the hypotheses are, and where each is checked). Phases are given in
 units of their own, which are exact; so S is that of the phases, read in the scales of both bodies.
 
 This class is abstract; what collides is final: two spheres, three, one and a wall.

@@ -214,7 +214,7 @@ def watched(
 ) -> Watched:
     """A function of the state, with its rate, along a piece; negated if `sense` is -1.
 
-    `touching` is the order of its zero at the begin.
+    `touching` is the order of its zero at the start.
     """
 
     def along_piece(program: Program) -> Along:

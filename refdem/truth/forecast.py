@@ -47,15 +47,15 @@ followed to its end); None if none.
 """
 
 Listener = Callable[[float], None]
-"""Told the CPU seconds that are left, by what is known so far."""
+"""Is called with the CPU seconds that are expected to be left."""
 
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 
 @contextmanager
 def told_to(listener: Listener) -> Iterator[None]:
-    """What is followed for a forecast meanwhile tells `listener` how much it expects: after one
-    piece, after two, four, eight, and so on.
+    """Within this context a forecast reports to `listener` how many seconds it expects: after one
+    piece of the motion, after two, four, eight, and so on.
     """
     before = _LISTENER.set(listener)
     try:
@@ -66,8 +66,8 @@ def told_to(listener: Listener) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Mark:
-    """Where following has come to: the time reached, pieces and CPU seconds since the begin, log2
-    of the set's radius.
+    """How far a motion has been followed: the time reached, pieces and CPU seconds since the start,
+    log2 of the set's radius.
     """
 
     time: float
@@ -99,12 +99,11 @@ class Course:
         return (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
 
     def radius_at(self, t: float) -> float:
-        """log2 of the radius at t: it grows, where it does, as in the later half."""
+        """log2 of the radius at t, extrapolated at the rate of the later half."""
         half, last = self.later_half()
         passed = last.time - half.time
-        if passed <= 0:
-            growth = 0.0
-        else:
+        growth = 0.0
+        if passed > 0:
             growth = (last.radius - half.radius) / passed
         return last.radius + growth * max(0.0, t - last.time)
 

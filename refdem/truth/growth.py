@@ -11,7 +11,7 @@ not sampled: M is evaluated on balls of times, and cells are halved until delta 
 
 Theorem (products): let P_m be the true derivative over stretch m and Q_m the doubles that stand for
 it, |P_m - Q_m| <= eps_m. From a cell c to t the product of the P differs from that of the Q by the
-sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most S at the begin of
+sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most S at the start of
 stretch m, which is known. So S is a maximum of norms of products in doubles and one proven sum of
 errors.
 
@@ -42,7 +42,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from refdem.truth.balls import UndecidedError, arb_of, ball_of
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, unit_matrix
 
 Array = NDArray[np.float64]
 Fundamental = Callable[[arb], arb_mat]
@@ -84,8 +84,8 @@ product of their norms.
 UPWARDS = 1 + 2.0**-30
 """The factor by which norms in doubles are multiplied at the end, so that they are upper bounds."""
 BOUNDLESS = 1e300
-"""The largest S that is told: all larger ones are given as this, for no double has a digit left
-there.
+"""The largest S that is given: it stands for all larger ones too, for which doubles have no digit
+left.
 """
 
 KNOWN = arb(2) ** -50
@@ -118,7 +118,7 @@ class Stretch:
     known.
 
     `begin` [s] is when it begins, `length` [s] how long it lasts (None: it never ends).
-    `fundamental` is M over the times since the begin. `handover` is M at the end, times the jump
+    `fundamental` is M over the times since the start. `handover` is M at the end, times the jump
     matrix of an event there: it takes the coordinates of M to the state after the end.
     `instant_map` F is a matrix that an error undergoes as soon as it is made, as a slip does that
     friction stops; None where errors stay what they are. `joins` says that nothing happens at the
@@ -251,7 +251,7 @@ def spectral(block: Array) -> Array:
 
 @dataclass(frozen=True)
 class Cell:
-    """An interval of times [low, high] since the begin of a stretch, with one matrix X near M(s)^-1
+    """An interval of times [low, high] since the start of a stretch, with one matrix X near M(s)^-1
     for all s in it.
 
     |M(s) X - 1| <= delta for all of them. `inverse` is X in doubles, `slack` is delta/(1 - delta),
@@ -379,7 +379,7 @@ class Element:
         return [*whole_cells, self.cell(begun, max(begun, now))]
 
     def inverse_at_begin(self) -> arb_mat:
-        """The inverse M(0)^-1 of the fundamental matrix at the begin of the stretch, in balls."""
+        """The inverse M(0)^-1 of the fundamental matrix at the start of the stretch, in balls."""
         return inverted(self.stretch.fundamental(arb(0)))
 
     def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
@@ -413,12 +413,12 @@ def inverse_in_doubles(matrix: arb_mat) -> Array:
 
 @dataclass
 class Front:
-    """The effect of all errors that were made before the begin of an element, seen at that begin.
+    """The effect of all errors that were made before the start of an element, seen at that start.
 
     `carried` (cells, n, n) has M(begin) X of every cell so far; `answers` is the same for errors as
     they are felt at once (`Stretch.instant_map`); `slack` (cells,) widens both. `after` (elements,
     n, n) has the derivative from the end of every element so far to here, `weight` (elements,) the
-    bound eps_m of what the doubles of that element lost, times S at its begin: the two factors of
+    bound eps_m of what the doubles of that element lost, times S at its start: the two factors of
     the theorem on products. `whole` is the derivative from the start of the motion, `largest` is S
     of the state here, `count` is the number of elements that lie before.
     """
@@ -457,7 +457,7 @@ class BallEffect:
 def followed(
     reading: Array, matrix: arb_mat, front: BallEffect, element: Element, cells: Sequence[Cell]
 ) -> BallEffect:
-    """The effect, at a time in an element, of the errors that were carried to its begin (`front`)
+    """The effect, at a time in an element, of the errors that were carried to its start (`front`)
     and of those of its `cells`.
 
     `matrix` is M at that time, times the readings if any. An error made before the element is
@@ -570,7 +570,7 @@ class Growth:
         return followed(reading, matrix, front, element, element.until(upper(since)))
 
     def front_in_balls(self, number: int, count: int) -> BallEffect:
-        """The effect of all errors made before the element of that number, at its begin, in balls.
+        """The effect of all errors made before the element of that number, at its start, in balls.
 
         `count` is the number of coordinates. Elements are passed one after another; a number before
         the last one asked for starts anew.
@@ -603,17 +603,17 @@ class Growth:
         else:
             reading = doubles(readings)[0]
             read_now = readings * now
-        # The derivative of the readings by the coordinates of M, and what its doubles are off.
+        # The derivative of the readings by the coordinates of M, and the error of its doubles.
         matrix, inexact = doubles(read_now)
         inverses = np.array([cell.inverse for cell in cells])
         # Errors made in this element become M X, those made before it M M(0)^-1 (what was carried).
         fresh = matrix @ inverses
         since_begin = matrix @ element.origin.inverse
         rows = max(1, matrix.shape[0])
-        # What the product M X of doubles may be off, for an X of norm 1.
+        # Bound of the error of the product M X of doubles, for an X of norm 1.
         unit_loss = inexact * rows + ROUNDING * float(self.norm.read(matrix))
         loss_of_fresh = unit_loss * float(self.norm(inverses).max())
-        # The theorem on products: |P - Q| of this element times S at its begin, and the same of
+        # The theorem on products: |P - Q| of this element times S at its start, and the same of
         # earlier elements, followed up to now.
         loss_of_carried = (
             unit_loss * float(self.norm(element.origin.inverse))
@@ -621,7 +621,7 @@ class Growth:
         ) * front.largest
         followed_norms = self.norm.read(since_begin @ front.after)
         loss_on_the_way = float((followed_norms * front.weight).sum())
-        # Cell by cell: what was carried to the begin of this element, then what is made in it.
+        # Cell by cell: what was carried to the start of this element, then what is made in it.
         carried = np.concatenate([since_begin @ front.carried, fresh])
         fresh_answers = self.after_instant_map(element, fresh)
         answers = np.concatenate([since_begin @ front.answers, fresh_answers])
@@ -661,7 +661,7 @@ class Growth:
         return Element(stretch, self.norm, self.step)
 
     def front_at(self, number: int) -> Front:
-        """The effect of all errors made before the element of that number, at its begin."""
+        """The effect of all errors made before the element of that number, at its start."""
         if self.front is None or self.front.count > number:
             self.front = self.no_errors(len(self.elements[0].origin.inverse))
         while self.front.count < number:
@@ -682,7 +682,7 @@ class Growth:
         )
 
     def passed(self, front: Front, element: Element) -> Front:
-        """The front at the end of an element, from that at its begin.
+        """The front at the end of an element, from that at its start.
 
         With H the handover, an error made before becomes H M(0)^-1 of itself, one made in a cell H
         X.
@@ -693,7 +693,7 @@ class Growth:
         inverses = np.array([cell.inverse for cell in element.cells])
         whole = handover @ element.origin.inverse
         fresh = handover @ inverses
-        # What the product H X of doubles may be off, for an X of norm 1.
+        # Bound of the error of the product H X of doubles, for an X of norm 1.
         unit_loss = inexact * len(handover) + ROUNDING * float(self.norm(handover))
         # eps_m >= |P - Q|: the doubles of the handover, and those of M(0)^-1.
         product_loss = unit_loss * float(self.norm(element.origin.inverse)) + float(
@@ -774,7 +774,7 @@ class PeriodicGrowth:
             return self.first.at(t)
         since = time - turns * self.period
         if not since >= 0:
-            # Balls do not tell whether the period is over: all that is within them is meant.
+            # Balls cannot tell whether the period is over: all that is within them is meant.
             since = arb(0).union(arb(since.abs_upper()))
         if self.first.readings is None:
             readings = None
@@ -1030,9 +1030,14 @@ def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
     return middles.reshape(shape).swapaxes(0, 1), radii.reshape(shape).swapaxes(0, 1)
 
 
-def unit_matrix(size: int) -> arb_mat:
-    """The exact unit matrix (size, size)."""
-    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_mat:
+    """The matrix of these rows between errors of coordinates, between errors in units of their
+    sizes: entry (i, j) times size j over size i.
+    """
+    scaled = []
+    for row, size in zip(rows, sizes, strict=True):
+        scaled.append([entry * column / size for entry, column in zip(row, sizes, strict=True)])
+    return arb_mat(scaled)
 
 
 def inverted(matrix: arb_mat) -> arb_mat:

@@ -95,7 +95,7 @@ class HeadOnContact:
                 overlap = free_overlap
                 rate = free_rate
             else:
-                # Balls do not tell on which side of the end t lies: both are held.
+                # Balls cannot tell on which side of the end t lies: both are held.
                 overlap = overlap.union(free_overlap)
                 rate = rate.union(free_rate)
         return [overlap - arb_of(self.pair.reach), arb(0), rate, arb(0), arb(0), arb(0)]

@@ -3,7 +3,7 @@
 `impact_k_body` and `impact_k_other` are the numbers of the bodies that meet. One that meets a wall
 has no other.
 
-Impacts that come at one time are told in the order of their bodies.
+Impacts at one time are listed in the order of their bodies.
 """
 
 from collections.abc import Iterator

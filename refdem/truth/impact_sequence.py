@@ -31,7 +31,7 @@ from typing import Any, Protocol, Self
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.refiner import Refiner, Size
@@ -277,10 +277,9 @@ class Family(Protocol):
 
 class ImpactSequence(ClosedForm):
     """A motion through a list of impacts; `coordinates` are the places in the full state of the
-    numbers that are told, in the order of the quantities.
+    quantities that are reported, in their order.
 
-    The other coordinates keep their values, whatever happens to those that are told: a motion on a
-    line, or in a plane.
+    The other coordinates keep their values: the motion is on a line, or in a plane.
     """
 
     def __init__(
@@ -413,7 +412,7 @@ class ImpactSequence(ClosedForm):
             kinks = sum(moment.sides.count(0) for moment in self.impacts.all())
         if kinks > MOST_KINKS:
             raise UndecidedError(
-                f"friction is just enough in {kinks} impacts; S is told of {MOST_KINKS} at most",
+                f"friction is just enough in {kinks} impacts; S is known for {MOST_KINKS} at most",
                 code="corner",
                 final=True,
             )
@@ -434,7 +433,7 @@ class ImpactSequence(ClosedForm):
         return arb_of(max(rates))
 
     def flights(self) -> Iterator[tuple[int, int]]:
-        """The numbers of each place that is told and of its velocity."""
+        """The number of every reported position among the coordinates, and that of its velocity."""
         for number, place in enumerate(self.coordinates):
             if place % OF_BODY < 3:
                 yield number, self.coordinates.index(place + 3)
@@ -453,7 +452,7 @@ class ImpactSequence(ClosedForm):
         ]
 
         def flight(t: arb) -> arb_mat:
-            derivative = identity(count)
+            derivative = unit_matrix(count)
             for place, speed, ratio in moving:
                 derivative[place, speed] = t * ratio
             return derivative
@@ -492,15 +491,15 @@ class ImpactSequence(ClosedForm):
         derivative = arb_mat([list(number.slopes) for number in parted])
         time_slopes = time_slopes_of(encounter, meeting)
         gravity = self.gravity()
-        moved = identity(count) + outer(rates(meeting, gravity), time_slopes)
+        moved = unit_matrix(count) + outer(rates(meeting, gravity), time_slopes)
         after = rates(motions([number.value for number in parted]), gravity)
         raw = derivative * moved - outer(after, time_slopes)
-        # The bodies of this impact, among the coordinates that are told.
+        # The bodies of this impact, among the coordinates that are reported.
         places: dict[int, int] = {}
         for number, body in enumerate(encounter.bodies):
             for part in range(OF_BODY):
                 places[OF_BODY * body + part] = OF_BODY * number + part
-        scaled = identity(len(self.state))
+        scaled = unit_matrix(len(self.state))
         for row, full_row in enumerate(self.coordinates):
             for column, full_column in enumerate(self.coordinates):
                 if full_row in places and full_column in places:
@@ -570,11 +569,3 @@ def rates(states: Sequence[Motion], gravity: Sequence[arb] | None) -> list[arb]:
 def outer(column: Sequence[arb], row: Sequence[arb]) -> arb_mat:
     """The matrix of all products of two vectors."""
     return arb_mat([[a * b for b in row] for a in column])
-
-
-def identity(count: int) -> arb_mat:
-    """The unit matrix of so many rows."""
-    matrix = arb_mat(count, count)
-    for i in range(count):
-        matrix[i, i] = arb(1)
-    return matrix

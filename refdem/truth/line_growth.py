@@ -36,7 +36,7 @@ def homogeneous(x: arb, v: arb, a: arb, since: arb, power: arb, ratio: arb) -> a
 
     The first is a shift in time, (v, a). The second is a change of the scale of x, with which time
     scales as its power (1 - n)/2: per part of a quantity u with x ~ u^p, p = `power`, it is (p x +
-    (1 - p) s v, v + (1 - p) s a), s being the time `since` the begin of the scaling. For the speed
+    (1 - p) s v, v + (1 - p) s a), s being the time `since` the start of the scaling. For the speed
     u at touch p = 2/(n + 1); for the amplitude it is 1/p of that error.
     """
     shift = (1 - power) * since

@@ -14,7 +14,7 @@ Hypotheses, and where each is checked:
 
 * the balls that come in are finite: `near` raises UndecidedError;
 * what is rounded below the normal doubles is counted: TINIEST;
-* doubles do not overflow: an infinity in a bound is larger than every S that is told (`bounded` in
+* doubles do not overflow: an infinity in a bound is larger than every S that is given (`bounded` in
   growth.py says BOUNDLESS).
 """
 

@@ -62,7 +62,7 @@ class PowerContact:
     def state(self, t: arb) -> tuple[arb, arb]:
         """The overlap [m] and its rate [m/s] at t [s] since touch, while the contact lasts.
 
-        UndecidedError where balls do not tell whether it still does.
+        UndecidedError where balls cannot tell whether it still does.
         """
         before_turn = self.half - t
         if not (before_turn >= 0 or before_turn <= 0):

@@ -335,8 +335,8 @@ class ValidatedFlow(Guarded, Truth):
             yield smooth(arb_of(piece.begin), arb_of(piece.length), moved, joins=True)
 
     def moved_by(self, flow: Integration, piece: Piece, since: arb) -> arb_mat:
-        """The derivative of the displaced coordinates, `since` [s] after the begin of a piece, by
-        those at its begin, both in scales: no error reaches the other coordinates.
+        """The derivative of the displaced coordinates, `since` [s] after the start of a piece, by
+        those at its start, both in scales: no error reaches the other coordinates.
         """
         table = flow.moved_by(piece, since).table()
         scales = self.sizes()
@@ -381,7 +381,7 @@ class ValidatedFlow(Guarded, Truth):
         time = float(t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
-            """The next precision, raised as by `climbed`: twofold, or by the bits that lack."""
+            """The next precision, raised as by `climbed`: twofold, or by the missing bits."""
             if lacking is None:
                 more = bits
             else:

@@ -134,8 +134,8 @@ REFUSED = [
     ),
     ("rebound", "leapfrog", {"friction": "1/4"}, "engine cannot: friction between particles"),
     ("rebound", "leapfrog", {"spins": "0,0,1,0,0,0"}, "engine cannot: rotation"),
-    ("rebound", "ias15", {}, "adapter does not say yet: hard spheres by an integrator"),
-    ("rebound", "leapfrog-8", {}, "adapter does not say yet: hard spheres by an integrator"),
+    ("rebound", "ias15", {}, "adapter does not support yet: hard spheres by an integrator"),
+    ("rebound", "leapfrog-8", {}, "adapter does not support yet: hard spheres by an integrator"),
     ("mujoco", "rk4", {}, "a coefficient of restitution"),
 ]
 

@@ -10,12 +10,10 @@ import pytest
 
 from refdem.core import discovery
 from refdem.manual import slips
-from refdem.manual.slips import SLIPS, crossings, slips_of
+from refdem.manual.slips import SLIPS, KnownSlip, crossings, slips_of
 
 MEASURED = {
-    where: measure
-    for cases, where, _, _, measure in SLIPS
-    if set(cases) & set(discovery.names("cases"))
+    slip.where: slip.measure for slip in SLIPS if set(slip.cases) & set(discovery.names("cases"))
 }
 
 
@@ -90,7 +88,17 @@ def test_a_crossing_is_a_crossing() -> None:
 
 def test_a_slip_is_measured_when_its_page_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        slips, "SLIPS", ((("pendulum",), "(9.99)", "said", "holds", lambda: (("now", "1"),)),)
+        slips,
+        "SLIPS",
+        (
+            KnownSlip(
+                cases=("pendulum",),
+                where="(9.99)",
+                says="said",
+                holds="holds",
+                measure=lambda: (("now", "1"),),
+            ),
+        ),
     )
     (found,) = slips_of("pendulum")
     assert found.measured == (("now", "1"),)
@@ -99,4 +107,4 @@ def test_a_slip_is_measured_when_its_page_is_made(monkeypatch: pytest.MonkeyPatc
 
 def test_every_slip_has_a_case() -> None:
     assert len(SLIPS) == 13
-    assert all(measure.__doc__ for *_, measure in SLIPS)
+    assert all(slip.measure.__doc__ for slip in SLIPS)

@@ -323,7 +323,7 @@ def test_spheres_that_part_within_rounding_do_not_stick_and_slip_instead():
     }
     instance = discovery.case("two-spheres").at(**given, spins="0,0,1,0,0,1/2")
     reference = discovery.engine("reference")
-    view, shown = symmetry.picture(instance, "relabelled")
+    view, shown = symmetry.image(instance, "relabelled")
     plain, other = (
         reference.run(Request(problem=motion, method="contact-events"))[0]
         for motion in (instance.problem, shown)

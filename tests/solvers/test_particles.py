@@ -274,7 +274,7 @@ def test_a_spring_that_points_against_the_slip_of_a_plane_motion_stays_in_the_pl
         "branch": "R",
     }
     instance = discovery.case("two-spheres").at(**given)
-    view, motion = symmetry.picture(instance, name)
+    view, motion = symmetry.image(instance, name)
     step = instance.problem.interval / 16
     pairs = ((instance.problem, step), (motion, step * view.units[2]))
     plain, other = (

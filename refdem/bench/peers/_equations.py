@@ -25,7 +25,7 @@ Sine = Callable[[Any], Any]
 class Equations:
     """y' = rates(y, sine) from `start`, and the motion of the scene from states (T, n).
 
-    `key` tells equal systems.
+    Two systems are the same if their keys are equal. `sine` is that of numbers or of symbols.
     """
 
     key: tuple[Any, ...]
@@ -40,64 +40,68 @@ def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
     None if it is not one of the simple ones.
     """
     scene = problem.scene
-    kinds = sorted(element.kind for element in scene.elements)
     if len(scene.bodies) != 1 or scene.bodies.fixed.any():
         return None
-    if not kinds:
-        if cartesian or not scene.bodies.omega.any():
-            return None
-        return _free_body(scene)
-    if kinds == ["rod", "uniform_gravity"]:
-        if cartesian:
-            return _constrained(scene)
-        return _pendulum(scene)
+    kinds = sorted(element.kind for element in scene.elements)
+    is_pendulum = kinds == ["rod", "uniform_gravity"]
     if cartesian:
+        # Only the pendulum has equations of its own in Cartesian coordinates.
+        if is_pendulum:
+            return _pendulum_in_the_plane(scene)
         return None
+    if is_pendulum:
+        return _pendulum(scene)
+    if not kinds:
+        return _free_body(scene)
     if kinds == ["central_field"]:
         return _kepler(scene)
     return _oscillator(scene)
 
 
-def _free_body(scene: Scene) -> Equations:
-    """Euler's equations in body axes and q' = q omega / 2."""
+def _free_body(scene: Scene) -> Equations | None:
+    """Euler's equations in body axes and q' = q (0, omega) / 2; None for a body that does not turn.
+
+    The state is omega_1, omega_2, omega_3 in body axes, then q as (w, x, y, z).
+    """
     from refdem.mechanics.quaternion import conjugate, rotated
 
     bodies = scene.bodies
+    if not bodies.omega.any():
+        return None
     j1, j2, j3 = bodies.inertia[0].tolist()
     omega_body = rotated(conjugate(bodies.attitude[0]), bodies.omega[0])
     start = (*omega_body.tolist(), *bodies.attitude[0].tolist())
 
-    def rates(y: Sequence[Any], sine: Sine) -> list[Any]:
-        p, q, r, w, x, u, z = y
-        # Euler's equations: J1 p' = (J2 - J3) q r, and cyclically.
-        p_rate = (j2 - j3) / j1 * (q * r)
-        q_rate = (j3 - j1) / j2 * (r * p)
-        r_rate = (j1 - j2) / j3 * (p * q)
-        # The quaternion product (w, x, u, z) (0, p, q, r), twice the rate of the attitude.
-        turn_w = -x * p - u * q - z * r
-        turn_x = w * p + u * r - z * q
-        turn_u = w * q + z * p - x * r
-        turn_z = w * r + x * q - u * p
+    def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
+        omega1, omega2, omega3, w, x, y, z = state
+        # The quaternion product (w, x, y, z) (0, omega_1, omega_2, omega_3) = 2 q'.
+        turn_w = -x * omega1 - y * omega2 - z * omega3
+        turn_x = w * omega1 + y * omega3 - z * omega2
+        turn_y = w * omega2 + z * omega1 - x * omega3
+        turn_z = w * omega3 + x * omega2 - y * omega1
         return [
-            p_rate,
-            q_rate,
-            r_rate,
+            # Euler's equations: J1 omega_1' = (J2 - J3) omega_2 omega_3, and cyclically.
+            (j2 - j3) / j1 * (omega2 * omega3),
+            (j3 - j1) / j2 * (omega3 * omega1),
+            (j1 - j2) / j3 * (omega1 * omega2),
             0.5 * turn_w,
             0.5 * turn_x,
-            0.5 * turn_u,
+            0.5 * turn_y,
             0.5 * turn_z,
         ]
 
-    def trajectory(t: Array, y: Array) -> Trajectory:
-        attitude = y[:, 3:] / np.linalg.norm(y[:, 3:], axis=1, keepdims=True)
+    def trajectory(t: Array, states: Array) -> Trajectory:
+        lengths = np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
+        attitude = states[:, 3:] / lengths
+        omega = rotated(attitude, states[:, :3])
         velocity = np.broadcast_to(bodies.velocity, (len(t), 1, 3)).copy()
-        place = bodies.position + (t - t[0])[:, None, None] * velocity
+        position = bodies.position + (t - t[0])[:, None, None] * velocity
         return Trajectory(
             t=t,
-            position=place,
+            position=position,
             velocity=velocity,
             attitude=attitude[:, None],
-            omega=rotated(attitude, y[:, :3])[:, None],
+            omega=omega[:, None],
         )
 
     return Equations(("free", j1, j2, j3), start, rates, trajectory)
@@ -110,15 +114,10 @@ def _hanging(scene: Scene) -> tuple[float, float] | None:
     (rod,) = scene.all(Rod)
     (weight,) = scene.all(UniformGravity)
     bodies = scene.bodies
-    sideways = (
-        bodies.position[0, 2],
-        bodies.velocity[0, 2],
-        weight.g[0],
-        weight.g[2],
-        *rod.anchor_a,
-        *rod.anchor_b,
-    )
-    if any(sideways) or rod.b >= 0:
+    out_of_plane = (bodies.position[0, 2], bodies.velocity[0, 2], weight.g[2])
+    is_plane = weight.g[0] == 0 and not any(out_of_plane)
+    hangs_at_origin = rod.b < 0 and not any((*rod.anchor_a, *rod.anchor_b))
+    if not (is_plane and hangs_at_origin):
         return None
     return rod.length, -weight.g[1]
 
@@ -141,20 +140,22 @@ def _pendulum(scene: Scene) -> Equations | None:
         return [state[1], -ratio * sine(state[0])]
 
     def trajectory(t: Array, states: Array) -> Trajectory:
+        # r = l (sin theta, -cos theta, 0), v = l theta' (cos theta, sin theta, 0).
         angle, rate = states.T
         s = np.sin(angle)
         c = np.cos(angle)
         zero = np.zeros(len(t))
-        place = length * np.stack([s, -c, zero], axis=-1)
-        speed = (length * rate)[:, None] * np.stack([c, s, zero], axis=-1)
-        return Trajectory.of_points(t, place[:, None], speed[:, None])
+        position = length * np.stack([s, -c, zero], axis=-1)
+        velocity = (length * rate)[:, None] * np.stack([c, s, zero], axis=-1)
+        return Trajectory.of_points(t, position[:, None], velocity[:, None])
 
     return Equations(("pendulum", ratio), start, rates, trajectory)
 
 
-def _constrained(scene: Scene) -> Equations | None:
-    """r'' = g - r (v.v + g.r)/(r.r): the multiplier divided by r^2, without which a Taylor method
-    leaves the circle.
+def _pendulum_in_the_plane(scene: Scene) -> Equations | None:
+    """The pendulum in x and y: r'' = g - r (v . v + g . r)/(r . r).
+
+    The force of the rod over r . r, not over l^2: without that a Taylor method leaves the circle.
     """
     hanging = _hanging(scene)
     if hanging is None:
@@ -166,7 +167,7 @@ def _constrained(scene: Scene) -> Equations | None:
         pull = (vx * vx + vy * vy - gravity * y) / (x * x + y * y)
         return [vx, vy, -x * pull, -gravity - y * pull]
 
-    return Equations(("constrained", gravity), _plane(scene), rates, _of_plane)
+    return Equations(("constrained", gravity), _plane_start(scene), rates, _plane_motion)
 
 
 def _kepler(scene: Scene) -> Equations | None:
@@ -181,62 +182,64 @@ def _kepler(scene: Scene) -> Equations | None:
         pull = gm * (x * x + y * y) ** -1.5
         return [vx, vy, -x * pull, -y * pull]
 
-    return Equations(("kepler", gm), _plane(scene), rates, _of_plane)
+    return Equations(("kepler", gm), _plane_start(scene), rates, _plane_motion)
 
 
 def _oscillator(scene: Scene) -> Equations | None:
     """m x'' = m g - k x - a x^2 - b x^3 along x, the spring of natural length 0."""
     others = {element.kind for element in scene.elements} - {"spring", "uniform_gravity"}
-    if others or len(scene.all(Spring)) != 1:
+    springs = scene.all(Spring)
+    if others or len(springs) != 1:
         return None
-    (spring,) = scene.all(Spring)
-    mass = float(scene.bodies.mass[0])
+    spring = springs[0]
+    if spring.length or spring.exponent != 1 or spring.b >= 0:
+        return None
+    position = scene.bodies.position[0]
+    velocity = scene.bodies.velocity[0]
     weights = [element.g for element in scene.all(UniformGravity)]
-    place = scene.bodies.position[0]
-    speed = scene.bodies.velocity[0]
-    aside = [*place[1:], *speed[1:], *spring.anchor_a, *spring.anchor_b]
+    across = [*position[1:], *velocity[1:]]
     for g in weights:
-        aside += g[1:]
-    if any(aside) or spring.length or spring.exponent != 1 or spring.b >= 0:
+        across += g[1:]
+    if any(across) or any((*spring.anchor_a, *spring.anchor_b)):
         return None
-    weight = sum(g[0] for g in weights)
+    mass = float(scene.bodies.mass[0])
+    gravity = sum(g[0] for g in weights)
     linear = spring.stiffness / mass
     square = spring.quadratic / mass
     cube = spring.cubic / mass
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, v = state
-        if not (square or cube):
-            force = linear * x
+        # Terms that are 0 are left out: a peer would compute them.
+        if square or cube:
+            pull = x * (linear + x * (square + x * cube))
         else:
-            force = x * (linear + x * (square + x * cube))
-        if not weight:
-            return [v, -force]
-        return [v, weight - force]
+            pull = linear * x
+        if gravity:
+            return [v, gravity - pull]
+        return [v, -pull]
 
     def trajectory(t: Array, states: Array) -> Trajectory:
-        places = np.zeros((len(t), 1, 3))
-        speeds = np.zeros((len(t), 1, 3))
-        places[:, 0, 0], speeds[:, 0, 0] = states.T
-        return Trajectory.of_points(t, places, speeds)
+        positions = np.zeros((len(t), 1, 3))
+        velocities = np.zeros((len(t), 1, 3))
+        positions[:, 0, 0] = states[:, 0]
+        velocities[:, 0, 0] = states[:, 1]
+        return Trajectory.of_points(t, positions, velocities)
 
-    return Equations(
-        ("oscillator", weight, linear, square, cube),
-        (float(place[0]), float(speed[0])),
-        rates,
-        trajectory,
-    )
+    key = ("oscillator", gravity, linear, square, cube)
+    start = (float(position[0]), float(velocity[0]))
+    return Equations(key, start, rates, trajectory)
 
 
-def _plane(scene: Scene) -> tuple[float, ...]:
-    """Place and velocity in the x-y plane."""
+def _plane_start(scene: Scene) -> tuple[float, ...]:
+    """Position x, y and velocity x, y of the body."""
     return (*scene.bodies.position[0, :2].tolist(), *scene.bodies.velocity[0, :2].tolist())
 
 
-def _of_plane(t: Array, states: Array) -> Trajectory:
-    """The motion of a point in the x-y plane from (T, 4)."""
-    place = np.zeros((len(t), 1, 3))
-    speed = np.zeros((len(t), 1, 3))
-    place[:, 0, :2] = states[:, :2]
-    speed[:, 0, :2] = states[:, 2:]
-    return Trajectory.of_points(t, place, speed)
+def _plane_motion(t: Array, states: Array) -> Trajectory:
+    """The motion of a point in the x-y plane from its states x, y, vx, vy (T, 4)."""
+    position = np.zeros((len(t), 1, 3))
+    velocity = np.zeros((len(t), 1, 3))
+    position[:, 0, :2] = states[:, :2]
+    velocity[:, 0, :2] = states[:, 2:]
+    return Trajectory.of_points(t, position, velocity)

@@ -36,6 +36,20 @@ it begins.
 """
 
 
+@dataclass(frozen=True)
+class Friction:
+    """Friction in one mode of the contact, in expressions of heyoka.
+
+    The tangential force T, the rate s' of the spring, margins that end the mode where they fall to
+    0, and first values of the integrator's parameters: the side of the slip, which only SLIPS has.
+    """
+
+    force: Any
+    stretching: Any
+    endings: tuple[Any, ...] = ()
+    parameters: tuple[float, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Oblique:
     """A scene of two spheres that touch, centres along x, moving in the plane z = 0."""
@@ -101,55 +115,69 @@ class Oblique:
 
         bodies = self.scene.bodies
         law = self.law
-        r1, r2 = bodies.radius.tolist()
-        j1, j2 = bodies.inertia[:, 0].tolist()
-        d, g, q, _, spin1, spin2, s = names = heyoka.make_vars("d", "g", "q", "a", "u", "v", "s")
-        # The side of the slip, which only SLIPS has.
-        side = heyoka.par[0]
+        variables = heyoka.make_vars("d", "g", "q", "a", "w1", "w2", "s")
+        d, g, q, _, spin1, spin2, s = variables
+        radius1, radius2 = bodies.radius.tolist()
+        inertia1, inertia2 = bodies.inertia[:, 0].tolist()
         inverse_mass = float(np.sum(1 / bodies.mass))
-        force = law.stiffness * d + law.damping * g
-        angle_rate = q / (r1 + r2 - d)
-        lever1 = r1 - BRANCH[law.branch] * d
-        lever2 = r2 - BRANCH[law.branch] * d
+        normal_force = law.stiffness * d + law.damping * g
+        # a' = q/r, r = R1 + R2 - d.
+        angle_rate = q / (radius1 + radius2 - d)
+        # g' = d'' = -q a' - N/m.
+        overlap_acceleration = -q * angle_rate - inverse_mass * normal_force
+        lever1 = radius1 - BRANCH[law.branch] * d
+        lever2 = radius2 - BRANCH[law.branch] * d
         slip = lever1 * spin1 + lever2 * spin2 - q
-        acceleration = -q * angle_rate - inverse_mass * force
-        tangential: Any = 0.0
-        stretching: Any = 0.0
-        parameters: list[float] = []
-        endings: list[Any] = []
-        if mode == HOLDS:
-            tangential = -law.tangential_stiffness * s
-            stretching = slip
-            # |k_t s| reaches mu N, on either side.
-            endings = [self.longest_stretch * force - s, self.longest_stretch * force + s]
-        elif mode == SLIPS:
-            tangential = -side * law.friction * force
-            parameters = [1.0]
-            # The spring of length mu N/k_t holds again once N grows faster than the slip stretches
-            # it: side slip - (mu/k_t) (k g + c g') falls below 0.
-            force_rate = law.stiffness * g + law.damping * acceleration
-            endings = [side * slip - self.longest_stretch * force_rate]
-            if law.damping:
-                endings.append(force)
+        force_rate = law.stiffness * g + law.damping * overlap_acceleration
+        friction = self._friction(mode, normal_force, force_rate, slip, s)
         rates = [
             g,
-            acceleration,
-            g * angle_rate - inverse_mass * tangential,
+            overlap_acceleration,
+            g * angle_rate - inverse_mass * friction.force,
             angle_rate,
-            lever1 * tangential / j1,
-            lever2 * tangential / j2,
-            stretching,
+            lever1 * friction.force / inertia1,
+            lever2 * friction.force / inertia2,
+            friction.stretching,
         ]
         system = []
-        for name, rate in zip(names, rates, strict=True):
+        for variable, rate in zip(variables, rates, strict=True):
             if isinstance(rate, float):
                 rate = heyoka.expression(rate)
-            system.append((name, rate))
+            system.append((variable, rate))
         falling = heyoka.event_direction.negative
-        events = [heyoka.t_event(margin, direction=falling) for margin in (d, *endings)]
+        events = [heyoka.t_event(margin, direction=falling) for margin in (d, *friction.endings)]
         return heyoka.taylor_adaptive(
-            system, [0.0] * len(names), pars=parameters, t_events=events, tol=tolerance
+            system,
+            [0.0] * len(variables),
+            pars=friction.parameters,
+            t_events=events,
+            tol=tolerance,
         )
+
+    def _friction(
+        self, mode: int, normal_force: Any, force_rate: Any, slip: Any, stretch: Any
+    ) -> "Friction":
+        """The friction of a mode in expressions of heyoka: the normal force N and its rate, slip
+        and stretch s of the tangential spring.
+        """
+        import heyoka
+
+        law = self.law
+        if mode == HOLDS:
+            # |k_t s| reaches mu N, on either side.
+            longest = self.longest_stretch * normal_force
+            force = -law.tangential_stiffness * stretch
+            return Friction(force, slip, endings=(longest - stretch, longest + stretch))
+        if mode == SLIPS:
+            side = heyoka.par[0]
+            # The spring of length mu N/k_t holds again once N grows faster than the slip stretches
+            # it: side slip - (mu/k_t) N' falls below 0.
+            endings = [side * slip - self.longest_stretch * force_rate]
+            if law.damping:
+                endings.append(normal_force)
+            force = -side * law.friction * normal_force
+            return Friction(force, 0.0, endings=tuple(endings), parameters=(1.0,))
+        return Friction(0.0, 0.0)
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
         """States in touch at the samples, then the one at which they part, if they do, with its

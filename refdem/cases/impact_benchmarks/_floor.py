@@ -34,8 +34,7 @@ class OnFloor(Member):
         v.branch = "R"
         v.cutoff = "zero_overlap"
         v.tangential_stiffness = Fraction(0)
-        v.__dict__.setdefault("friction", Fraction(0))
-        v.__dict__.setdefault("restitution", Fraction(1))
+        v.complete(friction=Fraction(0), restitution=Fraction(1))
         v.damping = dashpot_of(v, v.effective)
         return v
 

@@ -57,3 +57,9 @@ class Values(SimpleNamespace):
     overlap: Any  # at closest approach, m
     half_squared: Any  # square of half the length of the path in touch, m^2
     half: float  # half the length of the path in touch, m
+
+    def complete(self, **defaults: Any) -> None:
+        """Adds the values of these names that the member does not have yet."""
+        for name, value in defaults.items():
+            if not hasattr(self, name):
+                setattr(self, name, value)

@@ -31,10 +31,9 @@ class Wall(Member):
         from refdem.truth.reals import cosine, sine
 
         v = super().values(p)
-        for name in ("spin", "friction", "angle", "psi"):
-            v.__dict__.setdefault(name, Fraction(0))
-        v.__dict__.setdefault("branch", "R")
-        v.__dict__.setdefault("cutoff", "zero_overlap")
+        zero = Fraction(0)
+        v.complete(spin=zero, friction=zero, angle=zero, psi=zero)
+        v.complete(branch="R", cutoff="zero_overlap")
         if hasattr(v, "normal_speed"):
             v.normal = v.normal_speed
             v.across = v.psi * v.friction * v.normal_speed

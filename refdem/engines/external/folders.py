@@ -1,4 +1,4 @@
-"""The folders of runs: empty at their begin, taken away at their end, whatever a program has left
+"""The folders of runs: empty at their start, taken away at their end, whatever a program has left
 in them.
 
 All that a process makes lie in one folder, which it holds by a lock, so that others see when it is

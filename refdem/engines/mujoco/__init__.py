@@ -53,7 +53,7 @@ class Mujoco(Engine):
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """None if MuJoCo can say the scene, else what is missing."""
+        """None if MuJoCo can express the scene, else what is missing."""
         return unsupported(problem, method.name)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

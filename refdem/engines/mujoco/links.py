@@ -1,5 +1,5 @@
-"""What MuJoCo cannot say of springs, dashpots, dry friction and rods: None, or the missing feature
-in a few words.
+"""What MuJoCo cannot express of springs, dashpots, dry friction and rods: None, or the missing
+feature in a few words.
 """
 
 import numpy as np

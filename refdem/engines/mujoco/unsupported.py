@@ -1,4 +1,4 @@
-"""What MuJoCo cannot say, read off the scene's content: None, or the missing feature in a few
+"""What MuJoCo cannot express, read off the scene's content: None, or the missing feature in a few
 words.
 """
 
@@ -57,8 +57,8 @@ def heaviest(impedance: float) -> float:
     be.
 
     MuJoCo softens a constraint by R = (1 - d)/d times its inverse effective mass, and by mjMINVAL
-    at least (mj_makeImpedance): above this mass R is too large, and of the force of the constraint
-    nothing is left in the end.
+    at least (mj_makeImpedance): above this mass R is too large, and the force of the constraint
+    tends to 0.
     """
     return (1 - impedance) / impedance / SMALLEST
 
@@ -92,7 +92,7 @@ def unsupported(problem: Motion, method: str = "rk4") -> str | None:
 
 
 def _as_shipped(scene: Scene) -> str | None:
-    """None if the scene has no law that only settings of MuJoCo's solver can say."""
+    """None if the scene has no law that only settings of MuJoCo's solver can express."""
     if any(law.law == "linear" for law in scene.all(Contact)):
         return engine_cannot("a linear contact law as shipped: solref and solimp are settings")
     if belts(scene):

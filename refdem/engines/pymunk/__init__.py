@@ -92,7 +92,7 @@ class Pymunk(Engine):
         )
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """None, or what the scene has that Chipmunk cannot say."""
+        """None, or what the scene has that Chipmunk cannot express."""
         return reason(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -1,4 +1,4 @@
-"""What a scene may not have if Chipmunk is to say it, and in which words it is refused."""
+"""What Chipmunk cannot express of a scene, and the words in which it is refused."""
 
 import numpy as np
 
@@ -44,7 +44,7 @@ KNOWN = (
 
 
 def reason(problem: Motion) -> str | None:
-    """None if Chipmunk can say the problem, else the missing feature."""
+    """None if Chipmunk can run the problem, else the missing feature."""
     scene = problem.scene
     if problem.interval < 0:
         return engine_cannot("negative time steps")
@@ -78,7 +78,7 @@ def _element_reason(scene: Scene) -> str | None:
 def fading(scene: Scene) -> float | None:
     """The rate [1/s] at which the dashpots take velocity from every body alike.
 
-    None if they do not: then `Space.damping` cannot say them, and they are forces.
+    None if they do not: then `Space.damping` cannot express them, and they are forces.
     """
     free = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
     damping = dict.fromkeys(free, 0.0)
@@ -119,7 +119,9 @@ def _contact_reason(scene: Scene) -> str | None:
 
 
 def _soft_contact_reason(scene: Scene, law: Contact) -> str | None:
-    """A spring with a force function pushes along the line of two centres, and nothing else."""
+    """None if the soft contacts are those of spheres without friction, which a spring along the
+    line of their centres can express; else the missing feature.
+    """
     if law.friction > 0:
         return engine_cannot(
             "friction of a contact that has a stiffness (friction belongs to Chipmunk's own rigid"
@@ -133,7 +135,7 @@ def _soft_contact_reason(scene: Scene, law: Contact) -> str | None:
 
 
 def outline(shape: Polyhedron) -> list[tuple[float, float]] | None:
-    """Corners in x-y of a prism along z, or None if the polyhedron is none."""
+    """Corners in x-y of a prism along z; None for another polyhedron."""
     corners = np.asarray(shape.vertices, float)
     low = corners[:, 2].min()
     high = corners[:, 2].max()

@@ -62,7 +62,7 @@ class Rebound(Engine):
         )
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """None, or what the scene has that the method cannot say."""
+        """None, or what the scene has that the method cannot run."""
         return reason(problem, method.name)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

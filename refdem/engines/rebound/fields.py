@@ -26,7 +26,11 @@ FAMILY = "rebound_forces"
 
 @dataclass(frozen=True)
 class Fields:
-    """`struct` is a `refdem_rebound_scene *`; `arrays` keeps alive what it points to."""
+    """The forces of a scene for the callbacks.
+
+    `struct` is a `refdem_rebound_scene *`, and `arrays` keeps alive what it points to; `rotors` are
+    the numbers of the bodies that turn, `rods` is how many there are.
+    """
 
     struct: Any
     arrays: tuple[Any, ...]
@@ -71,14 +75,15 @@ def fields_of(scene: Scene) -> Fields:
     arrays = _set_arrays(struct, _numbers(scene, touches, rotors), "double", np.float64)
     arrays += _set_arrays(struct, _ends(scene, touches), "int64_t", np.int64)
     acting = ("springs", "dashpots", "contacts", "fields", "drives", "rods")
+    has_elements = any(counts[name] > 0 for name in acting)
     has_gravity = bool(scene.all(UniformGravity))
     is_damped = any(touch.is_damped for touch in touches)
     return Fields(
         struct,
         tuple(arrays),
         tuple(rotors),
-        len(rods),
-        has_forces=has_gravity or any(counts[name] > 0 for name in acting),
+        rods=len(rods),
+        has_forces=has_gravity or has_elements,
         reads_velocity=bool(dashpots or rods or is_damped),
     )
 

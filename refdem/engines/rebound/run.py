@@ -3,7 +3,7 @@
 import warnings
 from ctypes import addressof
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import rebound
@@ -21,6 +21,7 @@ from refdem.mechanics.quaternion import rotated
 
 Array = NDArray[np.float64]
 FUNCTIONS = {
+    # Field of the compiled loop's struct: function of librebound.
     "steps": "reb_simulation_steps",
     "integrate": "reb_simulation_integrate",
     "update": "reb_simulation_update_acceleration",
@@ -28,10 +29,11 @@ FUNCTIONS = {
 FINEST_TOLERANCE = 1e-15
 """Round-off hides smaller errors: at 1e-16 bs rejects every step, however small, for ever."""
 STEPPED = {"leapfrog", "leapfrog-8", "leapfrog-line", "whfast"}
+"""Methods that make whole steps of a size that is set, one a sample unless a step is asked for."""
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
-    """Runs the request; raises EngineError if REBOUND gives up or has an error to tell."""
+    """Runs the request; raises EngineError if REBOUND gives up or reports an error."""
     if request.tolerance is not None and request.tolerance < FINEST_TOLERANCE:
         raise UsageError(
             f"rebound, {request.method}: tolerance is {request.tolerance:g}; expected >="
@@ -42,16 +44,10 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     sim, ode = simulation_of(request, fields)
     if request.method == LEAPFROG_UNCUT.name:
         return _uncut(request, fields, sim, began)
-    engine = _engine(sim, ode)
     times = np.ascontiguousarray(request.problem.times)
-    if request.step:
-        stride = request.stride
-    else:
-        stride = int(request.method in STEPPED)
-    # A row: t, position and velocity of every body, attitude and omega of every rotor, rod forces.
-    of_bodies = 6 * len(request.problem.scene.bodies)
-    of_rotors = 7 * len(fields.rotors)
-    rows = np.full((len(times), 1 + of_bodies + of_rotors + fields.rods), np.nan)
+    stride = _steps_per_sample(request)
+    engine = _engine(sim, ode)
+    rows = np.full((len(times), _layout(request, fields).row_end), np.nan)
     started = perf_counter()
     failed = kernels.load(FAMILY).lib.refdem_rebound_record(
         engine,
@@ -67,9 +63,36 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
         # Its inner steps move REBOUND's clock; the time is that of the whole steps.
         steps_per_sample = sim.steps_done // (len(times) - 1)
         rows[:, 0] = times[0] + np.arange(len(times)) * steps_per_sample * sim.dt
-    return _trajectory(request, fields, rows), Cost(
-        seconds=ended - started, setup=started - began, steps=int(sim.steps_done)
-    )
+    cost = Cost(seconds=ended - started, setup=started - began, steps=int(sim.steps_done))
+    return _trajectory(request, fields, rows), cost
+
+
+def _steps_per_sample(request: Request) -> int:
+    """How many steps the compiled loop makes from each sample to the next; 0 where REBOUND chooses
+    its steps and is asked to go on to the time of the sample.
+    """
+    if request.step:
+        return request.stride
+    if request.method in STEPPED:
+        return 1
+    return 0
+
+
+class Layout(NamedTuple):
+    """The columns of a row: t, then position and velocity of every body, then attitude and omega in
+    body axes of every rotor, then the forces of the rods. Each ends where the next begins.
+    """
+
+    bodies_end: int
+    rotors_end: int
+    row_end: int
+
+
+def _layout(request: Request, fields: Fields) -> Layout:
+    """The columns of a row of the request."""
+    bodies_end = 1 + 6 * len(request.problem.scene.bodies)
+    rotors_end = bodies_end + 7 * len(fields.rotors)
+    return Layout(bodies_end, rotors_end, row_end=rotors_end + fields.rods)
 
 
 UNCUT = (5**0.5 - 1) / 2
@@ -89,21 +112,21 @@ def _uncut(
     sim.dt = step
     rows = [_row(sim, float(times[0]))]
     started = perf_counter()
-    done = 0
+    steps_done = 0
     for time in times[1:]:
         elapsed = float(time - times[0])
-        whole = int(elapsed / step)
-        sim.steps(whole - done)
-        done = whole
+        steps_before = int(elapsed / step)
+        sim.steps(steps_before - steps_done)
+        steps_done = steps_before
         copy = _copy(sim, request)
-        copy.dt = elapsed - whole * step
+        copy.dt = elapsed - steps_before * step
         copy.steps(1)
         _refuse_failure(copy, request, failed=0)
         rows.append(_row(copy, float(time)))
     ended = perf_counter()
     _refuse_failure(sim, request, failed=0)
-    seconds = ended - started
-    cost = Cost(seconds=seconds, setup=started - began, steps=done + len(times) - 1)
+    steps = steps_done + len(times) - 1
+    cost = Cost(seconds=ended - started, setup=started - began, steps=steps)
     return _trajectory(request, fields, np.array(rows)), cost
 
 
@@ -127,13 +150,15 @@ def _row(sim: rebound.Simulation, time: float) -> list[float]:
 
 
 def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
-    """Addresses for the compiled loop."""
+    """What the compiled loop needs of REBOUND: the addresses of the simulation, its clock, the
+    functions that step it, and the values of the further equations.
+    """
     ffi = kernels.load(FAMILY).ffi
-    engine = ffi.new("refdem_rebound_engine *", {"simulation": ffi.cast("void *", addressof(sim))})
+    engine = ffi.new("refdem_rebound_engine *")
+    engine.simulation = ffi.cast("void *", addressof(sim))
     for field, function in FUNCTIONS.items():
-        setattr(
-            engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), function_address(function))
-        )
+        function_type = ffi.typeof(getattr(engine, field))
+        setattr(engine, field, ffi.cast(function_type, function_address(function)))
     engine.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
     if ode is not None:
         engine.equations = ffi.cast("double **", addressof(ode) + ODE.y.offset)
@@ -156,24 +181,23 @@ def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> N
 
 
 def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
-    """The trajectory in the rows (T, ...) of `recorded`; attitudes are divided by their length."""
+    """The trajectory in the rows (T, ...) of samples; attitudes are divided by their length."""
     bodies = request.problem.scene.bodies
-    count = len(rows)
-    end = 1 + 6 * len(bodies)
-    state = rows[:, 1:end].reshape(count, len(bodies), 6)
-    attitude = np.empty((count, len(bodies), 4))
-    omega = np.zeros((count, len(bodies), 3))
+    layout = _layout(request, fields)
+    shape = (len(rows), len(bodies))
+    state = rows[:, 1 : layout.bodies_end].reshape(*shape, 6)
+    attitude = np.empty((*shape, 4))
     attitude[:] = bodies.attitude
+    omega = np.zeros((*shape, 3))
     if fields.rotors:
-        turned = rows[:, end : end + 7 * len(fields.rotors)].reshape(count, -1, 7)
+        turned = rows[:, layout.bodies_end : layout.rotors_end].reshape(len(rows), -1, 7)
         unit = turned[..., :4] / np.linalg.norm(turned[..., :4], axis=-1, keepdims=True)
         attitude[:, fields.rotors] = unit
         # The rows have omega in body axes.
         omega[:, fields.rotors] = rotated(unit, turned[..., 4:])
+    channels = {}
     if fields.rods:
-        channels = {"rod_force": rows[:, -fields.rods :].copy()}
-    else:
-        channels = {}
+        channels["rod_force"] = rows[:, layout.rotors_end :].copy()
     return Trajectory(
         t=np.ascontiguousarray(rows[:, 0]),
         position=np.ascontiguousarray(state[..., :3]),

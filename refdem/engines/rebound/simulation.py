@@ -12,7 +12,7 @@ from rebound.simulation import AFF
 from refdem import kernels
 from refdem.core.problem import Request
 from refdem.engines.rebound.fields import FAMILY, Fields
-from refdem.engines.rebound.methods import AS_SHIPPED
+from refdem.engines.rebound.methods import AS_SHIPPED, LEAPFROG_LINE
 from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
@@ -39,15 +39,16 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     scene = request.problem.scene
     sim = rebound.Simulation()
     sim.t = float(request.problem.times[0])
-    _set_integrator(sim, request)
-    first = _add_particles(sim, scene)
-    _place(sim, fields, first)
+    # A new simulation has the defaults that REBOUND is shipped with.
+    if request.method != AS_SHIPPED.name:
+        _set_integrator(sim, request)
+    first_body = _add_particles(sim, scene)
+    _place(sim, fields, first_body)
     set_collisions(sim, scene, request.method)
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
-        sim._additional_forces = AFF(
-            _callback("forces", rebound.Simulation.extras.offset)
-        )  # the property would wrap it in Python
+        # Set behind the property, which would wrap the compiled callback in Python.
+        sim._additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))
         sim.force_is_velocity_dependent = int(fields.reads_velocity)
     return sim, ode
 
@@ -59,31 +60,27 @@ def function_address(name: str) -> int:
 
 def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
     """The integrator of the method and its first step, with the direction of time."""
-    if request.method == AS_SHIPPED.name:
-        # All of it stays as a new simulation has it, the first step too.
-        return
-    name, _, _ = request.method.partition("-")
+    interval = request.problem.interval
+    # Methods are named integrator or integrator-variant.
+    name, _, variant = request.method.partition("-")
     sim.integrator = name
     if name == "leapfrog":
-        if request.method == "leapfrog-8":
-            sim.integrator.order = 8
-        else:
-            sim.integrator.order = 2
         sim.dt = request.signed_step
+        sim.integrator.order = 2
+        if variant == "8":
+            sim.integrator.order = 8
     elif name == "whfast":
-        sim.dt = request.problem.interval
-    else:
-        sim.dt = FIRST_STEP * request.problem.interval
-    if name == "ias15":
-        linked = {"spring", "rod"} & request.problem.scene.features
-        if linked:
+        sim.dt = interval
+    elif name == "ias15":
+        sim.dt = FIRST_STEP * interval
+        sim.integrator.adaptive_mode = "prs23"
+        if {"spring", "rod"} & request.problem.scene.features:
             sim.integrator.adaptive_mode = "global"
-        else:
-            sim.integrator.adaptive_mode = "prs23"
-        if linked:
             sim.integrator.epsilon = SWINGING
-    if name == "bs":
-        sim.integrator.eps_rel = sim.integrator.eps_abs = request.tolerance
+    elif name == "bs":
+        sim.dt = FIRST_STEP * interval
+        sim.integrator.eps_rel = request.tolerance
+        sim.integrator.eps_abs = request.tolerance
 
 
 def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
@@ -93,56 +90,52 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
     centres = scene.all(CentralField)
     if centres:
         sim.gravity = "basic"
+        sim.add(m=sum(centre.gm for centre in centres))
+        # Only the centre attracts: the bodies are test particles, without a mass of their own.
+        sim.N_active = 1
+        masses = np.zeros(len(scene.bodies))
     else:
         sim.gravity = "none"
-    if centres:
-        sim.add(m=sum(centre.gm for centre in centres))
-        sim.N_active = 1
-    columns = scene.bodies
-    for mass, radius, (x, y, z), (vx, vy, vz), fixed in zip(
-        columns.mass,
-        columns.radius,
-        columns.position,
-        columns.velocity,
-        columns.fixed,
-        strict=True,
-    ):
-        if fixed:
-            still = {}
-        else:
-            still = {"vx": vx, "vy": vy, "vz": vz}
-        # Beside a centre bodies do not attract each other.
-        if centres:
-            attracting = 0.0
-        else:
-            attracting = mass
-        sim.add(m=attracting, r=radius, x=x, y=y, z=z, **still)
-    return len(centres[:1])
+        masses = scene.bodies.mass
+    for number, mass in enumerate(masses):
+        _add_body(sim, scene, number, mass)
+    return int(sim.N) - len(scene.bodies)
+
+
+def _add_body(sim: rebound.Simulation, scene: Scene, number: int, mass: float) -> None:
+    """A body as a particle of this mass [kg]; a fixed one is at rest."""
+    bodies = scene.bodies
+    x, y, z = bodies.position[number]
+    vx, vy, vz = bodies.velocity[number]
+    if bodies.fixed[number]:
+        vx = vy = vz = 0.0
+    sim.add(m=mass, r=bodies.radius[number], x=x, y=y, z=z, vx=vx, vy=vy, vz=vz)
 
 
 def set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
     """REBOUND's own hard spheres, where the contact law is rigid: searched for at the end of every
     step, and resolved with the law's restitution.
 
-    direct finds pairs that overlap then, line also those that did on the straight way of the step.
+    `direct` finds pairs that overlap then, `line` also pairs that overlapped on the straight way of
+    the step.
     """
     for law in scene.all(Contact):
         if law.law != "rigid":
             continue
-        if method == "leapfrog-line":
+        sim.collision = "direct"
+        if method == LEAPFROG_LINE.name:
             sim.collision = "line"
-        else:
-            sim.collision = "direct"
         sim.collision_resolve = "hardsphere"
         sim.coefficient_of_restitution = _always(float(law.restitution))
         if method != AS_SHIPPED.name:
-            # Those of a step are resolved in a random order, whose seed is else the clock's.
+            # The collisions of a step are resolved in a random order, whose seed would be drawn
+            # from the clock.
             sim.rand_seed = ORDER_OF_COLLISIONS
 
 
 def _always(restitution: float) -> Callable[[Any, float], float]:
-    """What REBOUND asks at every collision: the coefficient of restitution, here the same at every
-    approaching speed [m/s].
+    """The function that REBOUND calls at every collision for the coefficient of restitution: here
+    the same at every closing speed [m/s].
     """
 
     def coefficient(simulation: Any, speed: float) -> float:
@@ -152,11 +145,13 @@ def _always(restitution: float) -> Callable[[Any, float], float]:
 
 
 def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
-    """Tells the callbacks where the particles lie, and the simulation where the fields do."""
+    """Tells the callbacks where in memory the bodies' particles lie, from particle `first` on, and
+    the simulation where the fields lie.
+    """
     ffi = kernels.load(FAMILY).ffi
     particle = rebound.Particle
-    base = addressof(sim._particles.contents)
-    size = addressof(sim._particles[1]) - addressof(sim._particles[0])
+    base = addressof(sim._particles[0])
+    size = addressof(sim._particles[1]) - base
     struct = fields.struct
     struct.particle = ffi.cast("char *", base + first * size)
     struct.size = size
@@ -176,10 +171,9 @@ def _add_rotors(sim: rebound.Simulation, scene: Scene, fields: Fields) -> ODE | 
     ode._derivatives = ODEDER(_callback("euler", ODE.ref.offset))
     rotors = list(fields.rotors)
     attitude = scene.bodies.attitude[rotors]
-    omega = scene.bodies.omega[rotors]
-    for number, value in enumerate(
-        np.hstack([attitude, rotated(conjugate(attitude), omega)]).ravel().tolist()
-    ):
+    omega_body = rotated(conjugate(attitude), scene.bodies.omega[rotors])
+    start = np.hstack([attitude, omega_body]).ravel().tolist()
+    for number, value in enumerate(start):
         ode.y[number] = value
     return ode
 

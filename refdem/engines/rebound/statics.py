@@ -20,9 +20,8 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     problem = request.problem
     started = perf_counter()
     assert isinstance(problem, Identity)
-    return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(
-        seconds=perf_counter() - started
-    )
+    trajectory = Trajectory.of_values(problem.times, results(problem, ANSWERS))
+    return trajectory, Cost(seconds=perf_counter() - started)
 
 
 def rotation(q: Array) -> Any:

@@ -1,4 +1,4 @@
-"""What a scene may not have if REBOUND is to say it, and in which words it is refused."""
+"""What REBOUND cannot express of a scene, and the words in which it is refused."""
 
 import numpy as np
 
@@ -33,8 +33,8 @@ KNOWN = (
     UniformGravity,
 )
 FIT = 1e-9
-"""A rod fits if its ends are this close to its length, relatively: the multiplier keeps what it
-finds.
+"""A rod fits if the distance of its ends differs from its length by this part of it at most: the
+multiplier keeps the distance that it finds.
 """
 MOST_TOUCHING = 64
 """Spheres up to which every pair is looked at in every evaluation of the forces."""
@@ -43,6 +43,8 @@ COLLIDING = frozenset(
     method.name for method in (LEAPFROG, LEAPFROG_LINE, LEAPFROG_UNCUT, AS_SHIPPED)
 )
 """Methods that make the collisions of hard spheres."""
+NEEDS_DERIVATIVES = frozenset({"leapfrog-8", IAS15.name, AS_SHIPPED.name})
+"""Methods of high order, which need forces with several derivatives."""
 UNKNOWN = {
     "slider": engine_cannot("dry friction (no force that jumps with the velocity)"),
     "plane": adapter_lacks("walls (a force by the callback)"),
@@ -58,13 +60,14 @@ UNKNOWN = {
 
 
 def reason(problem: Motion, method: str) -> str | None:
-    """None if the method can say the problem, else the missing feature."""
+    """None if the method can run the problem, else the missing feature."""
     scene = problem.scene
     if {"contact:friction", "shape:sphere"} <= scene.features:
-        # Walls would not help: what friction turns has no spin.
+        # Refused before walls are: friction needs spins, which walls do not bring.
         return NO_FRICTION
     unknown = [element.kind for element in scene.elements if not isinstance(element, KNOWN)]
-    for kind in sorted(unknown):
+    if unknown:
+        kind = min(unknown)
         return UNKNOWN.get(kind, adapter_lacks(f"the element {kind}"))
     return (
         _link_reason(scene)
@@ -76,14 +79,16 @@ def reason(problem: Motion, method: str) -> str | None:
 
 def turning(scene: Scene) -> list[int]:
     """Numbers of the bodies that spin."""
-    columns = scene.bodies
-    return np.flatnonzero(
-        columns.inertia.any(axis=1) & columns.omega.any(axis=1) & ~columns.fixed
-    ).tolist()
+    bodies = scene.bodies
+    has_inertia = bodies.inertia.any(axis=1)
+    has_spin = bodies.omega.any(axis=1)
+    return np.flatnonzero(has_inertia & has_spin & ~bodies.fixed).tolist()
 
 
 def _contact_reason(scene: Scene) -> str | None:
-    """A soft contact is a force between two particles along the line of their centres."""
+    """None if the contacts of the scene are those of spheres without friction, else the missing
+    feature.
+    """
     laws = scene.all(Contact)
     if not laws or not scene.has_shapes():
         return None
@@ -102,7 +107,9 @@ def _contact_reason(scene: Scene) -> str | None:
 
 
 def _hard_sphere_reason(scene: Scene) -> str | None:
-    """REBOUND's hard spheres change velocities and nothing else; every pair may collide."""
+    """None if the scene is nothing but hard spheres that are free to move, else the missing
+    feature.
+    """
     if len(scene.elements) > 1:
         return adapter_lacks("hard spheres on which forces act")
     if scene.bodies.fixed.any():
@@ -113,29 +120,37 @@ def _hard_sphere_reason(scene: Scene) -> str | None:
 
 
 def _link_reason(scene: Scene) -> str | None:
-    """Forces act at centres; a rod stands alone and fits."""
-    links = [element for element in scene.elements if isinstance(element, Link)]
-    if any(any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)) for link in links):
-        return engine_cannot("a force off the centre of a body (particles have no attitude)")
-    ends = [end for rod in scene.all(Rod) for end in (rod.a, rod.b) if end >= 0]
+    """None if all forces act at centres and all rods can be held, else the missing feature."""
+    for link in scene.elements:
+        if isinstance(link, Link) and _acts_off_centre(link):
+            return engine_cannot("a force off the centre of a body (particles have no attitude)")
+    rods = scene.all(Rod)
+    ends = [end for rod in rods for end in (rod.a, rod.b) if end >= 0]
     if len(set(ends)) < len(ends):
         return engine_cannot("rods that share a body (no constraint solver)")
-    for rod in scene.all(Rod):
-        columns = scene.bodies
-        gap = float(rod.distance(columns.position[None], columns.attitude[None])[0])
-        if abs(gap - rod.length) > FIT * rod.length:
+    bodies = scene.bodies
+    for rod in rods:
+        distance = float(rod.distance(bodies.position[None], bodies.attitude[None])[0])
+        if abs(distance - rod.length) > FIT * rod.length:
             return engine_cannot(
                 "a rod whose length differs from the initial distance (the length is"
                 " conserved, not set)"
             )
-        if all(end < 0 or columns.fixed[end] for end in (rod.a, rod.b)):
+        if all(end < 0 or bodies.fixed[end] for end in (rod.a, rod.b)):
             return engine_cannot("a rod between bodies that do not move")
     return None
 
 
+def _acts_off_centre(link: Link) -> bool:
+    """True if a link is anchored to a body elsewhere than at its centre."""
+    has_body_at_b = link.b >= 0
+    return any(link.anchor_a) or (has_body_at_b and any(link.anchor_b))
+
+
 def _method_reason(scene: Scene, method: str) -> str | None:
-    """Only bs carries rotation; leapfrog takes no velocities; whfast knows a centre and nothing
-    else.
+    """None if the integrator can take the bodies and forces of the scene, else the missing feature.
+
+    Only bs carries rotation; leapfrog takes no velocities; whfast takes a centre and nothing else.
     """
     rotors = turning(scene)
     if rotors and method != "bs":
@@ -144,15 +159,14 @@ def _method_reason(scene: Scene, method: str) -> str | None:
         )
     if rotors and not scene.bodies.inertia[rotors].all():
         return engine_cannot("a spinning body with a moment of inertia that is zero")
-    if method.startswith("leapfrog"):
-        for kind in {"rod", "dashpot", "contact:damping"} & scene.features:
-            return engine_cannot(
-                f"{kind} (its force depends on velocities, which leapfrog has only half a step"
-                " apart)"
-            )
-    if method in ("leapfrog-8", IAS15.name, AS_SHIPPED.name) and any(
-        spring.exponent % 2 != 1 for spring in scene.all(Spring)
-    ):
+    needs_velocity = {"rod", "dashpot", "contact:damping"} & scene.features
+    if method.startswith("leapfrog") and needs_velocity:
+        return engine_cannot(
+            f"{min(needs_velocity)} (its force depends on velocities, which leapfrog has only half"
+            " a step apart)"
+        )
+    has_rough_spring = any(spring.exponent % 2 != 1 for spring in scene.all(Spring))
+    if method in NEEDS_DERIVATIVES and has_rough_spring:
         return engine_cannot(
             "a spring whose force is not smooth where it changes sign (order 8 needs its"
             " derivatives, ias15's steps shrink to nothing)"
@@ -162,16 +176,18 @@ def _method_reason(scene: Scene, method: str) -> str | None:
             "springs and rods with the step control that ias15 is shipped with (prs23: steps shrink"
             " to nothing where the acceleration goes through zero)"
         )
-    if method == "whfast" and not (
-        scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
-    ):
+    has_only_centres = all(isinstance(element, CentralField) for element in scene.elements)
+    if method == "whfast" and not (scene.elements and has_only_centres):
         return engine_cannot("a field other than one attracting centre")
     return None
 
 
 def _edge_reason(scene: Scene, method: str) -> str | None:
-    """Leapfrog alone takes forces that set in at an edge; collisions are found by its searches, and
-    by what REBOUND is shipped with.
+    """None if the integrator can take the contacts and edges of the scene, else the missing
+    feature.
+
+    Leapfrog alone takes forces that set in at an edge. Hard spheres need one of the methods that
+    search for collisions.
     """
     if "contact:rigid" in scene.features:
         if method in COLLIDING:

@@ -4,27 +4,57 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_arguments, of_elements, of_parts, of_results, scaled
+from refdem.faults.change import (
+    Inside,
+    late,
+    of_arguments,
+    of_elements,
+    of_parts,
+    of_results,
+    scaled,
+)
 from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
 from refdem.scene.elements.rod import Rod
 
 constraint = partial(Fault, kind="constraint", on=("swing",))
 FORCE = ("error", "rod_force")
 
 
-def _loose(tolerance: float) -> Any:
-    """A multiplier that is content once the rod is right to a tolerance."""
+def _loose(tolerance: float) -> Inside:
+    """A rod's multiplier that does nothing once the rod is right to a relative tolerance."""
 
-    def wrapped(sound: Any) -> Any:
-        def part(rod: Any, apart: Any, direction: Any, ease: Any) -> Any:
-            gap = abs(vec.dot(apart, apart) / rod.length**2 - 1)
-            if gap > tolerance:
-                return sound(rod, apart, direction, ease)
+    def inside(sound: Parts) -> dict[str, Any]:
+        def rod_position(rod: Any, branch: Any, along: Any, inverse_mass: Any) -> Any:
+            # (|r_a - r_b|/l)^2 - 1 is twice the relative error of the length.
+            error = abs(vec.dot(branch, branch) / rod.length**2 - 1)
+            if error > tolerance:
+                return sound.rod_position(rod, branch, along, inverse_mass)
             return 0.0
 
-        return part
+        return {"rod_position": rod_position}
 
-    return wrapped
+    return inside
+
+
+def _tension_per_mass(sound: Parts) -> dict[str, Any]:
+    """The rod's force is multiplied by its inverse mass, once more divided by 1.5 kg."""
+
+    def rod_tension(rod: Any, branch: Any, relative: Any, pull: Any, inverse_mass: Any) -> Any:
+        tension = sound.rod_tension(rod, branch, relative, pull, inverse_mass)
+        return inverse_mass * tension / 1.5
+
+    return {"rod_tension": rod_tension}
+
+
+def _without_speed(rod: Any, branch: Any, relative: Any, pull: Any, inverse_mass: Any) -> Any:
+    """The arguments of a rod's force with no relative velocity of its ends."""
+    return rod, branch, vec.ZERO, pull, inverse_mass
+
+
+def _without_weight(rod: Any, branch: Any, relative: Any, pull: Any, inverse_mass: Any) -> Any:
+    """The arguments of a rod's force with no acceleration by other forces."""
+    return rod, branch, relative, vec.ZERO, inverse_mass
 
 
 FAULTS = (
@@ -44,13 +74,13 @@ FAULTS = (
         name="multiplier-loose",
         sentence="The multiplier is solved to 1e-6 only.",
         sees=("constraint", "length"),
-        inside=lambda p: {"rod_position": _loose(1e-6)(p.rod_position)},
+        inside=_loose(1e-6),
     ),
     constraint(
         name="multiplier-tight-but-loose",
         sentence="The multiplier is solved to 1e-10 only.",
         sees=("constraint", "length"),
-        inside=lambda p: {"rod_position": _loose(1e-10)(p.rod_position)},
+        inside=_loose(1e-10),
     ),
     constraint(
         name="velocity-not-held",
@@ -81,24 +111,14 @@ FAULTS = (
         sentence="The rod's force leaves the centripetal part out.",
         on=("circler",),
         sees=FORCE,
-        inside=of_arguments(
-            rod_tension=lambda rod, apart, relative, pull, ease: (rod, apart, vec.ZERO, pull, ease)
-        ),
+        inside=of_arguments(rod_tension=_without_speed),
     ),
     constraint(
         name="rod-force-without-weight",
         sentence="The rod's force leaves the weight out.",
         on=("circler",),
         sees=FORCE,
-        inside=of_arguments(
-            rod_tension=lambda rod, apart, relative, pull, ease: (
-                rod,
-                apart,
-                relative,
-                vec.ZERO,
-                ease,
-            )
-        ),
+        inside=of_arguments(rod_tension=_without_weight),
     ),
     constraint(
         name="rod-force-late",
@@ -110,13 +130,7 @@ FAULTS = (
         name="rod-force-per-mass",
         sentence="The rod's force is an acceleration.",
         sees=FORCE,
-        inside=lambda p: {
-            "rod_tension": (
-                lambda rod, apart, relative, pull, ease: (
-                    ease * p.rod_tension(rod, apart, relative, pull, ease) / 1.5
-                )
-            )
-        },
+        inside=_tension_per_mass,
     ),
     constraint(
         name="rod-pulls-world",

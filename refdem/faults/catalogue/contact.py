@@ -21,38 +21,38 @@ the error of any method.
 """
 
 
-def _late_damping(p: Parts) -> dict[str, Any]:
+def _late_damping(sound: Parts) -> dict[str, Any]:
     """All forces that depend on velocity use those of the step before."""
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         if before is None:
-            return p.loads(world, state, parts)
+            return sound.loads(world, state, parts)
         old = state.copy()
-        old.v = [
-            vec.moved(v, -h / m, f)
-            for v, m, f in zip(state.v, world.mass, before.force, strict=True)
-        ]
-        return p.loads(world, old, parts, before, h)
+        # v - h F/m, with the forces of the step's start.
+        for i, force in enumerate(before.force):
+            old.v[i] = vec.moved(state.v[i], -h / world.mass[i], force)
+        return sound.loads(world, old, parts, before, h)
 
     return {"loads": loads}
 
 
-def _old_normal(p: Parts) -> dict[str, Any]:
+def _old_normal(sound: Parts) -> dict[str, Any]:
     """The direction between two spheres is that of the step before, their distance the present
     one.
     """
-    turned: dict[str, Any] = {"by": vec.ZERO}
+    way_back = vec.ZERO
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
-        turned["by"] = vec.times(-h, vec.minus(state.v[1], state.v[0]))
-        loads_now = p.loads(world, state, parts, before, h)
-        turned["by"] = vec.ZERO
+        nonlocal way_back
+        way_back = vec.times(-h, vec.minus(state.v[1], state.v[0]))
+        loads_now = sound.loads(world, state, parts, before, h)
+        way_back = vec.ZERO
         return loads_now
 
     def away(a: Any, b: Any) -> Any:
-        apart = p.away(a, b)
-        old = vec.plus(apart, turned["by"])
-        return vec.times(vec.size(apart) / vec.size(old), old)
+        branch = sound.away(a, b)
+        old_branch = vec.plus(branch, way_back)
+        return vec.times(vec.size(branch) / vec.size(old_branch), old_branch)
 
     return {"loads": loads, "away": away}
 
@@ -62,23 +62,22 @@ def _hertz(law: Any, depth: Any, rate: Any) -> Any:
     return law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate
 
 
-def _larger(request: Request) -> Request:
+def _larger_radii(request: Request) -> Request:
     """The request with all radii 1 % larger."""
-    return _reshaped(
-        request, lambda shapes: tuple(Sphere(radius=1.01 * shape.radius) for shape in shapes)
-    )
+    radii = request.problem.scene.bodies.radius.tolist()
+    return _with_shapes(request, tuple(Sphere(radius=1.01 * radius) for radius in radii))
 
 
 def _swapped_shapes(request: Request) -> Request:
-    """The shapes in the other order."""
-    return _reshaped(request, lambda shapes: shapes[::-1])
+    """The request with its shapes in the other order."""
+    return _with_shapes(request, request.problem.scene.bodies.shape[::-1])
 
 
-def _reshaped(request: Request, change: Any) -> Request:
+def _with_shapes(request: Request, shapes: Any) -> Request:
+    """The request with other shapes of the bodies."""
     scene = request.problem.scene
-    return request.with_scene(
-        Scene(replace(scene.bodies, shape=change(scene.bodies.shape)), scene.elements)
-    )
+    bodies = replace(scene.bodies, shape=shapes)
+    return request.with_scene(Scene(bodies, scene.elements))
 
 
 FAULTS = (
@@ -163,7 +162,7 @@ FAULTS = (
         sentence="Contact begins before the surfaces meet: radius 1 % too large.",
         on=("bounce",),
         sees=("error", "v1.x"),
-        before=_larger,
+        before=_larger_radii,
     ),
     contact(
         name="law-of-hertz",

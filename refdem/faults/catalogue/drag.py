@@ -13,7 +13,7 @@ from refdem.scene.elements.drag import Drag
 drag = partial(Fault, kind="drag", sees=("error", "v"))
 
 
-def _linear(p: Parts) -> dict[str, Any]:
+def _linear(sound: Parts) -> dict[str, Any]:
     """Drag in proportion to the velocity, right at 1 m/s."""
 
     def part(fluid: Any, relative: Any) -> Any:
@@ -22,7 +22,7 @@ def _linear(p: Parts) -> dict[str, Any]:
     return {"drag_force": part}
 
 
-def _three_halves(p: Parts) -> dict[str, Any]:
+def _three_halves(sound: Parts) -> dict[str, Any]:
     """Drag as the power 3/2 of the velocity, right at 1 m/s."""
 
     def part(fluid: Any, relative: Any) -> Any:

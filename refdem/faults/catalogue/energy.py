@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import of_elements, of_parts, of_results, scaled
+from refdem.faults.change import Inside, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.central_field import CentralField
@@ -14,29 +14,53 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 energy = partial(Fault, kind="energy", on=("oscillator",))
 
 
-def _damped(rate: float) -> Any:
+def _damped(rate: float) -> Inside:
     """Velocities decay at a rate [1/s]."""
-    return lambda p: {
-        "kicked": lambda v, force, mass, h: vec.times(
-            1 - rate * abs(h), p.kicked(v, force, mass, h)
-        )
-    }
+
+    def inside(sound: Parts) -> dict[str, Any]:
+        def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+            return vec.times(1 - rate * abs(h), sound.kicked(v, force, mass, h))
+
+        return {"kicked": kicked}
+
+    return inside
 
 
-def _power(exponent: float) -> Any:
-    """Attraction with another power of the distance."""
-    return of_parts(
-        central_force=lambda mass, gm, r: vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)
-    )
+def _power(exponent: float) -> Inside:
+    """The attraction falls with another power n of the distance: F = -m gm r/r^(n+1)."""
+
+    def central_force(mass: Any, gm: Any, r: Any) -> Any:
+        return vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)
+
+    return of_parts(central_force=central_force)
 
 
-def _softened(length: float) -> Any:
-    """Attraction softened at short distance."""
-    return of_parts(
-        central_force=lambda mass, gm, r: vec.times(
-            -mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r
-        )
-    )
+def _softened(length: float) -> Inside:
+    """The attraction is softened at short distance: F = -m gm r/(r^2 + length^2)^(3/2)."""
+
+    def central_force(mass: Any, gm: Any, r: Any) -> Any:
+        return vec.times(-mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r)
+
+    return of_parts(central_force=central_force)
+
+
+def _hardening(sound: Parts) -> dict[str, Any]:
+    """The spring is stiffer by 1 % at 1 m from the origin, in proportion to r^2."""
+
+    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+        return vec.times(1 + 0.01 * vec.dot(a, a), sound.spring_force(spring, a, b))
+
+    return {"spring_force": spring_force}
+
+
+def _swirling(sound: Parts) -> dict[str, Any]:
+    """The spring also pushes across the radius, about z."""
+
+    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+        across = (-a[1], a[0], 0.0)
+        return vec.moved(sound.spring_force(spring, a, b), 1e-3, across)
+
+    return {"spring_force": spring_force}
 
 
 def _clamped(v: Any) -> Any:
@@ -44,22 +68,22 @@ def _clamped(v: Any) -> Any:
     return tuple(min(0.5, max(-0.5, x)) for x in v)
 
 
-def _one_sided(p: Parts) -> dict[str, Any]:
+def _one_sided(sound: Parts) -> dict[str, Any]:
     """The spring pulls where x > 0 only."""
 
     def spring_force(spring: Any, a: Any, b: Any) -> Any:
         if a[0] > 0:
-            return p.spring_force(spring, a, b)
+            return sound.spring_force(spring, a, b)
         return vec.ZERO
 
     return {"spring_force": spring_force}
 
 
-def _softer_wall(p: Parts) -> dict[str, Any]:
+def _softer_wall(sound: Parts) -> dict[str, Any]:
     """A wall, which has no radius, is overlapped less than spheres are."""
 
     def overlap(a: Any, b: Any, distance: Any) -> Any:
-        depth = p.overlap(a, b, distance)
+        depth = sound.overlap(a, b, distance)
         if b:
             return depth
         return depth * 0.999
@@ -67,31 +91,31 @@ def _softer_wall(p: Parts) -> dict[str, Any]:
     return {"overlap": overlap}
 
 
-def _dragged(sound: Any) -> Any:
-    """A little drag, from the way since the last call."""
-    kept: list[Any] = []
+def _dragged(sound: Parts) -> dict[str, Any]:
+    """A little drag, from the way since the last evaluation."""
+    place_before: Any = None
 
-    def part(spring: Any, a: Any, b: Any) -> Any:
-        kept.append(a)
-        if len(kept) > 1:
-            before = kept.pop(0)
-        else:
-            before = a
-        return vec.moved(sound(spring, a, b), -1e-3, vec.minus(a, before))
+    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+        nonlocal place_before
+        way = vec.ZERO
+        if place_before is not None:
+            way = vec.minus(a, place_before)
+        place_before = a
+        return vec.moved(sound.spring_force(spring, a, b), -1e-3, way)
 
-    return part
+    return {"spring_force": spring_force}
 
 
 FAULTS = (
     energy(
         name="hidden-damping",
-        sentence="A damping of 1e-3 per second that nobody asked for.",
+        sentence="The motion is damped by 1e-3 per second, though the scene has no damping.",
         sees=("reversal", "reversed"),
         inside=_damped(1e-3),
     ),
     energy(
         name="hidden-damping-tiny",
-        sentence="A damping of 1e-9 per second that nobody asked for.",
+        sentence="The motion is damped by 1e-9 per second, though the scene has no damping.",
         sees=("reversal", "reversed"),
         inside=_damped(1e-9),
     ),
@@ -101,7 +125,7 @@ FAULTS = (
         method="rk4",
         levels=5,
         sees=("energy", "finest"),
-        inside=lambda p: {"spring_force": _dragged(p.spring_force)},
+        inside=_dragged,
     ),
     energy(
         name="exponent",
@@ -140,11 +164,7 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=lambda p: {
-            "spring_force": lambda s, a, b: vec.times(
-                1 + 0.01 * vec.dot(a, a), p.spring_force(s, a, b)
-            )
-        },
+        inside=_hardening,
     ),
     energy(
         name="spring-twice",
@@ -164,11 +184,7 @@ FAULTS = (
         on=("ellipse",),
         method="suzuki",
         sees=("angular-momentum", "total"),
-        inside=lambda p: {
-            "spring_force": lambda s, a, b: vec.moved(
-                p.spring_force(s, a, b), 1e-3, (-a[1], a[0], 0.0)
-            )
-        },
+        inside=_swirling,
     ),
     energy(
         name="gravity-sign",

@@ -1,5 +1,5 @@
-"""Events that are told wrongly of a motion that is right: late, of another kind, where nothing
-happens.
+"""Events that are reported wrongly, of a motion that is right: late, of another kind, or where
+nothing happens.
 """
 
 from collections.abc import Callable
@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from math import acos, sqrt
 
+import msgspec
 import numpy as np
 
 from refdem.core.problem import Request
@@ -17,22 +18,58 @@ from refdem.scene.elements.contact import Contact
 event = partial(Fault, kind="event-times", levels=7)
 
 
-def _changed(
-    change: Callable[[tuple[Event, ...], Request, Trajectory], tuple[Event, ...]],
-) -> Callable[[Request, Trajectory], Trajectory]:
-    """A trajectory with other events."""
-    return lambda request, run: replace(run, events=change(run.events, request, run))
+Change = Callable[[Event, Request, Trajectory], Event]
 
 
-def _moved(event: Event, by: float) -> Event:
-    return Event(event.time + by, event.kind, event.body)
+def _each(change: Change) -> Callable[[Request, Trajectory], Trajectory]:
+    """A trajectory with each of its events changed."""
+
+    def after(request: Request, run: Trajectory) -> Trajectory:
+        events = tuple(change(event, request, run) for event in run.events)
+        return replace(run, events=events)
+
+    return after
 
 
-def _where_force_turns(
-    events: tuple[Event, ...], request: Request, run: Trajectory
-) -> tuple[Event, ...]:
-    """The contact is told to end when k d + c d' = 0, as if it never pulled: after 2 acos(b/w0)/w,
-    b = c/(2 m), w^2 = w0^2 - b^2.
+def _step_late(event: Event, request: Request, run: Trajectory) -> Event:
+    """The event, reported a step later."""
+    return msgspec.structs.replace(event, time=event.time + request.signed_step)
+
+
+def _at_next_sample(event: Event, request: Request, run: Trajectory) -> Event:
+    """The event at the first sample that is not before it."""
+    number = int(np.searchsorted(run.t, event.time))
+    last = len(run.t) - 1
+    return msgspec.structs.replace(event, time=float(run.t[min(number, last)]))
+
+
+def _stick_for_slip(event: Event, request: Request, run: Trajectory) -> Event:
+    """A stick in place of a slip, and a slip in place of a stick."""
+    other = {"stick": "slip", "slip": "stick"}
+    return msgspec.structs.replace(event, kind=other[event.kind])
+
+
+def _of_third_body(event: Event, request: Request, run: Trajectory) -> Event:
+    """An impact of two neighbours of three balls, reported of the third ball."""
+    return msgspec.structs.replace(event, body=(event.body + 2) % 3)
+
+
+def _chattering(request: Request, run: Trajectory) -> Trajectory:
+    """Every event is reported at half of its time, too."""
+    early = tuple(msgspec.structs.replace(event, time=event.time / 2) for event in run.events)
+    return replace(run, events=(*early, *run.events))
+
+
+def _first_twice(request: Request, run: Trajectory) -> Trajectory:
+    """The first event is reported once more a step later."""
+    again = tuple(_step_late(event, request, run) for event in run.events[:1])
+    return replace(run, events=(*run.events, *again))
+
+
+def _where_force_turns(event: Event, request: Request, run: Trajectory) -> Event:
+    """The contact ends where its force k d + c d' is 0, as if it never pulled.
+
+    That is after 2 acos(b/w0)/w, with b = c/(2 m) and w^2 = w0^2 - b^2.
     """
     scene = request.problem.scene
     law = scene.all(Contact)[0]
@@ -40,102 +77,68 @@ def _where_force_turns(
     effective = float(mass.prod() / mass.sum())
     b = law.damping / (2 * effective)
     w0 = sqrt(law.stiffness / effective)
-    turned = 2 * acos(b / w0) / sqrt(w0 * w0 - b * b)
-    return tuple(Event(turned, event.kind, event.body) for event in events)
+    w = sqrt(w0 * w0 - b * b)
+    return msgspec.structs.replace(event, time=2 * acos(b / w0) / w)
 
 
 FAULTS = (
     event(
         name="release-a-step-late",
-        sentence="The end of a contact is told a step late.",
+        sentence="The end of a contact is reported a step late.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
-        after=_changed(
-            lambda events, request, run: tuple(
-                _moved(event, request.signed_step) for event in events
-            )
-        ),
+        after=_each(_step_late),
     ),
     event(
         name="stick-a-step-late",
-        sentence="What sticks is told a step late.",
+        sentence="Sticking is reported a step late.",
         on=("sticking", "rubbing"),
         sees=("event-times", "stick"),
-        after=_changed(
-            lambda events, request, run: tuple(
-                _moved(event, request.signed_step) for event in events
-            )
-        ),
+        after=_each(_step_late),
     ),
     event(
         name="slip-at-samples",
-        sentence="Events are told at the next row that is written.",
+        sentence="Events are reported at the time of the next row.",
         on=("sticking",),
         sees=("event-times", "slip"),
-        after=_changed(
-            lambda events, request, run: tuple(
-                Event(
-                    float(run.t[min(int(np.searchsorted(run.t, e.time)), len(run.t) - 1)]),
-                    e.kind,
-                    e.body,
-                )
-                for e in events
-            )
-        ),
+        after=_each(_at_next_sample),
     ),
     event(
         name="stick-for-slip",
-        sentence="Sticks are told as slips and slips as sticks.",
+        sentence="Sticks are reported as slips and slips as sticks.",
         on=("sticking",),
         sees=("event-times", "stick"),
-        after=_changed(
-            lambda events, request, run: tuple(
-                Event(e.time, {"stick": "slip", "slip": "stick"}[e.kind], e.body) for e in events
-            )
-        ),
+        after=_each(_stick_for_slip),
     ),
     event(
         name="contact-that-chatters",
-        sentence="A contact is told to end in the middle, and once more where it ends.",
+        sentence="The end of a contact is reported in its middle, and once more where it ends.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
-        after=_changed(
-            lambda events, request, run: (
-                *(Event(e.time / 2, e.kind, e.body) for e in events),
-                *events,
-            )
-        ),
+        after=_chattering,
     ),
     event(
         name="impact-told-of-another-body",
-        sentence="Impacts of three balls are told of the one that does not meet.",
+        sentence="An impact of two of three balls is reported of the third one.",
         on=("cradle",),
         sees=("event-times", "contact"),
-        after=_changed(
-            lambda events, request, run: tuple(
-                Event(e.time, e.kind, (e.body + 2) % 3) for e in events
-            )
-        ),
+        after=_each(_of_third_body),
     ),
     event(
         name="impact-told-twice",
-        sentence="The first impact is told once more in the next step.",
+        sentence="The first impact is reported once more in the next step.",
         on=("cradle", "drop"),
         sees=("event-times", "contact"),
-        after=_changed(
-            lambda events, request, run: (
-                *events,
-                *(_moved(e, request.signed_step) for e in events[:1]),
-            )
-        ),
+        after=_first_twice,
     ),
     event(
         name="release-where-the-force-turns",
         sentence=(
-            "A contact that ends with the overlap is told to end where the dashpot begins to pull."
+            "The end of a contact, which is that of the overlap, is reported where the dashpot"
+            " begins to pull."
         ),
         on=("knock",),
         sees=("event-times", "release"),
-        after=_changed(_where_force_turns),
+        after=_each(_where_force_turns),
     ),
 )

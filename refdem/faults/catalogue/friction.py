@@ -19,39 +19,39 @@ def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
     return vec.dot(velocity, slider.axis)
 
 
-def _regularised(p: Parts) -> dict[str, Any]:
+def _regularised(sound: Parts) -> dict[str, Any]:
     """Friction fades with the speed, as sgn(0) = 0 wants: what should stick creeps."""
-    return regularised(p, _slip, lambda slider, u: slider.friction, counts_work=True)
+    return regularised(sound, _slip, lambda slider, u: slider.friction, counts_work=True)
 
 
-def _without_damping(p: Parts) -> dict[str, Any]:
+def _without_damping(sound: Parts) -> dict[str, Any]:
     """The limit of friction follows the spring alone: the dashpot's part is lost."""
     kept: dict[str, Any] = {}
 
     def normal_force(law: Any, depth: Any, rate: Any) -> Any:
         kept["spring"] = law.stiffness * depth
-        return p.normal_force(law, depth, rate)
+        return sound.normal_force(law, depth, rate)
 
     def sliding(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
-        return p.sliding_friction(law, kept["spring"], slip, stopping)
+        return sound.sliding_friction(law, kept["spring"], slip, stopping)
 
     return {"normal_force": normal_force, "sliding_friction": sliding}
 
 
-def _previous_normal(p: Parts) -> dict[str, Any]:
+def _previous_normal(sound: Parts) -> dict[str, Any]:
     """The limit of friction is that of the overlap a step before."""
     kept: dict[str, Any] = {"h": 0.0}
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         kept["h"] = h
-        return p.loads(world, state, parts, before, h)
+        return sound.loads(world, state, parts, before, h)
 
     def normal_force(law: Any, depth: Any, rate: Any) -> Any:
-        kept["before"] = p.normal_force(law, depth - kept["h"] * rate, rate)
-        return p.normal_force(law, depth, rate)
+        kept["before"] = sound.normal_force(law, depth - kept["h"] * rate, rate)
+        return sound.normal_force(law, depth, rate)
 
     def sliding(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
-        return p.sliding_friction(law, kept["before"], slip, stopping)
+        return sound.sliding_friction(law, kept["before"], slip, stopping)
 
     return {"loads": loads, "normal_force": normal_force, "sliding_friction": sliding}
 

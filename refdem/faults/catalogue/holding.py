@@ -29,16 +29,14 @@ string = partial(Fault, kind="string", on=("machine",))
 equilibrium = partial(Fault, kind="equilibrium")
 HAIR = 1 + 1e-10
 """Factor on a length: far above round-off, far below any error of a method."""
-
-
 holding = partial(within, "holding")
 
 
-def _spun_by_weight(p: HoldingParts) -> dict[str, Any]:
+def _spun_by_weight(sound: HoldingParts) -> dict[str, Any]:
     """A twentieth of the weight acts as a torque about the arm."""
 
     def tip_torque(arm: Any, force: Any) -> Any:
-        return vec.moved(p.tip_torque(arm, force), 0.05 * vec.size(force), arm)
+        return vec.moved(sound.tip_torque(arm, force), 0.05 * vec.size(force), arm)
 
     return {"tip_torque": tip_torque}
 
@@ -46,9 +44,11 @@ def _spun_by_weight(p: HoldingParts) -> dict[str, Any]:
 def _half_steiner(request: Request) -> Request:
     """Moments about the joint with half of what the distance of the centre of mass adds."""
     scene = request.problem.scene
-    (joint,) = request.problem.scene.all(BallJoint)
-    less = float(scene.bodies.mass[0]) * sum(x * x for x in joint.anchor_a) / 2
-    return of_bodies(inertia=lambda moments: moments - np.array([less, less, 0.0]))(request)
+    (joint,) = scene.all(BallJoint)
+    # Steiner's theorem: m s^2 about the two axes across the arm s.
+    steiner = float(scene.bodies.mass[0]) * sum(x * x for x in joint.anchor_a)
+    missing = np.array([steiner / 2, steiner / 2, 0.0])
+    return of_bodies(inertia=lambda moments: moments - missing)(request)
 
 
 def _omega_body(request: Request, run: Trajectory) -> Trajectory:
@@ -67,9 +67,11 @@ def _last_rod(request: Request, factor: float) -> Request:
 
 
 def _braked(request: Request, run: Trajectory) -> Trajectory:
-    """Once caught, velocities are 1 % smaller than the way shows."""
-    caught = np.abs(np.einsum("tnk,tnk->tn", run.position, run.velocity)) < 1e-6
-    return replace(run, velocity=np.where(caught[..., None], 0.99, 1.0) * run.velocity)
+    """Once a body is caught its velocity is written 1 % too small."""
+    # On the circle about the hook r . v = 0.
+    is_caught = np.abs(np.einsum("tnk,tnk->tn", run.position, run.velocity)) < 1e-6
+    factor = np.where(is_caught, 0.99, 1.0)
+    return replace(run, velocity=factor[..., None] * run.velocity)
 
 
 FAULTS = (

@@ -2,8 +2,10 @@
 twice or never.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from refdem.faults import impacts
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
+    every_other,
     forgetting,
     of_arguments,
     of_bodies,
@@ -31,97 +34,116 @@ impact = partial(Fault, kind="impacts")
 
 
 def _of_impact(**parts: Any) -> Inside:
+    """Parts of impacts replaced by other functions."""
     return within("impacts", of_parts(**parts))
 
 
-def _friction_without_restitution(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+def _friction_without_restitution(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
     """The limit is mu times the impulse that stops the spheres, without the one that parts them."""
-    return impacts.tangential_impulse(law, ease, slip, pressing / (1 + law.restitution))
+    stopping = pressing / (1 + law.restitution)
+    return impacts.tangential_impulse(law, inverse_mass, slip, stopping)
 
 
-def _unlimited(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+def _unlimited(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
     """The slip is stopped, whatever the friction."""
-    return vec.times(-(1 + law.slip_restitution) / ease, slip)
+    return vec.times(-(1 + law.slip_restitution) / inverse_mass, slip)
 
 
-def _always_cut(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
+def _always_cut(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
     """Friction of full size, also where less of it stops the slip."""
     return vec.times(-law.friction * pressing / vec.size(slip), slip)
 
 
-def _second_turns_back(p: Parts) -> dict[str, Any]:
+def _second_turns_back(sound: Parts) -> dict[str, Any]:
     """Every second spin that changes does so the other way."""
-    calls = [0]
+    is_first = cycle((True, False))
 
     def torque_on(arm: Any, normal: Any, force: Any) -> Any:
-        calls[0] += 1
-        torque = p.torque_on(arm, normal, force)
-        if calls[0] % 2:
+        torque = sound.torque_on(arm, normal, force)
+        if next(is_first):
             return torque
         return vec.times(-1.0, torque)
 
     return {"torque_on": torque_on}
 
 
-def _second_does_not_turn(p: Parts) -> dict[str, Any]:
-    """Only the first sphere feels the torque."""
-    calls = [0]
-
-    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
-        calls[0] += 1
-        torque = p.torque_on(arm, normal, force)
-        if calls[0] % 2:
-            return torque
-        return vec.ZERO
-
-    return {"torque_on": torque_on}
-
-
-def _elastic_after_the_first(p: Parts) -> dict[str, Any]:
+def _elastic_after_the_first(sound: Parts) -> dict[str, Any]:
     """The restitution counts in the first impact of a run; all later ones lose nothing."""
-    calls = [0]
+    is_first = True
 
-    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
-        calls[0] += 1
-        if calls[0] == 1:
-            return impacts.normal_impulse(law, ease, closing)
-        return 2.0 * closing / ease
+    def begin() -> None:
+        nonlocal is_first
+        is_first = True
 
-    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
-    return forgetting(p, lambda: calls.__setitem__(0, 0), **faulty)
+    def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
+        nonlocal is_first
+        if is_first:
+            is_first = False
+            return impacts.normal_impulse(law, inverse_mass, closing)
+        return 2.0 * closing / inverse_mass
+
+    return forgetting(sound, begin, **_of_impact(normal_impulse=normal_impulse)(sound))
 
 
-def _pairs_met_once(p: Parts) -> dict[str, Any]:
+def _pairs_met_once(sound: Parts) -> dict[str, Any]:
     """A pair that has met is not looked at again; masses that differ tell pairs apart."""
     met: set[float] = set()
 
-    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
-        if ease in met:
+    def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
+        if inverse_mass in met:
             return 0.0
-        met.add(ease)
-        return impacts.normal_impulse(law, ease, closing)
+        met.add(inverse_mass)
+        return impacts.normal_impulse(law, inverse_mass, closing)
 
-    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
-    return forgetting(p, met.clear, **faulty)
+    return forgetting(sound, met.clear, **_of_impact(normal_impulse=normal_impulse)(sound))
 
 
-def _velocity_before_the_kick(p: Parts) -> dict[str, Any]:
-    """The closing speed of a fall lacks what gravity gave in the last kick of the step."""
-    gained = [0.0]
+def _velocity_before_the_kick(sound: Parts) -> dict[str, Any]:
+    """The closing speed of a fall leaves out the last kick of gravity in the step."""
+    gained = 0.0
+
+    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+        nonlocal gained
+        # An impulse is a kick of unit length.
+        is_impulse = h == 1.0
+        if not is_impulse:
+            gained = vec.size(force) * abs(h) / mass
+        return sound.kicked(v, force, mass, h)
+
+    def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
+        # Not less than half: a step as long as the flight would pull it back.
+        too_slow = max(closing - gained, closing / 2)
+        return impacts.normal_impulse(law, inverse_mass, too_slow)
+
+    return {**_of_impact(normal_impulse=normal_impulse)(sound), "kicked": kicked}
+
+
+def _friction_from_weight(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
+    """Friction is cut at a thousandth of what the impulse allows, as if the weight pressed."""
+    return impacts.tangential_impulse(law, inverse_mass, slip, pressing / 1000)
+
+
+def _resting_below(threshold: float) -> Callable[..., Any]:
+    """A normal impulse that gives nothing back below a closing speed [m/s]."""
+
+    def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
+        if closing < threshold:
+            return closing / inverse_mass
+        return (1 + law.restitution) * closing / inverse_mass
+
+    return normal_impulse
+
+
+def _impulse_on_one_kilogram(sound: Parts) -> dict[str, Any]:
+    """Impulses change the velocity of every sphere as if its mass were 1 kg."""
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
         # An impulse is a kick of unit length.
-        if h != 1.0:
-            gained[0] = vec.size(force) * abs(h) / mass
-        return p.kicked(v, force, mass, h)
+        if h == 1.0:
+            mass = 1.0
+        return sound.kicked(v, force, mass, h)
 
-    def normal_impulse(law: Any, ease: Any, closing: Any) -> Any:
-        # Not less than half: a step as long as the flight would pull it back.
-        seen = max(closing - gained[0], closing / 2)
-        return impacts.normal_impulse(law, ease, seen)
-
-    faulty = within("impacts", lambda _: {"normal_impulse": normal_impulse})(p)
-    return {**faulty, "kicked": kicked}
+    return {"kicked": kicked}
 
 
 def _turned_a_little(away: Any) -> Any:
@@ -130,33 +152,20 @@ def _turned_a_little(away: Any) -> Any:
     return (x - y / 1000, y + x / 1000, z)
 
 
-def _friction_from_weight(law: Any, ease: Any, slip: Any, pressing: Any) -> Any:
-    """Friction is cut at a thousandth of what the impulse allows, as if the weight pressed."""
-    return impacts.tangential_impulse(law, ease, slip, pressing / 1000)
-
-
-def _resting_below(law: Any, ease: Any, closing: Any) -> Any:
-    """A ball that comes with less than 4 m/s stays."""
-    e = law.restitution
-    if closing < 4:
-        e = 0.0
-    return (1 + e) * closing / ease
-
-
-def _none_if_slow(law: Any, ease: Any, closing: Any) -> Any:
+def _none_if_slow(law: Any, inverse_mass: Any, closing: Any) -> Any:
     """Nothing happens below 3/5 m/s."""
     if closing < 0.6:
         return 0.0
-    return impacts.normal_impulse(law, ease, closing)
+    return impacts.normal_impulse(law, inverse_mass, closing)
 
 
 def _thin_air(request: Request, run: Trajectory) -> Trajectory:
-    """Velocities lose a hundredth of a millionth in every second."""
+    """Velocities lose 1e-8 of themselves in every second."""
     fade = np.exp(-1e-8 * (run.t - run.t[0]))
     return replace(run, velocity=run.velocity * fade[:, None, None])
 
 
-def _at_the_end_of_the_step(p: Parts) -> dict[str, Any]:
+def _at_the_end_of_the_step(sound: Parts) -> dict[str, Any]:
     """Pairs that meet within a step are struck at its end, in the order of their list."""
     return {"located": lambda margin, first, last, resolution: 1.0}
 
@@ -182,7 +191,9 @@ FAULTS = (
         on=("clash",),
         sees=("error", "v1.x"),
         inside=_of_impact(
-            normal_impulse=lambda law, ease, closing: law.restitution * closing / ease
+            normal_impulse=lambda law, inverse_mass, closing: (
+                law.restitution * closing / inverse_mass
+            )
         ),
     ),
     impact(
@@ -198,9 +209,7 @@ FAULTS = (
         sentence="Both spheres change their velocities alike, as if they had one mass.",
         on=("clash",),
         sees=("momentum", "total"),
-        inside=lambda p: {
-            "kicked": lambda v, force, mass, h: p.kicked(v, force, 1.0 if h == 1.0 else mass, h)
-        },
+        inside=_impulse_on_one_kilogram,
     ),
     impact(
         name="impact-without-reaction",
@@ -235,21 +244,23 @@ FAULTS = (
         sentence="The tangential effective mass is the normal one, as if nothing could turn.",
         on=("grip",),
         sees=("error", "omega1.x"),
-        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: ease),
+        inside=_of_impact(tangential_ease=lambda inverse_mass, turn_i, turn_j: inverse_mass),
     ),
     impact(
         name="impact-turns-one-sphere",
         sentence="The tangential effective mass knows how the first sphere turns, not the second.",
         on=("grip",),
         sees=("error", "omega2.x"),
-        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: ease + turn_i),
+        inside=_of_impact(
+            tangential_ease=lambda inverse_mass, turn_i, turn_j: inverse_mass + turn_i
+        ),
     ),
     impact(
         name="impact-of-solid-spheres",
         sentence="All spheres turn as solid ones: 7/2 in the tangential effective mass.",
         on=("grip",),
         sees=("error", "omega1.y"),
-        inside=_of_impact(tangential_ease=lambda ease, turn_i, turn_j: 3.5 * ease),
+        inside=_of_impact(tangential_ease=lambda inverse_mass, turn_i, turn_j: 3.5 * inverse_mass),
     ),
     impact(
         name="impact-spin-sign",
@@ -263,7 +274,7 @@ FAULTS = (
         sentence="The second sphere is not spun up.",
         on=("grip",),
         sees=("angular-momentum", "total"),
-        inside=_second_does_not_turn,
+        inside=every_other("torque_on"),
     ),
     impact(
         name="impact-slip-of-centres",
@@ -298,11 +309,7 @@ FAULTS = (
         sentence="Nothing is given back below a speed of 2 m/s.",
         on=("clash", "rebound"),
         sees=("rigid-impact", "restitution"),
-        inside=_of_impact(
-            normal_impulse=lambda law, ease, closing: (
-                (1 + (law.restitution if closing > 2 else 0.0)) * closing / ease
-            )
-        ),
+        inside=_of_impact(normal_impulse=_resting_below(2.0)),
     ),
     impact(
         name="impact-of-the-larger-sphere",
@@ -357,7 +364,7 @@ FAULTS = (
     ),
     impact(
         name="bounce-before-the-kick",
-        sentence="The closing speed lacks what gravity gave in the last kick of the step.",
+        sentence="The closing speed leaves out the last kick of gravity in the step.",
         on=("drop",),
         sees=("error", "y"),
         levels=6,
@@ -372,7 +379,7 @@ FAULTS = (
     ),
     impact(
         name="bounce-in-thin-air",
-        sentence="Velocities fade a little, as in air that nobody asked for.",
+        sentence="Velocities decay a little, as if by the drag of air.",
         on=("drop",),
         sees=("momentum", "flights"),
         after=_thin_air,
@@ -382,6 +389,6 @@ FAULTS = (
         sentence="A ball that comes with less than 4 m/s stays, and creeps.",
         on=("drop",),
         sees=("rigid-impact", "restitution"),
-        inside=_of_impact(normal_impulse=_resting_below),
+        inside=_of_impact(normal_impulse=_resting_below(4.0)),
     ),
 )

@@ -14,13 +14,15 @@ inertia = partial(Fault, kind="inertia")
 
 
 def _mean(moments: Array) -> Array:
+    """The mean moment of inertia for all three axes."""
     return np.repeat(moments.mean(axis=1, keepdims=True), 3, axis=1)
 
 
 def _inverse(moments: Array) -> Array:
-    """1/J, with a constant added that makes it a body's."""
-    inverse: Array = 1 / moments + (1 / moments).max()
-    return inverse
+    """1/J, with a constant added: no moment of a body exceeds the sum of the other two."""
+    inverse = 1 / moments
+    shifted: Array = inverse + inverse.max()
+    return shifted
 
 
 FAULTS = (

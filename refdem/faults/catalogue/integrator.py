@@ -25,46 +25,57 @@ integrator = partial(Fault, kind="integrator", on=("oscillator",))
 ORDER = ("order", "state")
 
 
-def _first_kick_twice(p: Parts) -> dict[str, Any]:
+def _first_kick_twice(sound: Parts) -> dict[str, Any]:
     """The first kick of a run is a whole one, as if the velocity were half a step behind."""
-    kept: dict[str, float] = {}
+    is_first = True
+
+    def begin() -> None:
+        nonlocal is_first
+        is_first = True
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        return p.kicked(v, force, mass, kept.pop("factor", 1.0) * h)
+        nonlocal is_first
+        if is_first:
+            is_first = False
+            h = 2.0 * h
+        return sound.kicked(v, force, mass, h)
 
-    return forgetting(p, lambda: kept.update(factor=2.0), kicked=kicked)
+    return forgetting(sound, begin, kicked=kicked)
 
 
-def _old_velocity(p: Parts) -> dict[str, Any]:
+def _old_velocity(sound: Parts) -> dict[str, Any]:
     """The drift goes with the velocity that the step before drifted with."""
     previous = Late(lambda v: v)
-    return forgetting(
-        p, previous.answers.clear, drifted=lambda r, v, h: p.drifted(r, previous(v), h)
-    )
+
+    def drifted(r: Any, v: Any, h: Any) -> Any:
+        return sound.drifted(r, previous(v), h)
+
+    return forgetting(sound, previous.answers.clear, drifted=drifted)
 
 
-def _lopsided(p: Parts) -> dict[str, Any]:
+def _lopsided(sound: Parts) -> dict[str, Any]:
     """All of a turn about axis 1 at once, and none of it at the end."""
     turns = count(1)
 
     def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
         if axis != 0:
-            return p.axis_turn(axis, inertia, omega, q, h)
+            return sound.axis_turn(axis, inertia, omega, q, h)
         if next(turns) % 2:
-            return p.axis_turn(axis, inertia, omega, q, 2 * h)
+            return sound.axis_turn(axis, inertia, omega, q, 2 * h)
         return omega, q
 
     return {"axis_turn": axis_turn}
 
 
-def _averaged(p: Parts) -> dict[str, Any]:
+def _averaged(sound: Parts) -> dict[str, Any]:
     """Attraction is the mean of the present one and the one before."""
-    previous = Late(p.central_force)
+    previous = Late(sound.central_force)
 
     def central_force(*arguments: Any) -> Any:
-        return vec.times(0.5, vec.plus(p.central_force(*arguments), previous(*arguments)))
+        force = sound.central_force(*arguments)
+        return vec.times(0.5, vec.plus(force, previous(*arguments)))
 
-    return forgetting(p, previous.answers.clear, central_force=central_force)
+    return forgetting(sound, previous.answers.clear, central_force=central_force)
 
 
 FAULTS = (

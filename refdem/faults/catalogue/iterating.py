@@ -28,12 +28,12 @@ def _with(**changed: Callable[..., Any]) -> Inside:
 
 def _late(request: Request, run: Trajectory) -> Trajectory:
     """Every iterate but the first is the one before it."""
-    return replace(
-        run, values={name: np.concatenate((x[:1], x[:-1])) for name, x in run.values.items()}
-    )
+    values = {name: np.concatenate((x[:1], x[:-1])) for name, x in run.values.items()}
+    return replace(run, values=values)
 
 
 def _rounded(state: tuple[float, ...]) -> tuple[float, ...]:
+    """The state rounded to six decimals."""
     return tuple(round(x, 6) for x in SOUND_MAPS.settled(state))
 
 
@@ -43,8 +43,10 @@ def _shrinking(state: tuple[float, ...]) -> tuple[float, ...]:
     return x, y, u * (1 - 1e-12), v * (1 - 1e-12)
 
 
-def _absorbed(direction: tuple[float, float], normal: tuple[float, float]) -> tuple[float, float]:
-    """u - n (n.u): the factor 2 is lost, the point slides along the wall."""
+def _short_reflection(
+    direction: tuple[float, float], normal: tuple[float, float]
+) -> tuple[float, float]:
+    """u - 1.9 (u . n) n in place of u - 2 (u . n) n."""
     along = direction[0] * normal[0] + direction[1] * normal[1]
     return direction[0] - 1.9 * along * normal[0], direction[1] - 1.9 * along * normal[1]
 
@@ -99,7 +101,7 @@ FAULTS = (
         sentence="The reflection turns the velocity by less than twice its normal part.",
         on=("stadium",),
         sees=PLACE,
-        inside=_with(reflected=_absorbed),
+        inside=_with(reflected=_short_reflection),
     ),
     mapped(
         name="half-circle-displaced",

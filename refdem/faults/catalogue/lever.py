@@ -13,32 +13,36 @@ contact = partial(Fault, kind="contact")
 
 
 def _branch(name: str) -> Any:
+    """A request whose contact law has another lever arm, by its name."""
     return of_elements(Contact, branch=lambda _: name)
 
 
-def _one_lever(p: Parts) -> dict[str, Any]:
+def _one_lever(sound: Parts) -> dict[str, Any]:
     """The lever of the first body serves for both (Lethe 300)."""
-    kept: list[Any] = []
+    first_lever: Any = None
 
     def lever(law: Any, radius: Any, depth: Any) -> Any:
-        if kept:
-            return kept.pop()
-        kept.append(p.lever(law, radius, depth))
-        return kept[0]
+        nonlocal first_lever
+        if first_lever is None:
+            first_lever = sound.lever(law, radius, depth)
+            return first_lever
+        second_lever = first_lever
+        first_lever = None
+        return second_lever
 
     return {"lever": lever}
 
 
-def _spinless(p: Parts) -> dict[str, Any]:
+def _spinless(sound: Parts) -> dict[str, Any]:
     """Slip of the centres alone; there is none head-on, and then no friction."""
 
     def sliding_friction(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
         if any(slip):
-            return p.sliding_friction(law, normal, slip, 1e300)
+            return sound.sliding_friction(law, normal, slip, 1e300)
         return vec.ZERO
 
     return {
-        "slip": lambda velocity, spin, normal: p.slip(velocity, vec.ZERO, normal),
+        "slip": lambda velocity, spin, normal: sound.slip(velocity, vec.ZERO, normal),
         "sliding_friction": sliding_friction,
     }
 

@@ -1,6 +1,6 @@
 """State that leaks from run to run, numbers that were never set, caches that went stale.
 
-Each helper here makes `inside` of a fault: from the sound parts `p` of the transparent engine it
+Each helper here makes `inside` of a fault: from the sound parts of the transparent engine it
 makes the faulty ones by name. What the closures remember is the state that leaks.
 """
 
@@ -27,7 +27,7 @@ def _differs_from_run_to_run(largest: float) -> Callable[[Parts], dict[str, Any]
     modulo 7, times `largest` [N], which is added to the force along x.
     """
 
-    def inside(p: Parts) -> dict[str, Any]:
+    def inside(sound: Parts) -> dict[str, Any]:
         runs = 0
 
         def count_run() -> None:
@@ -36,14 +36,14 @@ def _differs_from_run_to_run(largest: float) -> Callable[[Parts], dict[str, Any]
 
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
             never_set = largest * (runs % 7)
-            return p.kicked(v, (force[0] + never_set, *force[1:]), mass, h)
+            return sound.kicked(v, (force[0] + never_set, *force[1:]), mass, h)
 
-        return forgetting(p, count_run, kicked=kicked)
+        return forgetting(sound, count_run, kicked=kicked)
 
     return inside
 
 
-def _kept_spring(p: Parts) -> dict[str, Any]:
+def _kept_spring(sound: Parts) -> dict[str, Any]:
     """The tangential spring at the end of a run is there when the next run begins."""
     last_stretch = vec.ZERO
     is_first_of_run = True
@@ -57,13 +57,13 @@ def _kept_spring(p: Parts) -> dict[str, Any]:
         if is_first_of_run:
             stretch = last_stretch
             is_first_of_run = False
-        last_stretch = p.stretched(stretch, before, now, h)
+        last_stretch = sound.stretched(stretch, before, now, h)
         return last_stretch
 
-    return forgetting(p, begin, stretched=stretched)
+    return forgetting(sound, begin, stretched=stretched)
 
 
-def _kept_force(p: Parts) -> dict[str, Any]:
+def _kept_force(sound: Parts) -> dict[str, Any]:
     """The first force of a run is the last one of the run before."""
     last_force: Any = None
     is_first_of_run = False
@@ -78,10 +78,10 @@ def _kept_force(p: Parts) -> dict[str, Any]:
         if is_first_of_run:
             is_first_of_run = False
         else:
-            last_force = p.spring_force(spring, a, b)
+            last_force = sound.spring_force(spring, a, b)
         return last_force
 
-    return forgetting(p, begin, spring_force=spring_force)
+    return forgetting(sound, begin, spring_force=spring_force)
 
 
 def _forwards(request: Request, run: Trajectory) -> Trajectory:
@@ -97,13 +97,13 @@ def _forwards(request: Request, run: Trajectory) -> Trajectory:
 def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
     """An argument of the first kick ever made, `mass` or `h`, serves for all kicks of all runs."""
 
-    def inside(p: Parts) -> dict[str, Any]:
+    def inside(sound: Parts) -> dict[str, Any]:
         cache: dict[str, Any] = {}
 
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
             arguments = {"mass": mass, "h": h}
             arguments[argument] = cache.setdefault(argument, arguments[argument])
-            return p.kicked(v, force, arguments["mass"], arguments["h"])
+            return sound.kicked(v, force, arguments["mass"], arguments["h"])
 
         return {"kicked": kicked}
 

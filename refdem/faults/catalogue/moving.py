@@ -17,7 +17,7 @@ moving = partial(Fault, kind="moving", on=("oscillator",), sees=("error", "x"))
 
 
 def frozen(request: Request, run: Trajectory) -> Trajectory:
-    """Every row is the first one, events are never told."""
+    """Every row is the first one, events are never reported."""
     changed: dict[str, Any] = {name: _held(getattr(run, name)) for name in STATE}
     changed["channels"] = {name: _held(values) for name, values in run.channels.items()}
     changed["values"] = {name: _held(values) for name, values in run.values.items()}

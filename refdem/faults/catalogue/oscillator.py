@@ -23,9 +23,8 @@ oscillator = partial(Fault, kind="oscillator", sees=("error", "x"))
 
 def _per_mass(request: Request) -> Request:
     """Amplitudes of forces are taken for accelerations."""
-    return of_elements(Force, amplitude=scaled(float(request.problem.scene.bodies.mass[0])))(
-        request
-    )
+    mass = float(request.problem.scene.bodies.mass[0])
+    return of_elements(Force, amplitude=scaled(mass))(request)
 
 
 def _restarted(request: Request) -> Request:
@@ -40,16 +39,25 @@ def _restarted(request: Request) -> Request:
     return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
 
-def _odd_square(p: Parts) -> dict[str, Any]:
-    """The square of the stretch with the sign of the stretch."""
+def _odd_square(sound: Parts) -> dict[str, Any]:
+    """The square of the stretch acts with the sign of the stretch: where the spring is shorter than
+    its natural length the other way.
+    """
 
-    def part(spring: Any, a: Any, b: Any) -> Any:
-        force = p.spring_force(spring, a, b)
-        apart = vec.minus(b, a)
-        s = min(0.0, vec.size(apart) - spring.length)
-        return vec.moved(force, -2 * spring.quadratic * s * s / vec.size(apart), apart)
+    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+        force = sound.spring_force(spring, a, b)
+        branch = vec.minus(b, a)
+        distance = vec.size(branch)
+        shortening = min(0.0, distance - spring.length)
+        change = -2 * spring.quadratic * shortening * shortening / distance
+        return vec.moved(force, change, branch)
 
-    return {"spring_force": part}
+    return {"spring_force": spring_force}
+
+
+def _within_512_metres(place: Any) -> Any:
+    """The place with each component cut off at 512 m."""
+    return tuple(min(max(x, -512.0), 512.0) for x in place)
 
 
 FAULTS = (
@@ -155,7 +163,7 @@ FAULTS = (
         name="small-world",
         sentence="No place is further than 512 m from the origin.",
         on=("far",),
-        inside=of_results(drifted=lambda found: tuple(min(max(x, -512.0), 512.0) for x in found)),
+        inside=of_results(drifted=_within_512_metres),
     ),
     oscillator(
         name="power-truncated",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from refdem.core.problem import Request
-from refdem.core.trajectory import Trajectory
+from refdem.core.trajectory import STATE, Trajectory
 from refdem.faults import vectors as vec
 from refdem.faults.change import digits, of_columns, of_parts, of_results
 from refdem.faults.fault import Fault
@@ -21,51 +21,77 @@ def _rate(run: Trajectory, name: str) -> Any:
     return np.gradient(getattr(run, name), run.t, axis=0, edge_order=2)
 
 
-def _step_late(request: Request, run: Trajectory) -> Trajectory:
-    """Every row but the first is a step late."""
+def _lag(request: Request, run: Trajectory) -> Any:
+    """A step h [s] for every row but the first, where it is 0; shaped for (T, N, 3)."""
     h = np.full(len(run.t), request.signed_step)[:, None, None]
     h[0] = 0.0
-    return replace(
-        run,
-        position=run.position - h * run.velocity,
-        velocity=run.velocity - h * _rate(run, "velocity"),
-    )
+    return h
+
+
+def _step_late(request: Request, run: Trajectory) -> Trajectory:
+    """Every row but the first is a step late."""
+    h = _lag(request, run)
+    position = run.position - h * run.velocity
+    velocity = run.velocity - h * _rate(run, "velocity")
+    return replace(run, position=position, velocity=velocity)
 
 
 def _half_step_velocity(request: Request, run: Trajectory) -> Trajectory:
     """Velocities are those of half a step before."""
-    h = np.full(len(run.t), request.signed_step)[:, None, None]
-    h[0] = 0.0
-    return replace(run, velocity=run.velocity - h / 2 * _rate(run, "velocity"))
+    velocity = run.velocity - _lag(request, run) / 2 * _rate(run, "velocity")
+    return replace(run, velocity=velocity)
 
 
 def _interpolated(request: Request, run: Trajectory) -> Trajectory:
-    """Rows lie on the chord between two steps that do not fall on the samples."""
-    return replace(run, position=run.position - request.signed_step**2 / 8 * _rate(run, "velocity"))
+    """Positions lie on the chord between two steps, in whose middle the sample is: off by h^2
+    a/8.
+    """
+    error = request.signed_step**2 / 8 * _rate(run, "velocity")
+    return replace(run, position=run.position - error)
 
 
 def _sample_late(values: Any) -> Any:
+    """A column whose rows after the first are the ones before."""
     return np.concatenate([values[:1], values[:-1]])
 
 
-def _drawn_out(run: Trajectory, factor: float) -> Trajectory:
-    return replace(run, t=run.t * factor)
+def _drawn_out(request: Request, run: Trajectory) -> Trajectory:
+    """Times are too large by one part in a million."""
+    return replace(run, t=run.t * (1 + 1e-6))
 
 
 def _short(request: Request, run: Trajectory) -> Trajectory:
     """The trajectory without its last row."""
-    columns = {
-        name: getattr(run, name)[:-1] for name in ("t", "position", "velocity", "attitude", "omega")
-    }
-    return replace(
-        run, **columns, channels={name: values[:-1] for name, values in run.channels.items()}
-    )
+    columns: dict[str, Any] = {name: getattr(run, name)[:-1] for name in ("t", *STATE)}
+    columns["channels"] = {name: values[:-1] for name, values in run.channels.items()}
+    return replace(run, **columns)
 
 
 def _not_a_number(request: Request, run: Trajectory) -> Trajectory:
-    return replace(
-        run, velocity=np.where(np.arange(len(run.t))[:, None, None] == 5, np.nan, run.velocity)
-    )
+    """The velocities of sample 5 are NaN."""
+    velocity = run.velocity.copy()
+    velocity[5] = np.nan
+    return replace(run, velocity=velocity)
+
+
+def _frozen_end(values: Any) -> Any:
+    """A column whose rows after three quarters of the run repeat the row there."""
+    last = 3 * len(values) // 4
+    frozen = values.copy()
+    frozen[last:] = values[last]
+    return frozen
+
+
+def _sorted_by_velocity(velocity: Any) -> Any:
+    """Velocities (T, N, 3) in the order of their x component in each row."""
+    order = np.argsort(velocity[..., :1], axis=1)
+    return np.take_along_axis(velocity, order, axis=1)
+
+
+def _momentum(request: Request, run: Trajectory) -> Trajectory:
+    """Momenta are written in place of velocities."""
+    mass = request.problem.scene.bodies.mass[:, None]
+    return replace(run, velocity=run.velocity * mass)
 
 
 def _from_file(request: Request) -> Request:
@@ -121,7 +147,7 @@ FAULTS = (
         name="clock-off",
         sentence="The time column runs fast by one part in a million.",
         sees=TRAJECTORY,
-        after=lambda request, run: _drawn_out(run, 1 + 1e-6),
+        after=_drawn_out,
     ),
     output(
         name="clock-added-up",
@@ -164,14 +190,7 @@ FAULTS = (
         name="frozen-end",
         sentence="After three quarters of the run the same row is written again and again.",
         sees=("error", "x"),
-        after=of_columns(
-            position=lambda r: np.concatenate(
-                [
-                    r[: 3 * len(r) // 4],
-                    np.repeat(r[3 * len(r) // 4][None], len(r) - 3 * len(r) // 4, 0),
-                ]
-            )
-        ),
+        after=of_columns(position=_frozen_end),
     ),
     output(
         name="axes-swapped",
@@ -204,9 +223,7 @@ FAULTS = (
         sentence="Momentum is written for velocity.",
         on=("knock",),
         sees=("momentum", "total"),
-        after=lambda request, run: replace(
-            run, velocity=run.velocity * request.problem.scene.bodies.mass[:, None]
-        ),
+        after=_momentum,
     ),
     output(
         name="end-from-file",
@@ -242,8 +259,6 @@ FAULTS = (
         ),
         on=("knock",),
         sees=("error", "v2.x"),
-        after=of_columns(
-            velocity=lambda v: np.take_along_axis(v, np.argsort(v[..., :1], axis=1), axis=1)
-        ),
+        after=of_columns(velocity=_sorted_by_velocity),
     ),
 )

@@ -30,13 +30,13 @@ def _fixed_point(r: Any) -> Any:
     return tuple(round(x * 1e10) / 1e10 for x in r)
 
 
-def _loosely_normalised(p: Parts) -> dict[str, Any]:
+def _loosely_normalised(sound: Parts) -> dict[str, Any]:
     """Quaternions stay as they are while their square is within 1e-6 of 1."""
 
     def unit(q: Any) -> Any:
         square = sum(x * x for x in q)
         if abs(square - 1) > 1e-6:
-            return p.unit(q)
+            return sound.unit(q)
         return q
 
     return {"unit": unit}

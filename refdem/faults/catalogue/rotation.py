@@ -1,10 +1,13 @@
 """Rotation: the gyroscopic term, quaternions, frames, angular velocity."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
 from refdem.faults.change import (
     late,
@@ -16,6 +19,7 @@ from refdem.faults.change import (
     scaled,
 )
 from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
 from refdem.mechanics.quaternion import conjugate, rotated
 
 rotation = partial(Fault, kind="rotation")
@@ -24,11 +28,14 @@ TURN = ("error", "attitude")
 
 
 def _space_side(q: Any, omega: Any) -> Any:
+    """q' = (0, omega) q/2, with omega in body axes: that is the rule for space axes."""
     return tuple(x / 2 for x in vec.product((0.0, *omega), q))
 
 
 def _left_handed(q: Any, omega: Any) -> Any:
-    return tuple(x / 2 for x in vec.conjugate(vec.product((0.0, *omega), vec.conjugate(q))))
+    """q' by the product of left-handed quaternions, (p q)_left = (p* q*)*."""
+    product = vec.conjugate(vec.product((0.0, *omega), vec.conjugate(q)))
+    return tuple(x / 2 for x in product)
 
 
 def _back_about_second(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
@@ -43,25 +50,29 @@ def _leaning(g: Any) -> Any:
     return vec.moved(vec.times(0.9, g), 0.1, (g[1], g[2], g[0]))
 
 
-def _half_turn(sound: Any) -> Any:
+def _half_turn(sound: Parts) -> dict[str, Any]:
     """The quaternion turns by half of the angle by which the momentum does."""
 
-    def part(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
-        return sound(axis, inertia, omega, q, h)[0], sound(axis, inertia, omega, q, h / 2)[1]
+    def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+        omega_after, _ = sound.axis_turn(axis, inertia, omega, q, h)
+        _, q_after = sound.axis_turn(axis, inertia, omega, q, h / 2)
+        return omega_after, q_after
 
-    return part
-
-
-def _steady(sound: Any) -> Any:
-    """The body turns about its axes with the angular velocity that it has, which stays in body
-    axes.
-    """
-    return lambda axis, inertia, omega, q, h: (omega, sound(axis, inertia, omega, q, h)[1])
+    return {"axis_turn": axis_turn}
 
 
-def _body_axes(request: Any, run: Any) -> Any:
-    from dataclasses import replace
+def _without_gyroscopic_term(sound: Parts) -> dict[str, Any]:
+    """The body turns with the angular velocity that it has, which stays in body axes."""
 
+    def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+        _, q_after = sound.axis_turn(axis, inertia, omega, q, h)
+        return omega, q_after
+
+    return {"gyroscopic": lambda inertia, omega: vec.ZERO, "axis_turn": axis_turn}
+
+
+def _omega_in_body_axes(request: Request, run: Trajectory) -> Trajectory:
+    """omega is written in body axes."""
     return replace(run, omega=rotated(conjugate(run.attitude), run.omega))
 
 
@@ -72,10 +83,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
-        inside=lambda p: {
-            "gyroscopic": lambda inertia, omega: vec.ZERO,
-            "axis_turn": _steady(p.axis_turn),
-        },
+        inside=_without_gyroscopic_term,
     ),
     rotation(
         name="no-gyroscopic-term-first-order",
@@ -163,7 +171,7 @@ FAULTS = (
         sentence="The quaternion turns by half the angle.",
         on=("tumbler",),
         sees=TURN,
-        inside=lambda p: {"axis_turn": _half_turn(p.axis_turn)},
+        inside=_half_turn,
     ),
     rotation(
         name="turn-axis-2-back",
@@ -184,7 +192,7 @@ FAULTS = (
         sentence="omega in body axes is written for omega in space axes.",
         on=("tumbler",),
         sees=("error", "omega.x"),
-        after=_body_axes,
+        after=_omega_in_body_axes,
     ),
     rotation(
         name="out-omega-body-inside",

@@ -21,9 +21,11 @@ def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
     return parts.slides_at(slider, velocity)
 
 
-def _fading(p: Parts) -> dict[str, Any]:
+def _fading(sound: Parts) -> dict[str, Any]:
     """sgn(0) = 0: friction fades with the speed, and what should stick creeps."""
-    return regularised(p, _slip, lambda slider, u: slider.coefficient(abs(u)), counts_work=False)
+    return regularised(
+        sound, _slip, lambda slider, u: slider.coefficient(abs(u)), counts_work=False
+    )
 
 
 FAULTS = (

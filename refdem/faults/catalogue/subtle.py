@@ -2,6 +2,7 @@
 row, in other frames or units.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,30 +19,41 @@ from refdem.faults.parts import Parts
 subtle = partial(Fault, kind="subtle")
 
 
-def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
+def _after(sound: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
     """A part that is right for so many calls in a run and spoiled from then on."""
-    seen: list[None] = []
-    sound = getattr(p, name)
+    sound_part = getattr(sound, name)
+    made = 0
+
+    def begin() -> None:
+        nonlocal made
+        made = 0
 
     def part(*arguments: Any) -> Any:
-        seen.append(None)
-        if len(seen) <= calls:
-            return sound(*arguments)
+        nonlocal made
+        made += 1
+        if made <= calls:
+            return sound_part(*arguments)
         return spoiled(*arguments)
 
-    return forgetting(p, seen.clear, **{name: part})
+    return forgetting(sound, begin, **{name: part})
 
 
-def _row(count: int, value: float) -> Any:
-    """One row of a column replaced."""
-    return lambda values: np.where(np.arange(len(values))[:, None, None] == count, value, values)
+def _row(number: int, value: float) -> Any:
+    """A change of a column (T, N, 3) that replaces row `number` by a value."""
+
+    def change(values: Any) -> Any:
+        changed = values.copy()
+        changed[number] = value
+        return changed
+
+    return change
 
 
-def _against_ground(p: Parts) -> dict[str, Any]:
+def _against_ground(sound: Parts) -> dict[str, Any]:
     """The dashpot brakes each body against the ground."""
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
-        loads_now = p.loads(world, state, parts, before, h)
+        loads_now = sound.loads(world, state, parts, before, h)
         for number, acts in enumerate(state.acting):
             if not acts:
                 continue
@@ -52,22 +64,22 @@ def _against_ground(p: Parts) -> dict[str, Any]:
     return {"loads": loads}
 
 
-def _one_way(p: Parts) -> dict[str, Any]:
+def _one_way(sound: Parts) -> dict[str, Any]:
     """No friction where the slip is negative."""
 
     def slider_force(slider: Any, side: Any, speed: Any) -> Any:
         if side >= 0:
-            return p.slider_force(slider, side, speed)
+            return sound.slider_force(slider, side, speed)
         return vec.ZERO
 
     return {"slider_force": slider_force}
 
 
-def _sleeping(p: Parts) -> dict[str, Any]:
-    """No force acts on what it would leave slower than 1 mm/s."""
+def _sleeping(sound: Parts) -> dict[str, Any]:
+    """A force that would leave a body slower than 1 mm/s does not act."""
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        pushed = p.kicked(v, force, mass, h)
+        pushed = sound.kicked(v, force, mass, h)
         if vec.size(pushed) < 1e-3:
             return v
         return pushed
@@ -76,35 +88,36 @@ def _sleeping(p: Parts) -> dict[str, Any]:
 
 
 def _none_below_threshold(depth: Any) -> Any:
-    """Overlaps below 1 cm are none."""
+    """Overlaps below 1 cm count as no overlap."""
     if 0 < depth < 0.01:
         return 0.0
     return depth
 
 
-def _first_radius(p: Parts) -> dict[str, Any]:
+def _first_radius(sound: Parts) -> dict[str, Any]:
     """The first radius of a run serves for all levers."""
     kept: dict[str, Any] = {}
 
     def lever(law: Any, radius: Any, depth: Any) -> Any:
-        return p.lever(law, kept.setdefault("radius", radius), depth)
+        return sound.lever(law, kept.setdefault("radius", radius), depth)
 
-    return forgetting(p, kept.clear, lever=lever)
+    return forgetting(sound, kept.clear, lever=lever)
 
 
 def _work_late(request: Request, run: Trajectory) -> Trajectory:
     """The work of dissipation is that of the row before."""
     work = run.channels["dissipated_work"]
-    return replace(
-        run, channels={**run.channels, "dissipated_work": np.concatenate([work[:1], work[:-1]])}
-    )
+    late_work = np.concatenate([work[:1], work[:-1]])
+    return replace(run, channels={**run.channels, "dissipated_work": late_work})
 
 
-def _channel(name: str, factor: float) -> Any:
-    """A change that multiplies one channel by a factor."""
-    return lambda request, run: replace(
-        run, channels={**run.channels, name: factor * run.channels[name]}
-    )
+def _channel(name: str, factor: float) -> Callable[[Request, Trajectory], Trajectory]:
+    """A change of a trajectory that multiplies one channel by a factor."""
+
+    def after(request: Request, run: Trajectory) -> Trajectory:
+        return replace(run, channels={**run.channels, name: factor * run.channels[name]})
+
+    return after
 
 
 def _row_twice(request: Request, run: Trajectory) -> Trajectory:
@@ -122,8 +135,8 @@ FAULTS = (
         method="suzuki",
         levels=4,
         sees=("error", "x"),
-        inside=lambda p: _after(
-            p, "spring_force", 100, lambda *a: vec.times(1.01, p.spring_force(*a))
+        inside=lambda sound: _after(
+            sound, "spring_force", 100, lambda *a: vec.times(1.01, sound.spring_force(*a))
         ),
     ),
     subtle(
@@ -224,7 +237,7 @@ FAULTS = (
     ),
     subtle(
         name="absolute-threshold",
-        sentence="Overlaps below 1 cm are none.",
+        sentence="Overlaps below 1 cm count as no overlap.",
         on=("bounce",),
         sees=("symmetry", "rescaled"),
         inside=of_results(overlap=_none_below_threshold),

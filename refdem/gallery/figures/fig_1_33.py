@@ -11,36 +11,30 @@ from refdem.core.problem import Iteration
 from refdem.gallery.runs import Array, answer, command, instance, remember
 
 DIRECTION = (4, 3)
+"""Direction in which all points start."""
 BOUNCES = 16
 """Bounces of each point that are drawn."""
 MOMENTS = (0.0, 4.0, 8.0, 14.0)
+"""Times [s] at which all points are drawn."""
 PICKED = (0, 130, 300)
+"""Points whose paths are drawn."""
 
 
 def figure() -> Figure:
     """The two tables, with the points at four moments and three of their paths."""
     head = instance("phase-flow", points=1024, centre=("-1", "-1/2"), size="1/4").problem
+    # The cat's head of the phase plane, as places on the table.
     points = np.stack((head.position[:, 0, 0], head.velocity[:, 0, 0]), axis=1)
     panels = []
     numbers = {}
     for geometry in ("rectangle", "stadium"):
-        asked = instance("billiards", geometry=geometry, direction=DIRECTION)
-        remember(command(asked))
-        paths = [path(asked, point) for point in points]
-        series = [Series(x=paths[k][:, 0], y=paths[k][:, 1], ink=GREY, width=1) for k in PICKED]
-        border = wall(geometry, asked.p.size)
-        series.append(Series(x=border[:, 0], y=border[:, 1], ink=1, width=2))
-        for n, moment in enumerate(MOMENTS):
-            places = np.array([place(own, moment) for own in paths])
-            series.append(Series(x=places[:, 0], y=places[:, 1], mark="cloud", width=2.5))
-            if n in (0, len(MOMENTS) - 1):
-                spread = float(np.hypot(*places.std(axis=0)))
-                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = spread
-        axes: dict[str, Any] = {
-            "x": Axis(ends=(-2.1, 2.1), is_hidden=True),
-            "y": Axis(ends=(-1.1, 1.1), is_hidden=True),
-        }
-        panels.append(Panel(series=tuple(series), title=geometry, size=(630, 330), **axes))
+        table = instance("billiards", geometry=geometry, direction=DIRECTION)
+        remember(command(table))
+        paths = [path(table, point) for point in points]
+        clouds = [places(paths, moment) for moment in MOMENTS]
+        panels.append(panel(geometry, wall(geometry, table.p.size), paths, clouds))
+        for cloud, moment in ((clouds[0], MOMENTS[0]), (clouds[-1], MOMENTS[-1])):
+            numbers[f"{geometry}: spread at t = {moment:g} [m]"] = spread(cloud)
     caption = (
         "1040 points on a cat's head fly with one velocity and are reflected by the wall; blue are"
         " the points at t = 0, 4, 8 and 14, grey the paths of three of them. In the rectangle they"
@@ -51,21 +45,52 @@ def figure() -> Figure:
     )
 
 
-def path(asked: Any, start: Array) -> Array:
-    """Places (BOUNCES + 1, 2) of the bounces of a point."""
-    first: Iteration = asked.problem
-    # The place of the point, the direction of the case.
-    begin = np.concatenate((start, first.start[2:]))
-    run = answer(Iteration(first.map, begin, BOUNCES))
+def panel(geometry: str, border: Array, paths: list[Array], clouds: list[Array]) -> Panel:
+    """A table: three paths, its border, and all points at each of the moments."""
+    series = []
+    for number in PICKED:
+        x, y = paths[number].T
+        series.append(Series(x=x, y=y, ink=GREY, width=1))
+    series.append(Series(x=border[:, 0], y=border[:, 1], ink=1, width=2))
+    for cloud in clouds:
+        series.append(Series(x=cloud[:, 0], y=cloud[:, 1], mark="cloud", width=2.5))
+    return Panel(
+        series=tuple(series),
+        title=geometry,
+        size=(630, 330),
+        x=Axis(ends=(-2.1, 2.1), is_hidden=True),
+        y=Axis(ends=(-1.1, 1.1), is_hidden=True),
+    )
+
+
+def spread(places: Array) -> float:
+    """The root mean square distance [m] of places (N, 2) from their middle."""
+    return float(np.hypot(*places.std(axis=0)))
+
+
+def path(table: Any, start: Array) -> Array:
+    """Places (BOUNCES + 1, 2) of the bounces on a table of a point that starts at `start` (2) in
+    the direction of the table's own point.
+    """
+    own: Iteration = table.problem
+    begin = np.concatenate((start, own.start[2:]))
+    run = answer(Iteration(own.map, begin, BOUNCES))
     return run.values["position"]
+
+
+def places(paths: list[Array], moment: float) -> Array:
+    """Where all points are at a moment (N, 2), each on its path."""
+    return np.array([place(path, moment) for path in paths])
 
 
 def place(path: Array, moment: float) -> Array:
     """Where a point is that flies along a path with speed 1."""
-    # Length [m] of the path to each bounce, and so the time [s] of it.
+    # Length [m] of the path to each bounce; with speed 1 also its time [s].
     legs = np.hypot(*np.diff(path, axis=0).T)
-    way = np.concatenate(([0.0], np.cumsum(legs)))
-    return np.array([np.interp(moment, way, path[:, i]) for i in (0, 1)])
+    times = np.concatenate(([0.0], np.cumsum(legs)))
+    x = np.interp(moment, times, path[:, 0])
+    y = np.interp(moment, times, path[:, 1])
+    return np.array([x, y])
 
 
 def wall(geometry: str, size: Array) -> Array:

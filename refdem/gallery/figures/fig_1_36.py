@@ -114,11 +114,14 @@ def border() -> Series:
     """The outline of the ellipsoid: where its normal is at right angles to the view."""
     # The direction to the eye: how much each axis points towards it.
     *_, eye = projected(np.eye(3))
-    normal = eye / HALF_AXES / np.linalg.norm(eye / HALF_AXES)
-    one = np.cross(normal, [1.0, 0.0, 0.0])
-    one /= np.linalg.norm(one)
-    other = np.cross(normal, one)
-    turn = np.linspace(0, 2 * np.pi, 181)[:, None]
-    circle = np.cos(turn) * one + np.sin(turn) * other
+    # The ellipsoid is the unit sphere stretched along its axes. The outline is the image of the
+    # great circle across this direction.
+    pole = eye / HALF_AXES
+    pole /= np.linalg.norm(pole)
+    first = np.cross(pole, [1.0, 0.0, 0.0])
+    first /= np.linalg.norm(first)
+    second = np.cross(pole, first)
+    angle = np.linspace(0, 2 * np.pi, 181)[:, None]
+    circle = np.cos(angle) * first + np.sin(angle) * second
     right, up, _ = projected(HALF_AXES * circle)
     return Series(x=right, y=up, ink=GREY, width=1)

@@ -1,7 +1,7 @@
-"""Contacts that begin together, and contacts that are there before the motion begins."""
+"""Contacts that start together, and contacts that are there before the motion begins."""
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.ladder import Battery
+from refdem.stress.measures.parameters import parameter_ladder
 from refdem.stress.scenes.overlap_at_start import CASE as OVERLAP
 from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
 
@@ -13,30 +13,30 @@ BATTERY = Battery(
         " deep an overlap may a motion start?"
     ),
     ladders=(
-        Ladder(
+        parameter_ladder(
             name="hits at once",
             case=SIMULTANEOUS,
             along="spheres",
             rungs=("2", "3", "4", "5", "6", "8", "12", "24"),
-            measure=Parameters(lambda x: {"hits": f"{x}"}),
+            given=lambda x: {"hits": f"{x}"},
             promised="4",
             basis="contacts that begin within round-off of each other are one event",
         ),
-        Ladder(
+        parameter_ladder(
             name="shallower overlap",
             case=OVERLAP,
             along="overlap [m]",
             rungs=("1/2", "1e-1", "1e-2", "1e-4", "1e-6", "1e-9", "1e-12", "1e-15"),
-            measure=Parameters(lambda x: {"overlap": f"{x}"}),
+            given=lambda x: {"overlap": f"{x}"},
             promised="1e-12",
             basis="an initial overlap is a contact from the start",
         ),
-        Ladder(
+        parameter_ladder(
             name="deeper overlap",
             case=OVERLAP,
             along="overlap [m]",
             rungs=("1/64", "1/16", "1/4", "1/2", "3/4", "7/8"),
-            measure=Parameters(lambda x: {"overlap": f"{x}"}),
+            given=lambda x: {"overlap": f"{x}"},
             promised="1/2",
             basis="the contact force is linear up to the centres",
         ),

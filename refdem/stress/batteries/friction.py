@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.measures.parameters import Parameters, parameter_ladder
 
 LESS = ("1", "1e-1", "1e-3", "1e-6", "1e-12", "0")
 MORE = ("1", "1e1", "1e3", "1e6", "1e12")
@@ -29,88 +29,91 @@ BATTERY = Battery(
     title="Friction from 0 to huge, vanishing tangential speed",
     question=("How small and how large may friction be, and how small the speed that it opposes?"),
     ladders=(
-        Ladder(
+        parameter_ladder(
             name="less and less on an oscillator",
             case="coulomb-oscillator",
             along="f/(k x0)",
             rungs=LESS,
             promised="1e-12",
             basis=STOPS,
-            measure=Parameters(lambda x: {"friction_force": f"{x / 8}"}),
+            given=lambda x: {"friction_force": f"{x / 8}"},
         ),
-        Ladder(
+        parameter_ladder(
             name="more and more on an oscillator",
             case="coulomb-oscillator",
             along="f/(k x0)",
             rungs=MORE,
             promised="1e12",
             basis=HOLDS,
-            measure=Parameters(lambda x: {"friction_force": f"{x}"}),
+            given=lambda x: {"friction_force": f"{x}"},
         ),
-        Ladder(
+        parameter_ladder(
             name="more and more on a slope",
             case="block-on-slope",
             along="mu",
             rungs=MORE,
             promised="1e12",
             basis=HOLDS,
-            measure=Parameters(lambda x: {"friction": f"{x}"}),
+            given=lambda x: {"friction": f"{x}"},
         ),
-        Ladder(
+        parameter_ladder(
             name="less and less on a slope",
             case="block-on-slope",
             along="mu",
             rungs=LESS,
             promised="0",
             basis=STOPS,
-            measure=Parameters(lambda x: {"friction": f"{x / 2}"}),
+            given=lambda x: {"friction": f"{x / 2}"},
         ),
-        Ladder(
+        parameter_ladder(
             name="more and more on what rolls",
             case="rolling",
             along="mu",
             rungs=MORE,
             promised="1e12",
             basis=ROLLS,
-            measure=Parameters(lambda x: {"friction": f"{x}"}, samples=8),
+            given=lambda x: {"friction": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="less and less on what rolls",
             case="rolling",
             along="mu",
             rungs=LESS,
             promised="0",
             basis=ROLLS,
-            measure=Parameters(lambda x: {"friction": f"{x / 2}"}, samples=8),
+            given=lambda x: {"friction": f"{x / 2}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="nearer and nearer to the slope on which it just rolls",
             case="rolling",
             along="1 - tan a/(mu (1 + m R^2/J))",
             rungs=SLOWER,
             promised="0",
             basis=ROLLS,
-            measure=Parameters(
-                lambda x: {"slope": f"{Fraction(7, 8) * (1 - x / 2)}", "speed": "0"}, samples=8
-            ),
+            given=lambda x: {"slope": f"{Fraction(7, 8) * (1 - x / 2)}", "speed": "0"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="less and less slip of what rolls",
             case="rolling",
             along="1 - R omega/v",
             rungs=SLOWER,
             promised="0",
             basis=ROLLS,
-            measure=Parameters(lambda x: {"spin": f"{-8 * (1 - x)}"}, samples=8),
+            given=lambda x: {"spin": f"{-8 * (1 - x)}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="less and less between spheres",
             case="two-spheres",
             along="mu",
             rungs=LESS,
             promised="0",
             basis=RUBS,
-            measure=Parameters(lambda x: {"friction": f"{x}", "angle": "1/2"}, samples=8),
+            given=lambda x: {"friction": f"{x}", "angle": "1/2"},
+            samples=8,
         ),
         Ladder(
             name="more and more between spheres",
@@ -125,17 +128,15 @@ BATTERY = Battery(
                 samples=8,
             ),
         ),
-        Ladder(
+        parameter_ladder(
             name="less and less tangential speed",
             case="two-spheres",
             along="angle [rad]",
             rungs=SLOWER,
             promised="0",
             basis=RUBS,
-            measure=Parameters(
-                lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"},
-                samples=8,
-            ),
+            given=lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"},
+            samples=8,
         ),
     ),
 )

@@ -1,7 +1,7 @@
 """Collisions that lose nothing, and such that lose all."""
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.ladder import Battery
+from refdem.stress.measures.parameters import parameter_ladder
 
 LESS = ("1", "0.9999", "0.9", "0.5", "0.2", "0.14")
 NEARER = ("1e-1", "1e-3", "1e-6", "1e-12", "0")
@@ -16,39 +16,43 @@ BATTERY = Battery(
     title="Restitution from 1 to 0",
     question="How little and how much energy may a collision lose?",
     ladders=(
-        Ladder(
+        parameter_ladder(
             name="losing more and more, force that does not pull",
             case="impact-benchmarks",
             along="restitution",
             rungs=LESS,
             promised="0.2",
             basis=BASIS,
-            measure=Parameters(lambda x: {"member": "co-4", "restitution": f"{x}"}, samples=8),
+            given=lambda x: {"member": "co-4", "restitution": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="losing less and less",
             case="two-spheres",
             along="damping [kg/s]",
             rungs=NEARER,
             promised="0",
             basis=BASIS,
-            measure=Parameters(lambda x: {"damping": f"{x}"}, samples=8),
+            given=lambda x: {"damping": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="losing nearly all, to the end of the overlap",
             case="two-spheres",
             along="1 - damping / critical",
             rungs=CRITICAL,
             promised="1e-4",
             basis=BASIS,
-            measure=Parameters(lambda x: {"damping": f"{16 * (1 - x)}"}, samples=8),
+            given=lambda x: {"damping": f"{16 * (1 - x)}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="through critical damping and beyond, force that does not pull",
             case="two-spheres",
             along="damping [kg/s]",
             rungs=HARDER,
-            measure=Parameters(lambda x: {"damping": f"{x}", "cutoff": "zero_force"}, samples=8),
+            given=lambda x: {"damping": f"{x}", "cutoff": "zero_force"},
+            samples=8,
         ),
     ),
 )

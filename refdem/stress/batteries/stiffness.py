@@ -1,7 +1,7 @@
 """Stiffness over twelve decades: no scale of force, length or time is built in."""
 
-from refdem.stress.ladder import TWELVE_DECADES, Battery, Ladder
-from refdem.stress.measures.parameters import Parameters
+from refdem.stress.ladder import TWELVE_DECADES, Battery
+from refdem.stress.measures.parameters import parameter_ladder
 
 HARDER = TWELVE_DECADES[2:]
 SOFTER = ("1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
@@ -13,50 +13,55 @@ BATTERY = Battery(
     title="Stiffness over twelve decades",
     question="How stiff and how soft may a spring or a contact be?",
     ladders=(
-        Ladder(
+        parameter_ladder(
             name="harder spheres",
             case="two-spheres",
             along="stiffness [N/m]",
             rungs=HARDER,
             promised="1e12",
             basis=BASIS,
-            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+            given=lambda x: {"stiffness": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="harder Hertzian spheres",
             case="hertz-spheres",
             along="stiffness [N/m^1.5]",
             rungs=HARDER,
             promised="1e12",
             basis=BASIS,
-            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+            given=lambda x: {"stiffness": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="harder springs",
             case="harmonic-oscillator",
             along="stiffness [N/m]",
             rungs=HARDER,
             promised="1e12",
             basis=BASIS,
-            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+            given=lambda x: {"stiffness": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="softer springs",
             case="harmonic-oscillator",
             along="stiffness [N/m]",
             rungs=SOFTER,
             promised="1e-12",
             basis=BASIS,
-            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+            given=lambda x: {"stiffness": f"{x}"},
+            samples=8,
         ),
-        Ladder(
+        parameter_ladder(
             name="fast and slow together",
             case="viscous-oscillator",
             along="damping rate / frequency",
             rungs=STIFF,
             promised="1e8",
             basis="both rates have closed forms, the slow one as omega^2 over the fast one",
-            measure=Parameters(lambda x: {"delta": f"{x}", "duration": "4"}, samples=8),
+            given=lambda x: {"delta": f"{x}", "duration": "4"},
+            samples=8,
             costly=True,
         ),
     ),

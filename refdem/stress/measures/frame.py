@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.campaign import plan
 from refdem.campaign.plan import Task
@@ -25,7 +26,9 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.stress.measures.measure import LEVELS, MOST_STEPS, Measure
 
+Array = NDArray[np.float64]
 Show = Callable[[Instance, float], Symmetry]
+"""The transformation of a rung x, for an instance of a case."""
 TINY = 2.0**-1074
 """The smallest positive number in binary64; numbers below 2^-1022 are rounded to multiples of
 it.
@@ -82,25 +85,26 @@ class Frame(Measure):
             return plan.request(task, variant)
         plain = plan.request(task, variant.base)
         frame = self.show(task.subject.instance, float(x))
-        if plain.step is None:
-            step = None
-        else:
-            step = plain.step * frame.units[2]
+        step = plain.step
+        if step is not None:
+            step = step * frame.units[2]
         problem = frame.applied(task.subject.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check that the motion is the same."""
+        part = None
         if self.told_apart:
             part = float(x)
-        else:
-            part = None
-        return (Seen(self.change, self.show(subject.instance, float(x)), part),)
+        return (SameMotion(self.change, self.show(subject.instance, float(x)), part),)
 
 
-class Seen(Check):
+class SameMotion(Check):
     """The motion in the frame, transformed back, agrees with the plain motion to round-off of the
     frame's numbers.
+
+    `change` names the symmetry and `view` is its transformation. With `part`, the relative amount
+    by which the transformation differs from the identity, a tenth of it is the bound.
     """
 
     name = "frame"
@@ -138,15 +142,8 @@ class Seen(Check):
                 undecided(self.name, self.change, "the engine refused the scene during the run")
             ]
         growth = growth_of(subject, perturbed or plain, plain)
-        bounds = allowed(subject, self.view, growth) * self._denormal(subject)
-        count = scored(bounds)
-        # Instead of round-off a tenth of x is allowed, and round-off must be smaller than that.
-        if self.part is not None:
-            if bounds[-1] <= self.part / 10:
-                count = len(bounds)
-            else:
-                count = 0
-            bounds = np.full(len(bounds), self.part / 10)
+        bounds = self._bounds(subject, growth)
+        count = len(bounds)
         if count < 2:
             why = "round-off alone may be as large as the difference to be resolved"
             return [undecided(self.name, self.change, why)]
@@ -158,7 +155,7 @@ class Seen(Check):
                 quantity=self.change,
                 t=subject.instance.times[:count],
                 values=difference[:count],
-                allowed=bounds[:count],
+                allowed=bounds,
                 unit="1",
                 basis=self._basis(),
                 what=(
@@ -167,6 +164,22 @@ class Seen(Check):
                 ),
             )
         ]
+
+    def _bounds(self, subject: Subject, growth: Array) -> Array:
+        """The bound of every sample that can be judged (at most T), relative to the scales.
+
+        It is round-off amplified by the motion, as far as that stays small. Where the
+        transformation differs from the identity by a part, it is a tenth of that part, at every
+        sample or at none: round-off must stay below it to the end.
+        """
+        round_off = allowed(subject, self.view, growth) * self._denormal(subject)
+        if self.part is None:
+            return round_off[: scored(round_off)]
+        bound = self.part / 10
+        is_resolved = round_off[-1] <= bound
+        if is_resolved:
+            return np.full(len(round_off), bound)
+        return np.array([])
 
     def _basis(self) -> str:
         """The basis of the bound in words."""

@@ -42,7 +42,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Phase:
-    """The motion in a region (left, rising, falling, right), from its begin [s] to its end (None:
+    """The motion in a region (left, rising, falling, right), from its start [s] to its end (None:
     never).
     """
 
@@ -177,7 +177,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         return arb.pi() + arb.atan2(v_over_w, arb_of(-eta))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """x and v at time t; UndecidedError where balls do not tell in which phase it lies."""
+        """x and v at time t; UndecidedError where balls cannot tell in which phase it lies."""
         if t < 0:
             raise NotCertifiedError("asymmetric-field: t < 0 is before the start")
         for phase in self.phases():
@@ -188,7 +188,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         raise AssertionError("the last phase has no end")
 
     def moved(self, phase: Phase, t: arb) -> dict[str, arb]:
-        """The state at the time t [s] after the begin of a phase.
+        """The state at the time t [s] after the start of a phase.
 
         x = z + (x0 - z) c + (v0/r) s about the zero z of the flank's line, with c, s = cosh, sinh
         of r t on the rising flank (r = l) and cos, sin on the falling one (r = w).

@@ -12,7 +12,6 @@ that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
 """
 
 from collections.abc import Mapping
-from copy import copy
 from fractions import Fraction
 from math import ceil
 
@@ -22,13 +21,13 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
 
-class CoulombOscillator(ClosedForm):
+class CoulombOscillator(OnALine, ClosedForm):
     """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points
     after the start).
     """
@@ -55,14 +54,6 @@ class CoulombOscillator(ClosedForm):
         self.shift = friction_force / stiffness
         self.x0 = x0
         self.v0 = v0
-
-    def displaced(self, axis: int, amount: Fraction) -> "CoulombOscillator":
-        """The motion from a neighbouring start."""
-        other = copy(self)
-        other.kept = {}
-        other.x0 = self.x0 + amount * (axis == 0)
-        other.v0 = self.v0 + amount * (axis == 1)
-        return other
 
     @per_precision
     def growth(self) -> Grows:
@@ -169,7 +160,7 @@ class CoulombOscillator(ClosedForm):
         return max(0, int(least))
 
     def _halves_until(self, t: arb) -> int:
-        """The number of half cycles that are over at t; UndecidedError if balls do not tell."""
+        """The number of half cycles that are over at t; UndecidedError if balls cannot tell."""
         number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
         if number is None:
             raise UndecidedError("which half cycle it is in")

@@ -19,6 +19,7 @@ from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
+from refdem.truth.vectors import cross
 
 DOUBLINGS = 12
 """How often the time is doubled until the energy has fallen far enough: the damping may be weak."""
@@ -37,8 +38,8 @@ def final_axis(
     """The scalar `final_axis`, the principal axis (1, 2 or 3) about which the body ends.
 
     A start exactly about an axis stays there. Else it is the axis of the largest moment as soon as
-    2 E < L^2/J_middle, which is looked for at times that are doubled. Nothing is told where that is
-    not proved.
+    2 E < L^2/J_middle, which is looked for at times that are doubled. There is no such scalar where
+    that is not proved.
     """
     started_about = [i for i in range(3) if omega[i]]
     if len(started_about) == 1:
@@ -69,13 +70,10 @@ def first_time(omega: Sequence[Fraction], inertia: Sequence[Fraction]) -> Fracti
 def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
     """The field of omega_body: J omega' = L x omega + c L x (L x omega) with L = J omega."""
 
-    def crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
-        return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
-
     def rates(omega: Sequence[Any]) -> Sequence[Any]:
         momentum = [w * j for w, j in zip(omega, inertia, strict=True)]
-        gyroscopic = crossed(momentum, omega)
-        dissipative = crossed(momentum, gyroscopic)
+        gyroscopic = cross(momentum, omega)
+        dissipative = cross(momentum, gyroscopic)
         return [
             (a + b * damping) / j for a, b, j in zip(gyroscopic, dissipative, inertia, strict=True)
         ]

@@ -13,23 +13,21 @@ t)/(2 w0) instead.
 """
 
 from collections.abc import Mapping
-from copy import copy
 from fractions import Fraction
-from typing import Self
 
 from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class DrivenOscillator(ClosedForm, SmoothFlow):
+class DrivenOscillator(OnALine, ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; `f0` [m/s^2] and `drive` [rad/s] are zero where nothing drives."""
 
     method = "closed form; regime and resonance decided in exact rationals"
@@ -61,14 +59,6 @@ class DrivenOscillator(ClosedForm, SmoothFlow):
     def resounds(self) -> bool:
         """Undamped and driven at w0: the amplitude grows for ever."""
         return self.delta == 0 and self.drive**2 == self.square
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion from a neighbouring start."""
-        other = copy(self)
-        other.kept = {}
-        other.x0 = self.x0 + amount * (axis == 0)
-        other.v0 = self.v0 + amount * (axis == 1)
-        return other
 
     def free(self, x0: arb, v0: arb, t: arb) -> tuple[arb, arb]:
         """X and V at time t of the free motion about the equilibrium from X0, V0."""

@@ -6,7 +6,6 @@ gravity is.
 """
 
 from collections.abc import Mapping
-from copy import copy
 from fractions import Fraction
 
 from flint import arb, arb_mat
@@ -14,14 +13,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class HarmonicOscillator(ClosedForm, SmoothFlow):
+class HarmonicOscillator(OnALine, ClosedForm, SmoothFlow):
     """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the
     equilibrium.
     """
@@ -46,14 +45,6 @@ class HarmonicOscillator(ClosedForm, SmoothFlow):
         self.gravity = gravity
         self.x0 = x0
         self.v0 = v0
-
-    def displaced(self, axis: int, amount: Fraction) -> "HarmonicOscillator":
-        """The motion whose x0 (axis 0) or v0 (axis 1) is larger by `amount`."""
-        other = copy(self)
-        other.kept = {}
-        other.x0 = self.x0 + amount * (axis == 0)
-        other.v0 = self.v0 + amount * (axis == 1)
-        return other
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x = c + a cos w t + (v0/w) sin w t and v = v0 cos w t - a w sin w t, with a = x0 - c."""

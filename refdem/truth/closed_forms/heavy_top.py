@@ -41,11 +41,11 @@ UPRIGHT = 0.995
 LEAST_TILT = Fraction(1, 100)
 """Least tilt [rad] from a vertical of a motion that is integrated in Euler's angles."""
 LEAST_TOLD = Fraction(1, 10**12)
-"""The same [rad] where n and L are integrated: they need no angles, but the truth tells angles, and
-on the vertical itself there are none.
+"""The same [rad] where n and L are integrated: they need no angles, but the quantities are angles,
+which the vertical itself does not have.
 """
 DOUBLINGS = 6
-"""How many times the working precision is doubled in the attempt to tell the roots of f apart."""
+"""How many times the working precision is doubled in the attempt to separate the roots of f."""
 SEEN = ("theta", "phi", "psi", "thetadot")
 STATE = (*SEEN, "lz", "w3")
 CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
@@ -220,7 +220,7 @@ def by_axis(p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> 
     """The truth by validated integration of the axis n, L and psi + side phi.
 
     It serves where the axis comes near one vertical (`side` 1 for up, -1 for down), where phi' and
-    psi' are large. The equations are those of `cartesian`; phi is told in (-pi, pi].
+    psi' are large. The equations are those of `cartesian`; phi lies in (-pi, pi].
     """
     nutation = Nutation(p, LEAST_TOLD)
     sizes = {

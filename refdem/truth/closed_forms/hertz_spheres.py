@@ -3,9 +3,7 @@ with free flight afterwards.
 """
 
 from collections.abc import Mapping
-from copy import copy
 from fractions import Fraction
-from typing import Self
 
 from flint import arb, arb_mat
 
@@ -13,7 +11,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
@@ -25,7 +23,7 @@ from refdem.truth.smooth_flow import SmoothFlow
 HERTZ = Fraction(3, 2)
 
 
-class HertzSpheres(ClosedForm, SmoothFlow):
+class HertzSpheres(FromCoordinates, ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
@@ -43,12 +41,6 @@ class HertzSpheres(ClosedForm, SmoothFlow):
         self.stiffness = stiffness
         # Overlap and its rate at t = 0.
         self.begin = (Fraction(0), speed)
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        other = copy(self)
-        other.kept = {}
-        other.begin = (self.begin[0] + amount * (axis == 0), self.begin[1] + amount * (axis == 1))
-        return other
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:

@@ -50,7 +50,7 @@ def trace(p: Mapping[str, Fraction]) -> arb:
 def multipliers(p: Mapping[str, Fraction]) -> dict[str, arb]:
     """The multipliers: floquet_1, that of larger modulus, and floquet_2 = 1/floquet_1.
 
-    Where the top is stable their modulus 1 is told for both. Raises NotCertifiedError where they
+    Where the top is stable both are given as their modulus 1. Raises NotCertifiedError where they
     may be too large to be integrated, UndecidedError where a ball of D^2 - 4 holds 0.
     """
     # In a period x grows by at most exp(2 pi sqrt((g/W^2 + a)/l)): |x''| <= (g + a W^2)/l |x|.

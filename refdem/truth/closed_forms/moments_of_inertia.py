@@ -28,7 +28,7 @@ Matrix = tuple[Vector, Vector, Vector]
 class Means:
     """The volume, centre and second moments of a solid.
 
-    `volume` counts in units of pi if `is_round`; the tensor is told about the point `about`, or
+    `volume` counts in units of pi if `is_round`; the tensor is that about the point `about`, or
     about the centre if that is None.
     """
 
@@ -242,11 +242,10 @@ def values(p: Parameters) -> dict[str, arb]:
     """Mass [kg], centre of mass [m] and inertia tensor [kg m^2] of every solid."""
     quantities: dict[str, arb] = {}
     for name, means in every(p).items():
-        # The volume of the point masses is their mass.
+        density = numbers(p, "density")["density"]
         if name == "points":
+            # The volume of the point masses is their mass.
             density = F(1)
-        else:
-            density = numbers(p, "density")["density"]
         mass = arb_of(density * means.volume)
         if means.is_round:
             mass = mass * arb.pi()

@@ -42,7 +42,7 @@ class PendulumEquilibria(ClosedForm, SmoothFlow):
         self.pendulum = pendulum
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """x = l sin theta, y = -l cos theta and their rates; at rest these are told exactly."""
+        """x = l sin theta, y = -l cos theta and their rates; at rest these are exact."""
         pendulum = self.pendulum
         quantities = pendulum.evaluate(t)
         length = arb_of(pendulum.length)

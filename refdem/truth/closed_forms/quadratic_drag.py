@@ -103,7 +103,7 @@ class QuadraticDrag(ClosedForm):
             return fallen(self.start(), s)
         if s <= self.rise():
             return risen(self.start(), s)
-        # After the turning point, or where balls do not tell: both formulas meet there.
+        # After the turning point, or where balls cannot tell: both formulas meet there.
         to_top, _ = risen(self.start(), self.rise())
         since = s - self.rise()
         way, velocity = fallen(arb(0), since)

@@ -152,7 +152,7 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
     # (1.67): u' = omega u/2, and u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2.
     rate = omega * u * half
     second_rate = (omega_rate * u + omega * omega * u * half) * half
-    # The row "back" goes through the rotation matrix, which cannot tell u from -u: w >= 0 is meant.
+    # The row "back" goes through the rotation matrix, the same for u and -u: w >= 0 is meant.
     if numbers_of(u)[0] < 0:
         sign = acb(-1)
     else:

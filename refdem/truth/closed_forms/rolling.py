@@ -48,7 +48,7 @@ STATE = ("x", "vx", "omega")
 class Phase:
     """A part of the motion at constant accelerations, from `begin` [s] on.
 
-    `place` [m], `speed` [m/s] and `spin` [rad/s] are those at the begin, `acceleration` [m/s^2] and
+    `place` [m], `speed` [m/s] and `spin` [rad/s] are those at the start, `acceleration` [m/s^2] and
     `spin_up` [rad/s^2] their constant rates. `side` is the sign of the slip, 0 while it rolls.
     """
 
@@ -233,7 +233,7 @@ class Rolling(ClosedForm):
                 break
             after: Sequence[arb] = phase.at(t)
             if not t > begin:
-                # Balls do not tell on which side t is: the state is what either of them says.
+                # Balls cannot tell on which side t is: the state is what either of them says.
                 after = tuple(a.union(b) for a, b in zip(state, after, strict=True))
             state = after
         place, speed, spin = state

@@ -137,7 +137,7 @@ class StickSlip:
     def landing(self, y: State) -> Entry:
         """The mode after a slip has come to u = 0 in state y: it sticks, or crosses with the pull.
 
-        Raises SwitchError where balls do not tell |P| from a mu0.
+        Raises SwitchError where balls cannot tell |P| from a mu0.
         """
         drive = arb_of(self.gamma) * (arb_of(self.eta) * y[CLOCK]).cos()
         limit = arb_of(self.limit)

@@ -6,10 +6,8 @@ k1/m, until d = 0.
 """
 
 from collections.abc import Iterator, Mapping
-from copy import copy
 from fractions import Fraction
 from functools import partial
-from typing import Self
 
 from flint import arb, arb_mat
 
@@ -17,7 +15,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import homogeneous, linear, steepness
@@ -26,7 +24,7 @@ from refdem.truth.refiner import Refiner, Size
 from refdem.truth.smooth_flow import SmoothFlow
 
 
-class WedgeCollision(ClosedForm, SmoothFlow):
+class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
@@ -41,12 +39,6 @@ class WedgeCollision(ClosedForm, SmoothFlow):
         self.exact = dict(exact)
         # Overlap and its rate at t = 0.
         self.begin = (Fraction(0), self.exact["closing_speed"])
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        other = copy(self)
-        other.kept = {}
-        other.begin = (self.begin[0] + amount * (axis == 0), self.begin[1] + amount * (axis == 1))
-        return other
 
     @per_precision
     def approach(self) -> tuple[PowerContact, arb]:

@@ -57,7 +57,7 @@ class Watched:
     """One switching function along a piece, for every motion of the set.
 
     `rates[n]` gives a ball of its n-th derivative in time over a ball of times since the piece's
-    begin. `touching` is the order of a zero at the begin of the piece, 0 for none.
+    begin. `touching` is the order of a zero at the start of the piece, 0 for none.
     """
 
     name: str
@@ -86,10 +86,10 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
         raise SwitchError(
             "corner", f"{watched.name} is not proved positive where it begins", float(low)
         )
-    # The order of the derivative that decides until the value has left the zero at the begin: if
+    # The order of the derivative that decides until the value has left the zero at the start: if
     # all below it vanish there and it is positive, the value is positive (Taylor). 0 afterwards.
     order = watched.touching
-    # Invariant: from `low` to the begin of the interval that is popped next, the value is proved
+    # Invariant: from `low` to the start of the interval that is popped next, the value is proved
     # positive, but for the zero at `low`.
     waiting = [(low, high)]
     least = (high - low) * LEAST

@@ -11,12 +11,12 @@ from fractions import Fraction
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision, unit_matrix
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, State, Traced
 from refdem.truth.validated_ivp.integration import GUARD, Steps
-from refdem.truth.validated_ivp.moved import Spread, at_start, identity
+from refdem.truth.validated_ivp.moved import Spread, at_start
 
 THIN = 2.0**-100
 """The radius of a thin set: where one cannot be followed, it is so close to the boundary that more
@@ -224,4 +224,4 @@ def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
     by_clock = arb_mat(size, size)
     for i, rate in enumerate(rates):
         by_clock[i, size - 1] = rate
-    return identity(size) - by_clock
+    return unit_matrix(size) - by_clock

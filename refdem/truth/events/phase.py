@@ -14,12 +14,12 @@ from fractions import Fraction
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.balls import arb_of, ball_of, precision, unit_matrix
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest, only_zero
 from refdem.truth.events.system import Entry, Guard, Traced, derivative_rows, unchanged
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Chain, Piece, Steps
-from refdem.truth.validated_ivp.moved import Spread, identity, moved
+from refdem.truth.validated_ivp.moved import Spread, moved
 
 RETRIES = 4
 """Tries of a window whose end lies too near a zero: each is a little shorter."""
@@ -67,10 +67,7 @@ class Phase(Chain):
     def hull_at_entry(self) -> list[arb]:
         """Balls of the state of every motion at its entry."""
         with precision(self.bits + GUARD):
-            return [
-                value + arb(0, radius)
-                for value, radius in zip(self.centre, self.spread.radii(), strict=True)
-            ]
+            return self.spread.around(self.centre)
 
     def search(self) -> None:
         """Looks for the event in the next window; sets `ends` or `never`, or moves `searched` on.
@@ -125,7 +122,7 @@ class Phase(Chain):
         """A guard with its derivatives along a piece, for the `whole` set or for its exact centre;
         times are those since the piece's begin.
 
-        `touching` is the order of its zero at the begin of the piece.
+        `touching` is the order of its zero at the start of the piece.
         """
         if whole:
             state = piece.at
@@ -200,7 +197,9 @@ class Phase(Chain):
         gradient = self.mode.gradients[guard.name].run(states)
         rates = self.field.run(states)
         size = len(states)
-        return identity(size) - arb_mat(size, size, [f * g / rate for f in rates for g in gradient])
+        return unit_matrix(size) - arb_mat(
+            size, size, [f * g / rate for f in rates for g in gradient]
+        )
 
     def centre_time(self, piece: Piece, guard: Guard, since: arb) -> arb:
         """The time at which the exact centre of the piece crosses the guard: a ball within that of

@@ -78,7 +78,9 @@ class Traced:
         self.mode = mode
         self.size = size
         rates_of = rates or lie_derivatives
+        # The rates of all coordinates, and the rows of the Jacobian of the field.
         outputs, rows = traced(mode.field, size)
+        # The last coordinate is the clock, whose rate is 1.
         if len(outputs) != size or outputs[-1].exact() != 1:
             raise ValueError(
                 f"field of {len(outputs)} rates, the last {outputs[-1].operation}; expected {size},"
@@ -86,10 +88,11 @@ class Traced:
             )
         self.field = Program(outputs)
         self.slopes = Program([entry for row in rows for entry in row])
-        self.rates = {guard.name: rates_of(guard, mode, size) for guard in mode.guards}
-        self.gradients = {
-            guard.name: derivative_rows(self._single(guard), size) for guard in mode.guards
-        }
+        self.rates = {}
+        self.gradients = {}
+        for guard in mode.guards:
+            self.rates[guard.name] = rates_of(guard, mode, size)
+            self.gradients[guard.name] = derivative_rows(self._single(guard), size)
 
     def guard(self, name: str) -> Guard:
         """The guard that has the given name."""

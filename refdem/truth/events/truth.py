@@ -70,7 +70,7 @@ class Switching(Protocol[Motion]):
 
     @property
     def clock_unit(self) -> Fraction | None:
-        """Seconds in a unit of the clock of its motions; None where they are told in seconds."""
+        """Seconds in a unit of the clock of its motions; None where they are given in seconds."""
 
     def motion_at(self, bits: int) -> Motion:
         """The motion, to be followed at a precision."""
@@ -311,8 +311,8 @@ class EventProof(Guarded, Generic[Motion]):
         return Stretch(begin, length, errors, partial(self.handed_on, motion, phase, after))
 
     def errors(self, motion: Followed, phase: Phase, piece: Piece, since: arb) -> arb_mat:
-        """M of a piece: the errors in the coordinates of `chart`, `since` [s] after its begin, by
-        those in the coordinates of its mode at its begin.
+        """M of a piece: the errors in the coordinates of `chart`, `since` [s] after its start, by
+        those in the coordinates of its mode at its start.
 
         Errors leave the clock alone, whose rate no state changes.
         """
@@ -322,7 +322,7 @@ class EventProof(Guarded, Generic[Motion]):
 
     def handed_on(self, motion: Followed, phase: Phase, after: Phase | None) -> arb_mat:
         """The errors after the event that ends a phase, at one time for all motions of the set, by
-        those at the begin of the phase's last piece.
+        those at the start of the phase's last piece.
 
         chart beside((1 - f e_clock) R (1 - f grad g/(grad g . f)) V): V moves the error to the
         section of the guard g, R is the Jacobian of the reset, and the first factor (of the mode

@@ -65,7 +65,7 @@ class Iterated(Guarded, Truth):
     digits: int
 
     def iterate(self, scale: Mapping[str, Size], *, digits: int) -> None:
-        """Sets the size of each quantity, and to how many digits it is told."""
+        """Sets the size of each quantity, and to how many digits it is given."""
         self.scale = {name: Fraction(size) for name, size in scale.items()}
         self.digits = digits
 

@@ -48,8 +48,11 @@ class Crossings:
 
 
 def crossings(start: Fraction, rate: Fraction, size: Fraction) -> Crossings:
-    """The crossings of start + rate t with the walls at (k + 1/2) size."""
+    """The crossings of the coordinate start + rate t with its walls at (k + 1/2) size, k any whole
+    number: the table and its mirror images.
+    """
     if rate == 0:
+        # It never meets a wall.
         return Crossings(Fraction(0), None)
     # The table is centred on 0: its walls are at -size/2 and size/2.
     if rate > 0:
@@ -202,9 +205,10 @@ class Rectangle(Guarded, Truth):
     def jacobian(self, t: Fraction) -> arb_mat:
         """The derivative of bounce t by the start, in scales (4 x 4).
 
-        In the unfolded plane it is that of a straight flight of length l, dr + l du, which the last
-        wall cuts off: along its normal nothing changes, and along the wall by what an error along
-        the normal takes there, -(u_t/u_n) of it. A mirror image changes signs.
+        In the unfolded plane the point flies straight on. An error (dr, du) of its start is dr + l
+        du after a flight of length l. The bounce lies on the last wall: the error along its normal
+        n is 0, and moves the bounce along the wall, t, by -(u_t/u_n) times itself. The mirror
+        images of the unfolded plane change signs.
         """
         n = whole(t)
         if n == 0:

@@ -79,12 +79,12 @@ class Stadium(Stepped, Iterated):
         )
 
     def piece(self, state: Bounce) -> tuple[str, int]:
-        """The piece of the boundary that is met next; BoundaryError where balls do not tell."""
+        """The piece of the boundary that is met next; BoundaryError where balls cannot tell."""
         x, y = state.place
         u, v = state.direction
         r = arb_of(self.radius)
         a = arb_of(self.half)
-        # Along x, as far as balls tell: it meets the half circle ahead if it is inside the walls
+        # Along x, as far as balls decide: it meets the half circle ahead if it is inside the walls
         # where that begins.
         if not (v > 0 or v < 0):
             side = sign(u, "corner")

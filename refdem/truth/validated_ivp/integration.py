@@ -1,7 +1,7 @@
 """The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are
 kept.
 
-Theorem (step): the solution at the begin of a piece lies in c + {A r} (moved.py), inside a box
+Theorem (step): the solution at the start of a piece lies in c + {A r} (moved.py), inside a box
 whose disc is proved (enclosure.py). With the Taylor coefficients c_n of the exact centre c, for 0
 <= s <= h every solution from the set lies within remainder(s) + exp(L s) max |A r| of sum c_n s^n
 (Cauchy, Gronwall); at the end of the piece the set is moved by the flow Jacobian.
@@ -87,20 +87,20 @@ class Piece:
         return self.begin + self.length
 
     def centre(self, since: arb) -> list[arb]:
-        """Balls of the solution from the exact centre, at every time since the begin in the ball
+        """Balls of the solution from the exact centre, at every time since the start in the ball
         `since` [s].
         """
         return self._from(since, arb(0))
 
     def at(self, since: arb) -> list[arb]:
-        """Balls of the solutions from the whole set, at every time since the begin in the ball
+        """Balls of the solutions from the whole set, at every time since the start in the ball
         `since` [s].
         """
         return self._from(since, self.start)
 
     def _from(self, since: arb, start: arb) -> list[arb]:
         """Balls of the solutions from all points within the norm `start` of the centre: T and the
-        bound of what they are apart from it.
+        bound of their distance from it.
         """
         radii = self.disc.sides(self.disc.apart(outward(since), start))
         return [
@@ -159,10 +159,7 @@ class Chain(Guarded):
     def reached(self) -> list[arb]:
         """Balls of the state at `end`."""
         with precision(self.bits + GUARD):
-            return [
-                value + arb(0, radius)
-                for value, radius in zip(self.centre, self.spread.radii(), strict=True)
-            ]
+            return self.spread.around(self.centre)
 
     def piece(self, t: arb) -> Piece:
         """The piece that holds the midpoint of the time; pieces up to it are made.
@@ -228,7 +225,7 @@ class Chain(Guarded):
         return least
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
-        """The flow Jacobian V from the begin of a piece to `since` [s] after it."""
+        """The flow Jacobian V from the start of a piece to `since` [s] after it."""
         with precision(self.steps.jacobian_bits + GUARD):
             return flow_jacobian(piece.flow, piece.disc, since)
 

@@ -14,7 +14,7 @@ from operator import mul
 import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series
 
-from refdem.truth.balls import largest, outward, precision, series_length, terms_of
+from refdem.truth.balls import largest, outward, precision, series_length, terms_of, unit_matrix
 from refdem.truth.traced_field import Program
 from refdem.truth.validated_ivp.enclosure import Disc
 
@@ -40,21 +40,23 @@ class Spread:
         with precision(BITS):
             return products(self.frame, self.lengths)
 
+    def around(self, centre: Sequence[arb]) -> list[arb]:
+        """Balls that hold every state whose error from `centre` is one of these."""
+        return [value + arb(0, radius) for value, radius in zip(centre, self.radii(), strict=True)]
+
     def jacobian(self) -> arb_mat:
         """Enclosure of the flow Jacobian since the start."""
         return self.growth + self.frame * self.slack
-
-
-def identity(size: int) -> arb_mat:
-    """The unit matrix of the given size."""
-    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
 
 
 def at_start(radii: Sequence[arb]) -> Spread:
     """The box of those radii at the start, in the unit frame."""
     size = len(radii)
     return Spread(
-        identity(size), [outward(radius) for radius in radii], identity(size), arb_mat(size, size)
+        unit_matrix(size),
+        [outward(radius) for radius in radii],
+        unit_matrix(size),
+        arb_mat(size, size),
     )
 
 
@@ -83,7 +85,7 @@ def flow_series(
     radius = proved.radius
     near = proved.gronwall(radius) * start
     far = proved.apart(radius, start)
-    # Bounds of what the n-th coefficients of solutions are apart from those of T.
+    # Bounds of the difference of the n-th coefficients of solutions from those of T.
     margins = []
     for n in range(order):
         if n <= proved.order:
@@ -91,11 +93,11 @@ def flow_series(
         else:
             difference = far
         margins.append(proved.sides(difference / radius**n))
-    solution = [
-        [one[n] + arb(0, margins[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
-    ]
+    solution = []
+    for i, polynomial in enumerate(polynomials):
+        solution.append([polynomial[n] + arb(0, margins[n][i]) for n in range(order)])
     slopes = jacobian_series(jacobian, solution)
-    terms = [identity(size)]
+    terms = [unit_matrix(size)]
     for n in range(order):
         products_of_order_n = map(mul, slopes[: n + 1], terms[::-1])
         terms.append(sum(products_of_order_n, arb_mat(size, size)) / (n + 1))

@@ -25,7 +25,7 @@ METHOD = (
 def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The motion of every corner of the polygon, and its area from dA/dt = A div F.
 
-    div F is -2 delta in a fluid and 0 else; under dry friction the area is told at the start alone.
+    div F is -2 delta in a fluid and 0 else; under dry friction only the area at the start is known.
     """
     corners = p["corners"]
     # The area as a sum of triangles with the first corner.

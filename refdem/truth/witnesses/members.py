@@ -42,7 +42,7 @@ def nine(
 
 
 def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Two spheres squeezed between floor and ceiling; nothing is said once a contact has opened.
+    """Two spheres squeezed between floor and ceiling; only as long as no contact opens.
 
     The state is (y1, v1, y2, v2); each of the three contacts pushes with k d + c d'.
     """
@@ -206,7 +206,7 @@ class Trio(Colliding):
 
 
 def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Three spheres, the middle one squeezed; without a tangential spring nothing is said."""
+    """Three spheres, the middle one squeezed; only with a tangential spring."""
     if not p["tangential_stiffness"]:
         return
     trio = Trio(p)

@@ -49,7 +49,7 @@ class Solution:
         self.next = first_time, [value.mid() for value in start]
 
     def at(self, t: arb | Fraction) -> list[arb]:
-        """The state at t, at or after the begin."""
+        """The state at t, at or after the start."""
         if isinstance(t, arb):
             time = t
         else:

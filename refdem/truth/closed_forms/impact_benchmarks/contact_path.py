@@ -487,7 +487,7 @@ class PathGrowth:
         n = form.numbers()
         self.start = [arb_of(value) for value in form.path.start]
         self.legs = list(self.all_legs(n))
-        # What each leg, with the jump at its end, makes of an error at its begin.
+        # What each leg, with the jump at its end, makes of an error at its start.
         self.transitions = [
             leg.jump * self.propagator(leg, arb(0), leg.end - leg.begin)
             for leg in self.legs
@@ -501,7 +501,7 @@ class PathGrowth:
         current = self.legs[current_index]
         answers = partial(self.answers_on_leg, current, time)
         spans = [Span(Fraction(0), upper(time - current.begin), answers)]
-        # From the begin of a leg to the quantities at t; backwards from the current leg.
+        # From the start of a leg to the quantities at t; backwards from the current leg.
         from_begin = self.readings() * self.propagator(current, arb(0), time - current.begin)
         for index in reversed(range(current_index)):
             leg = self.legs[index]
@@ -514,7 +514,7 @@ class PathGrowth:
     def answers_on_leg(
         self, leg: Leg, time: arb, middle: Fraction, off: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """Answers at `time` [s] to an error made on the same leg, about `middle` since its begin.
+        """Answers at `time` [s] to an error made on the same leg, about `middle` since its start.
 
         See `answers_and_bounds`; `off` is how far from the middle the error may be made.
         """
@@ -538,7 +538,7 @@ class PathGrowth:
     def answers_and_bounds(
         self, answers: arb_mat, leg: Leg, since: arb, off: Fraction
     ) -> tuple[list[arb], list[arb]]:
-        """The growth of each quantity for an error made `since` the begin of a leg, and a bound of
+        """The growth of each quantity for an error made `since` the start of a leg, and a bound of
         it for all errors made at most `off` [s] from there.
 
         Growth is the sum of |answer| over errors of one scale in every coordinate of STATE.
@@ -572,7 +572,7 @@ class PathGrowth:
     def jacobian(self, leg: Leg, since: arb) -> list[tuple[arb, ...]]:
         """The derivatives by (x, y, u, v, sigma) of sigma', the force (2) and the torque on body 1.
 
-        Four rows, at a ball of times `since` the begin of a leg; sigma' is 0 while it slides.
+        Four rows, at a ball of times `since` the start of a leg; sigma' is 0 while it slides.
         """
         if leg.piece is None:
             return [(arb(0),) * 5] * 4
@@ -602,7 +602,7 @@ class PathGrowth:
         return [slip.slopes, force_x.slopes, force_y.slopes, torque.slopes]
 
     def leg_index(self, time: arb) -> int:
-        """The index of the leg in which a time [s] lies; UnsharpError where balls do not tell."""
+        """The index of the leg in which a time [s] lies; UnsharpError where balls cannot tell."""
         for index, leg in enumerate(self.legs):
             if leg.end is None or time <= leg.end:
                 return index
@@ -624,7 +624,7 @@ class PathGrowth:
         yield Leg(times[-1], None, None, self.sigma_jump(None, times[-1]))
 
     def sigma_jump(self, piece: Piece | None, time: arb) -> arb_mat:
-        """The matrix that maps an error across the begin of a piece at a time [s].
+        """The matrix that maps an error across the start of a piece at a time [s].
 
         All of it is kept but the error of sigma. Where a stick begins, sigma follows from D: at
         touch (sigma = 0 there) an error dD shifts the time of touch by -dD/D', and sigma by sigma'
@@ -652,7 +652,7 @@ class PathGrowth:
         return [x + u * time, y + v * time]
 
     def propagator(self, leg: Leg, since: arb, elapsed: arb) -> arb_mat:
-        """The matrix that maps an error of COORDINATES made `since` the begin of a leg to what it
+        """The matrix that maps an error of COORDINATES made `since` the start of a leg to what it
         is when the time `elapsed` [s] has passed on that leg.
 
         The motion from a state (x, y, u, v, sigma) is computed with derivatives by these five; an

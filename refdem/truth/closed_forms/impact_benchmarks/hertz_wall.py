@@ -13,17 +13,16 @@ Fawcett 1976 for the limit).
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from copy import copy
 from fractions import Fraction
 from functools import partial
-from typing import Any, Protocol, Self
+from typing import Protocol
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import Guarded, UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
 from refdem.truth.exact import sign_of
-from refdem.truth.growth import Grows, Growth, Norm, Stretch, most, narrow, smooth
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
@@ -35,7 +34,7 @@ STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class AgainstWall(Guarded):
+class AgainstWall(FromCoordinates, Guarded):
     """The part that all impacts of Hertz's law on a wall share: the start, and the normal motion,
     which no friction changes.
 
@@ -46,8 +45,6 @@ class AgainstWall(Guarded):
     radius: Fraction
     stiffness: Number
     friction: Fraction
-    begin: tuple[Number, ...]
-    kept: dict[Any, Any]
 
     def strike(
         self,
@@ -69,13 +66,6 @@ class AgainstWall(Guarded):
         self.friction = friction
         self.begin = (-radius, Fraction(0), normal, across, spin)
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The impact whose start is larger by `amount` in coordinate `axis` of STATE."""
-        other = copy(self)
-        other.kept = {}
-        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))
-        return other
-
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
         """The contact, and the time [s] at which it begins."""
@@ -85,7 +75,8 @@ class AgainstWall(Guarded):
 
     def slip(self) -> Number:
         """v_y + R omega at the start."""
-        return self.begin[3] + self.radius * self.begin[4]
+        slip: Number = self.begin[3] + self.radius * self.begin[4]
+        return slip
 
     def slip_size(self) -> Number:
         """|v_y + R omega| at the start."""
@@ -287,20 +278,14 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 
     def scaled_errors(self, rows: list[list[arb]]) -> arb_mat:
         """The matrix between errors of STATE that has these rows, between errors in scales."""
-        sizes = [arb_of(self.scale[name]) for name in STATE]
-        return arb_mat(
-            [
-                [entry * column / size for entry, column in zip(row, sizes, strict=True)]
-                for row, size in zip(rows, sizes, strict=True)
-            ]
-        )
+        return between_scales(rows, [arb_of(self.scale[name]) for name in STATE])
 
     @per_precision
     def stop(self) -> tuple[arb, arb] | None:
         """The overlap [m] and the time [s] at the end of the slip; None if it does not end.
 
         It ends at P = 2|s|/(7 mu), where u = d'/v = (v_x(0) - P)/v with v the speed at touch; then
-        d = d_m (1 - u^2)^a by the energy. Raises UndecidedError where balls do not tell that from
+        d = d_m (1 - u^2)^a by the energy. Raises UndecidedError where balls cannot tell that from
         the end of the contact.
         """
         contact, touch = self.contact()

@@ -64,7 +64,7 @@ MOST = 64
 class Sliding:
     """A slide: the spring at its limit on a side, from `x` on a leg on, with the slip [m/s] there.
 
-    With u = d'/v_n, u0 at the begin, slip = slip0 - side 7/2 mu v_n (u0 - u).
+    With u = d'/v_n, u0 at the start, slip = slip0 - side 7/2 mu v_n (u0 - u).
     """
 
     spring: MindlinSpring
@@ -80,7 +80,7 @@ class Sliding:
 
         It ends where side slip = g d' = g v_n u, that is at u = (7/2 mu v_n u0 - side slip0)/((7/2
         mu - g) v_n), after which the limit grows faster than the slip could stretch the spring.
-        Raises UndecidedError where balls do not tell that from the end of the contact.
+        Raises UndecidedError where balls cannot tell that from the end of the contact.
         """
         speed = self.spring.contact.speed
         _, rate = self.spring.place(self.leg, self.x)
@@ -97,9 +97,9 @@ class Sliding:
         return self.spring.coordinate(depth, u)
 
     def now(self, depth: arb, rate: arb, elapsed: arb) -> tuple[arb, arb]:
-        """The slip [m/s], and its integral over time [m] since the begin of the slide.
+        """The slip [m/s], and its integral over time [m] since the start of the slide.
 
-        `depth` and `rate` are the scaled d and d' now, `elapsed` [s] the time since the begin. The
+        `depth` and `rate` are the scaled d and d' now, `elapsed` [s] the time since the start. The
         integral of u0 - u over time is u0 elapsed - (d - d0)/v_n.
         """
         contact = self.spring.contact
@@ -181,7 +181,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     def phases(self) -> list[Phase]:
         """Every phase of the contact in order of time, a stick by its legs.
 
-        Raises UndecidedError where balls do not tell the slip from the rate of the limit at touch,
+        Raises UndecidedError where balls cannot tell the slip from the rate of the limit at touch,
         SwitchError for a contact of more than MOST phases.
         """
         contact, _ = self.contact()
@@ -281,7 +281,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         return Phase(begin, displacement, stretch, slide), x_slide, 0
 
     def guard(self, motion: Stretched, side: int, x: arb, at_limit: int) -> Watched:
-        """The margin g d - side s of a stick as a switching function, with its zero at the begin.
+        """The margin g d - side s of a stick as a switching function, with its zero at the start.
 
         `at_limit` is 1 for a stick from touch on, where both margins have a simple zero; 2 side for
         one that follows a slide to that side, whose margin has a double zero there; else 0.
@@ -485,12 +485,13 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         spring that is never stretched.
         """
         phases = list(self.phases())
-        last = phases[-1].motion
-        zero = arb(0)
-        while isinstance(last, Stretched) and last.leg != OUTWARD:
-            begin = last.spring.time(last.leg, last.spring.ends(last.leg)[1])
-            last = last.beyond()
-            phases.append(Phase(begin, zero, zero, last))
+        motion = phases[-1].motion
+        while isinstance(motion, Stretched) and motion.leg != OUTWARD:
+            # The next leg begins at the time at which this one ends.
+            _, leg_end = motion.spring.ends(motion.leg)
+            begin = motion.spring.time(motion.leg, leg_end)
+            motion = motion.beyond()
+            phases.append(Phase(begin, arb(0), arb(0), motion))
         return phases
 
     def dyadic_half(self) -> arb:

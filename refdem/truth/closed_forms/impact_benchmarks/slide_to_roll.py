@@ -13,16 +13,14 @@ at sqrt(k/m).
 """
 
 from collections.abc import Iterator, Mapping
-from copy import copy
 from fractions import Fraction
 from functools import partial
-from typing import Self
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
-from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, narrow, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Size
 
@@ -30,7 +28,7 @@ STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class SlideToRoll(ClosedForm):
+class SlideToRoll(FromCoordinates, ClosedForm):
     """The truth of the slide: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
 
     `rate2` is k/m [1/s^2], `sag` the overlap m g/k [m] at rest.
@@ -61,13 +59,6 @@ class SlideToRoll(ClosedForm):
         self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
         """x, the height of the centre above its place of rest, their rates, and the spin."""
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose start is larger by `amount` in coordinate `axis` of STATE."""
-        other = copy(self)
-        other.kept = {}
-        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))  # type: ignore[assignment]
-        return other
-
     @per_precision
     def growth(self) -> Grows:
         """How errors of STATE grow, from the stretches below."""
@@ -93,13 +84,7 @@ class SlideToRoll(ClosedForm):
 
     def scaled(self, rows: list[list[arb]]) -> arb_mat:
         """The matrix between errors of STATE, given as rows, between errors in scales."""
-        sizes = [arb_of(self.scale[name]) for name in STATE]
-        return arb_mat(
-            [
-                [entry * column / size for entry, column in zip(row, sizes, strict=True)]
-                for row, size in zip(rows, sizes, strict=True)
-            ]
-        )
+        return between_scales(rows, [arb_of(self.scale[name]) for name in STATE])
 
     def errors(self, friction: arb, t: arb) -> arb_mat:
         """The matrix (5 x 5, in scales) that maps errors of STATE to those a time t [s] later.
@@ -142,7 +127,8 @@ class SlideToRoll(ClosedForm):
 
     def rolling_impulse(self) -> Fraction:
         """The impulse per mass after which it rolls, 2 (u0 + R omega0)/(7 mu) [m/s]."""
-        return Fraction(2, 7) * (self.begin[2] + self.radius * self.begin[4]) / self.friction
+        slip: Fraction = self.begin[2] + self.radius * self.begin[4]
+        return Fraction(2, 7) * slip / self.friction
 
     def roll_time(self) -> arb:
         """The time [s] at which it rolls, where g t - (d' - d'(0)) is the rolling impulse.

@@ -13,13 +13,13 @@ from fractions import Fraction
 
 from flint import arb, arb_mat
 
+from refdem.truth.balls import unit_matrix
 from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number
 from refdem.truth.sphere_pair import TouchingPair
-from refdem.truth.validated_ivp.moved import identity
 
 NAMES = tuple(
     f"{kind}{body}.{axis}" for body in (1, 2, 3) for kind in ("r", "v", "omega") for axis in "xyz"
@@ -89,7 +89,7 @@ class ThreeSpheres(Collision):
 
     def bodies(self) -> arb_mat:
         """The coordinates of an outer sphere and the two spins are those of the mode."""
-        return identity(self.phases.size - 1)
+        return unit_matrix(self.phases.size - 1)
 
     def counted(self) -> Sequence[str]:
         return MOVED

@@ -14,13 +14,12 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import arb_of, unit_matrix
 from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
 from refdem.truth.contact_phases import PlanarPhases, State, dyadic_root
 from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number, near
-from refdem.truth.validated_ivp.moved import identity
 
 NAMES = tuple(f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz")
 MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
@@ -165,7 +164,7 @@ class WallImpact(Collision):
         """The coordinates of the sphere are those of the mode; the spin that it has no use for
         comes after them.
         """
-        return identity(self.phases.size - 1)
+        return unit_matrix(self.phases.size - 1)
 
     def counted(self) -> Sequence[str]:
         return MOVED
