@@ -104,6 +104,20 @@ def springs_of_a_power(s: bool) -> Scene:
     return Scene.of(bodies(s), links)
 
 
+def springs_of_no_length(s: bool) -> Scene:
+    """Linear ones, which are the same along every axis, two of them on one body; and odd ones."""
+    links = [
+        Spring(a=0, stiffness=3.0, anchor_b=vector(0.4, -0.2, 0.3, s)),
+        Spring(a=1, stiffness=2.5, anchor_b=vector(-0.5, 0.9, -0.4, s)),
+        Spring(a=1, stiffness=1.5, anchor_b=vector(0.6, 0.3, 0.2, s)),
+        Spring(a=2, b=1, stiffness=0.7),
+        Spring(a=2, stiffness=1.2, cubic=2.3, anchor_b=vector(0.6, 0.3, 0.2, s)),
+        Spring(a=1, b=0, stiffness=1.7, exponent=3.0, cubic=0.4),
+        Spring(a=1, b=3, stiffness=0.9, length=0.2, exponent=3.0),
+    ]
+    return Scene.of([*bodies(s), still(s)], links)
+
+
 def dashpots(s: bool) -> Scene:
     links = [
         Dashpot(a=0, damping=0.7, van_der_pol=0.9, anchor_b=vector(0.5, -1.2, 0.7, s)),
@@ -188,6 +202,7 @@ STRIBECK = {"normal_force": 2.5, "mu0": 0.5, "mu1": 0.2, "lambda0": 1.4, "lambda
 SCENES = {
     "springs": springs,
     "springs of a power": springs_of_a_power,
+    "springs of no length": springs_of_no_length,
     "dashpots": dashpots,
     "dashpots between": dashpots_between,
     "equal dashpots": equal_dashpots,
@@ -319,6 +334,7 @@ ENGINES = ("reference", "pymunk", "rebound", "mujoco")
 CARRIED = {
     "springs": "mujoco pymunk rebound reference",
     "springs of a power": "mujoco pymunk rebound reference",
+    "springs of no length": "mujoco pymunk rebound reference",
     "dashpots": "mujoco pymunk rebound",
     "dashpots between": "mujoco rebound",
     "equal dashpots": "mujoco pymunk rebound",
@@ -356,7 +372,10 @@ def runs(engine: str, problem: Motion) -> Iterator[tuple[str, float, Array, Arra
             control = {"step": FINE}
         elif method.control == "tolerance":
             control = {"tolerance": TOLERANCE}
-        run, _ = found.run(Request(problem=problem, method=method.name, **control))
+        run, cost = found.run(Request(problem=problem, method=method.name, **control))
+        if method.control == "step":
+            assert cost.steps == round(SAMPLES * INTERVAL / FINE)
+        np.testing.assert_allclose(run.t, problem.times, rtol=1e-12)
         velocity = run.velocity
         if method.velocity_time != "synchronous":
             velocity = np.full_like(velocity, np.nan)
