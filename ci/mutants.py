@@ -55,6 +55,10 @@ START = 60.0
 """[s] to start a process of tests and to collect them, on a busy machine."""
 SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
 """What ci/sanitized runs."""
+STARTED = {"refdem/engines/external/supervisor.py": "refdem/engines/external/process.py"}
+"""Files whose functions run in a process of their own, where no lines are followed, each with the
+file that starts it: a test that runs that one may run any line of theirs.
+"""
 MOST_COPIES = 64
 """Copies of the tree that may be in use at once: more than any machine runs jobs here. Where none
 is free, copies of runs that were killed have piled up.
@@ -271,16 +275,22 @@ class Judge:
         return ""
 
     def _is_green(self, copy: TreeCopy, site: Site, text: bytes, own: dict[str, float]) -> bool:
-        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted
-        again afterwards.
+        """True if a test, here with its seconds, passes with nothing planted; where it does not,
+        the mutant is planted again afterwards, for the other tests.
         """
         ((name, seconds),) = own.items()
         if (name, copy.flags) in self.green:
             return True
-        with planted(copy, site.path, text, then=site.planted(text)):
-            is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
+        if copy.is_sanitized:
+            _plant(copy, site.path, text)
+        else:
+            # The kernels that meson built have the bits of a quick build, and need none.
+            _restore(copy, site.path)
+        is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
         if is_green:
             self.green.add((name, copy.flags))
+        else:
+            _plant(copy, site.path, site.planted(text))
         return is_green
 
     def lots(self, site: Site, text: bytes) -> list[list[Executed]]:
@@ -292,9 +302,12 @@ class Judge:
         """
         first = text[: site.statement].count(b"\n") + 1
         span = {UNKNOWN, *range(first, site.line(text) + 1)}
+        starter = STARTED.get(site.path, "")
         if site.is_inside:
             telling = [
-                test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))
+                test
+                for test in self.tests
+                if not span.isdisjoint(test.lines.get(site.path, ())) or test.lines.get(starter)
             ]
         else:
             telling = [test for test in self.tests if test.lines.get(site.path)]
@@ -335,25 +348,35 @@ def text_of(path: str) -> bytes:
 
 
 @contextlib.contextmanager
-def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -> Iterator[bool]:
-    """A file of the copy as `text`, its kernels built;
+def planted(copy: TreeCopy, path: str, text: bytes) -> Iterator[bool]:
+    """A file of the copy as `text`, its kernels built; True if it compiles.
 
-    True if it compiles. Afterwards it is `then`, or what the tree says.
+    Afterwards it is what the tree says.
     """
-    if not path.endswith(".py"):
-        families = copy.families_of(path)
-    else:
-        families = []
     try:
-        copy.written(path, text)
-        yield _is_sound(copy, path, text, families)
+        yield _plant(copy, path, text)
     finally:
-        copy.written(path, text_of(path) if then is None else then)
-        for family in families:
-            if then is None:
-                copy.pristine_kernel(family)
-            else:
-                copy.built_kernel(family)
+        _restore(copy, path)
+
+
+def _plant(copy: TreeCopy, path: str, text: bytes) -> bool:
+    """Writes a file of the copy and builds its kernels; True if it compiles."""
+    copy.written(path, text)
+    return _is_sound(copy, path, text, _families(copy, path))
+
+
+def _restore(copy: TreeCopy, path: str) -> None:
+    """Puts back a file of the copy, and its kernels."""
+    copy.written(path, text_of(path))
+    for family in _families(copy, path):
+        copy.pristine_kernel(family)
+
+
+def _families(copy: TreeCopy, path: str) -> list[str]:
+    """The kernels that a file is part of; none for a module."""
+    if path.endswith(".py"):
+        return []
+    return copy.families_of(path)
 
 
 def _is_sound(copy: TreeCopy, path: str, text: bytes, families: list[str]) -> bool:
