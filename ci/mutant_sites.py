@@ -67,7 +67,7 @@ class Site:
 
     `scope` is the digest of the outermost function around it, or, outside functions, of the
     statement; `number` counts the sites of that scope from 0. `is_inside` a function: what stands
-    outside runs once, when its module is imported.
+    outside runs once, when its module is imported. `until` is the end of a function of C.
     """
 
     path: str
@@ -79,6 +79,7 @@ class Site:
     scope: str
     number: int = 0
     is_inside: bool = True
+    until: int = 0
 
     def planted(self, text: bytes) -> bytes:
         """The file with the error."""
@@ -154,9 +155,9 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
     import tree_sitter_c
 
     tree = tree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(text)
-    waiting = [(tree.root_node, -1, False, "")]
+    waiting = [(tree.root_node, -1, 0, "")]
     while waiting:
-        node, statement, is_within, scope = waiting.pop()
+        node, statement, until, scope = waiting.pop()
         if node.type.startswith("preproc_") and node.type not in (
             "preproc_ifdef",
             "preproc_if",
@@ -169,14 +170,14 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
             "compound_statement",
             "case_statement",
         )
-        if is_statement or (node.type == "declaration" and is_within):
+        if is_statement or (node.type == "declaration" and until):
             statement = node.start_byte
         if statement >= 0:
-            yield from of_node(path, node, statement, scope)
-        if node.type == "function_definition" and not is_within:
-            is_within = True
+            yield from of_node(path, node, statement, scope, until)
+        if node.type == "function_definition" and not until:
+            until = node.end_byte
             scope = digest(" ".join(tokens(node)))
-        waiting += [(child, statement, is_within, scope) for child in node.children]
+        waiting += [(child, statement, until, scope) for child in node.children]
 
 
 def is_assertion(node: "object") -> bool:
@@ -199,11 +200,11 @@ def tokens(node: "object") -> Iterator[str]:
         yield from tokens(child)
 
 
-def of_node(path: str, node: "object", statement: int, scope: str) -> Iterator[Site]:
+def of_node(path: str, node: "object", statement: int, scope: str, until: int) -> Iterator[Site]:
     """Sites of one node of C."""
 
     def site(kind: str, begin: int, end: int, instead: str) -> Site:
-        return Site(path, kind, begin, end, instead.encode(), statement, scope)
+        return Site(path, kind, begin, end, instead.encode(), statement, scope, until=until)
 
     kind, children = node.type, node.children  # type: ignore[attr-defined]
     if kind in ("binary_expression", "assignment_expression"):

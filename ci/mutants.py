@@ -301,16 +301,15 @@ class Judge:
         whole at the end.
         """
         first = text[: site.statement].count(b"\n") + 1
-        span = {UNKNOWN, *range(first, site.line(text) + 1)}
         starter = STARTED.get(site.path, "")
         if site.is_inside:
-            telling = [
-                test
-                for test in self.tests
-                if not span.isdisjoint(test.lines.get(site.path, ())) or test.lines.get(starter)
-            ]
+            telling = self._running(site.path, {*range(first, site.line(text) + 1)}, starter)
         else:
             telling = [test for test in self.tests if test.lines.get(site.path)]
+        if not telling and site.until:
+            # A declaration makes no code of its own: what follows it in its function does.
+            last = text[: site.until].count(b"\n") + 1
+            telling = self._running(site.path, {*range(first, last + 1)}, starter)
         ordered = sorted(telling, key=lambda test: test.seconds)
         files = {test.file for test in telling}
         others = [
@@ -319,6 +318,15 @@ class Judge:
             if test.file in files and test not in telling and self._seconds(test.file) < WHOLE
         ]
         return [lot for lot in (*_split(ordered), others) if lot]
+
+    def _running(self, path: str, lines: set[int], starter: str) -> list[Executed]:
+        """The tests that run any of these lines of a file, or the file that starts it."""
+        span = lines | {UNKNOWN}
+        return [
+            test
+            for test in self.tests
+            if not span.isdisjoint(test.lines.get(path, ())) or test.lines.get(starter)
+        ]
 
     def _seconds(self, file: str) -> float:
         """How long a file of tests takes."""
