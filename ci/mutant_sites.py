@@ -50,6 +50,8 @@ PYTHON = {
     ast.And: "and",
     ast.Or: "or",
 }
+ROOM = "room"
+"""Kind of a mutant that gives an array room for one number more."""
 KINDS = {
     "<": "comparison",
     ">": "comparison",
@@ -216,7 +218,10 @@ def of_node(path: str, node: "object", statement: int, scope: str, until: int) -
         yield site("sign", children[0].start_byte, children[0].end_byte, "")
     elif kind == "number_literal":
         instead = other_number(node.text.decode())  # type: ignore[attr-defined]
-        if instead is not None:
+        is_size = node.parent.type == "array_declarator"  # type: ignore[attr-defined]
+        if is_size and instead not in (None, "0"):
+            yield site(ROOM, node.start_byte, node.end_byte, str(instead))  # type: ignore[attr-defined]
+        elif instead is not None:
             yield site("constant", node.start_byte, node.end_byte, instead)  # type: ignore[attr-defined]
     elif kind == "expression_statement" and len(children) == 2 and not is_assertion(children[0]):
         yield site("statement", node.start_byte, node.end_byte, ";")  # type: ignore[attr-defined]
