@@ -155,7 +155,8 @@ class Verdict:
 class Judge:
     """Plants mutants and shows them to tests;
 
-    `green` are tests seen to pass with nothing planted, `spoiled` those that do not.
+    `green` are tests seen to pass with nothing planted, `spoiled` those that do not; `fickle` have
+    failed with a mutant and then passed with it.
     """
 
     tests: list[Executed]
@@ -163,6 +164,7 @@ class Judge:
     seed: int
     green: set[tuple[str, tuple[str, ...]]] = field(default_factory=set)
     spoiled: set[str] = field(default_factory=set)
+    fickle: set[str] = field(default_factory=set)
 
     def verdict(self, copy: TreeCopy, site: Site, group: str) -> Verdict:
         """Plants one mutant in a copy, and puts the file and its kernels back."""
@@ -268,7 +270,11 @@ class Judge:
             is_red_again = copy.tested([name], START + SLOWER * own[name], seconds=own).is_red
             if is_red_again and self._is_green(copy, site, text, own):
                 return name
-            self.spoiled.add(name)
+            # What fails only sometimes may do so by the mutant, which reads what nobody wrote: for
+            # this mutant it has no say. With the next one it may be the test itself.
+            if is_red_again or name in self.fickle:
+                self.spoiled.add(name)
+            self.fickle.add(name)
             seconds.pop(name, None)
             print(
                 f"{name} fails without any error planted, or only sometimes: it kills"
