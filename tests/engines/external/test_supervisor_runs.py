@@ -4,6 +4,7 @@ runs.
 
 import json
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -130,3 +131,18 @@ def test_a_file_may_be_as_large_as_the_limit(
     code = f"assert open('big', 'wb', 0).write(b'x' * {size}) == {size}"
     assert (run(supervised, tmp_path, python(code), bytes=2**14) == 0) is (size == 2**14)
     assert (tmp_path / "big").stat().st_size == 2**14
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_what_ends_refdem_does_not_end_its_supervisor(
+    supervised: Supervised, tmp_path: Path, number: int
+) -> None:
+    """It ends when refdem does, and not before it has ended the programs; these do end by them."""
+    assert run(supervised, tmp_path, python("pass")) == 0
+    for process in (*children(supervised.process.pid), supervised.process.pid):
+        os.kill(process, number)
+    assert run(supervised, tmp_path, python("pass")) == 0
+    code = f"import os, time\nos.kill(os.getpid(), {int(number)})\ntime.sleep(60)"
+    shell = ["/bin/sh", "-c", f"kill -{int(number)} $$; sleep 60"]
+    assert run(supervised, tmp_path, shell) == -number
+    assert run(supervised, tmp_path, python(code)) != 0
