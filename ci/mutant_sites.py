@@ -50,6 +50,8 @@ PYTHON = {
     ast.And: "and",
     ast.Or: "or",
 }
+ROOM = "room"
+"""Kind of a mutant that gives an array room for one number more."""
 KINDS = {
     "<": "comparison",
     ">": "comparison",
@@ -67,7 +69,7 @@ class Site:
 
     `scope` is the digest of the outermost function around it, or, outside functions, of the
     statement; `number` counts the sites of that scope from 0. `is_inside` a function: what stands
-    outside runs once, when its module is imported.
+    outside runs once, when its module is imported. `until` is the end of a function of C.
     """
 
     path: str
@@ -79,6 +81,7 @@ class Site:
     scope: str
     number: int = 0
     is_inside: bool = True
+    until: int = 0
 
     def planted(self, text: bytes) -> bytes:
         """The file with the error."""
@@ -154,9 +157,9 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
     import tree_sitter_c
 
     tree = tree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(text)
-    waiting = [(tree.root_node, -1, False, "")]
+    waiting = [(tree.root_node, -1, 0, "")]
     while waiting:
-        node, statement, is_within, scope = waiting.pop()
+        node, statement, until, scope = waiting.pop()
         if node.type.startswith("preproc_") and node.type not in (
             "preproc_ifdef",
             "preproc_if",
@@ -169,14 +172,14 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
             "compound_statement",
             "case_statement",
         )
-        if is_statement or (node.type == "declaration" and is_within):
+        if is_statement or (node.type == "declaration" and until):
             statement = node.start_byte
         if statement >= 0:
-            yield from of_node(path, node, statement, scope)
-        if node.type == "function_definition" and not is_within:
-            is_within = True
+            yield from of_node(path, node, statement, scope, until)
+        if node.type == "function_definition" and not until:
+            until = node.end_byte
             scope = digest(" ".join(tokens(node)))
-        waiting += [(child, statement, is_within, scope) for child in node.children]
+        waiting += [(child, statement, until, scope) for child in node.children]
 
 
 def is_assertion(node: "object") -> bool:
@@ -199,11 +202,11 @@ def tokens(node: "object") -> Iterator[str]:
         yield from tokens(child)
 
 
-def of_node(path: str, node: "object", statement: int, scope: str) -> Iterator[Site]:
+def of_node(path: str, node: "object", statement: int, scope: str, until: int) -> Iterator[Site]:
     """Sites of one node of C."""
 
     def site(kind: str, begin: int, end: int, instead: str) -> Site:
-        return Site(path, kind, begin, end, instead.encode(), statement, scope)
+        return Site(path, kind, begin, end, instead.encode(), statement, scope, until=until)
 
     kind, children = node.type, node.children  # type: ignore[attr-defined]
     if kind in ("binary_expression", "assignment_expression"):
@@ -215,7 +218,10 @@ def of_node(path: str, node: "object", statement: int, scope: str) -> Iterator[S
         yield site("sign", children[0].start_byte, children[0].end_byte, "")
     elif kind == "number_literal":
         instead = other_number(node.text.decode())  # type: ignore[attr-defined]
-        if instead is not None:
+        is_size = node.parent.type == "array_declarator"  # type: ignore[attr-defined]
+        if is_size and instead not in (None, "0"):
+            yield site(ROOM, node.start_byte, node.end_byte, str(instead))  # type: ignore[attr-defined]
+        elif instead is not None:
             yield site("constant", node.start_byte, node.end_byte, instead)  # type: ignore[attr-defined]
     elif kind == "expression_statement" and len(children) == 2 and not is_assertion(children[0]):
         yield site("statement", node.start_byte, node.end_byte, ";")  # type: ignore[attr-defined]

@@ -37,7 +37,7 @@ from queue import Queue
 
 import executed_lines
 from executed_lines import UNKNOWN, Executed
-from mutant_sites import Site, sites
+from mutant_sites import ROOM, Site, sites
 from tree_copy import NOT_FOUND, ROOT, TreeCopy
 
 EQUIVALENT = ROOT / "ci" / "equivalent_mutants.toml"
@@ -55,6 +55,11 @@ START = 60.0
 """[s] to start a process of tests and to collect them, on a busy machine."""
 SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
 """What ci/sanitized runs."""
+UNUSED_ROOM = "An array with room for one number more than is ever written or read."
+STARTED = {"refdem/engines/external/supervisor.py": "refdem/engines/external/process.py"}
+"""Files whose functions run in a process of their own, where no lines are followed, each with the
+file that starts it: a test that runs that one may run any line of theirs.
+"""
 MOST_COPIES = 64
 """Copies of the tree that may be in use at once: more than any machine runs jobs here. Where none
 is free, copies of runs that were killed have piled up.
@@ -150,7 +155,8 @@ class Verdict:
 class Judge:
     """Plants mutants and shows them to tests;
 
-    `green` are tests seen to pass with nothing planted, `spoiled` those that do not.
+    `green` are tests seen to pass with nothing planted, `spoiled` those that do not; `fickle` have
+    failed with a mutant and then passed with it.
     """
 
     tests: list[Executed]
@@ -158,6 +164,7 @@ class Judge:
     seed: int
     green: set[tuple[str, tuple[str, ...]]] = field(default_factory=set)
     spoiled: set[str] = field(default_factory=set)
+    fickle: set[str] = field(default_factory=set)
 
     def verdict(self, copy: TreeCopy, site: Site, group: str) -> Verdict:
         """Plants one mutant in a copy, and puts the file and its kernels back."""
@@ -166,6 +173,8 @@ class Judge:
         shown = site.shown(text)
         whole = text.split(b"\n")[line - 1].decode().strip()
         reason = self.reasons.get((site.path, whole, shown))
+        if site.kind == ROOM:
+            reason = UNUSED_ROOM
         outcome = "equivalent"
         note = reason or ""
         if reason is None:
@@ -261,7 +270,11 @@ class Judge:
             is_red_again = copy.tested([name], START + SLOWER * own[name], seconds=own).is_red
             if is_red_again and self._is_green(copy, site, text, own):
                 return name
-            self.spoiled.add(name)
+            # What fails only sometimes may do so by the mutant, which reads what nobody wrote: for
+            # this mutant it has no say. With the next one it may be the test itself.
+            if is_red_again or name in self.fickle:
+                self.spoiled.add(name)
+            self.fickle.add(name)
             seconds.pop(name, None)
             print(
                 f"{name} fails without any error planted, or only sometimes: it kills"
@@ -271,16 +284,22 @@ class Judge:
         return ""
 
     def _is_green(self, copy: TreeCopy, site: Site, text: bytes, own: dict[str, float]) -> bool:
-        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted
-        again afterwards.
+        """True if a test, here with its seconds, passes with nothing planted; where it does not,
+        the mutant is planted again afterwards, for the other tests.
         """
         ((name, seconds),) = own.items()
         if (name, copy.flags) in self.green:
             return True
-        with planted(copy, site.path, text, then=site.planted(text)):
-            is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
+        if copy.is_sanitized:
+            _plant(copy, site.path, text)
+        else:
+            # The kernels that meson built have the bits of a quick build, and need none.
+            _restore(copy, site.path)
+        is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
         if is_green:
             self.green.add((name, copy.flags))
+        else:
+            _plant(copy, site.path, site.planted(text))
         return is_green
 
     def lots(self, site: Site, text: bytes) -> list[list[Executed]]:
@@ -291,13 +310,15 @@ class Judge:
         whole at the end.
         """
         first = text[: site.statement].count(b"\n") + 1
-        span = {UNKNOWN, *range(first, site.line(text) + 1)}
+        starter = STARTED.get(site.path, "")
         if site.is_inside:
-            telling = [
-                test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))
-            ]
+            telling = self._running(site.path, {*range(first, site.line(text) + 1)}, starter)
         else:
             telling = [test for test in self.tests if test.lines.get(site.path)]
+        if not telling and site.until:
+            # A declaration makes no code of its own: what follows it in its function does.
+            last = text[: site.until].count(b"\n") + 1
+            telling = self._running(site.path, {*range(first, last + 1)}, starter)
         ordered = sorted(telling, key=lambda test: test.seconds)
         files = {test.file for test in telling}
         others = [
@@ -306,6 +327,15 @@ class Judge:
             if test.file in files and test not in telling and self._seconds(test.file) < WHOLE
         ]
         return [lot for lot in (*_split(ordered), others) if lot]
+
+    def _running(self, path: str, lines: set[int], starter: str) -> list[Executed]:
+        """The tests that run any of these lines of a file, or the file that starts it."""
+        span = lines | {UNKNOWN}
+        return [
+            test
+            for test in self.tests
+            if not span.isdisjoint(test.lines.get(path, ())) or test.lines.get(starter)
+        ]
 
     def _seconds(self, file: str) -> float:
         """How long a file of tests takes."""
@@ -335,25 +365,35 @@ def text_of(path: str) -> bytes:
 
 
 @contextlib.contextmanager
-def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -> Iterator[bool]:
-    """A file of the copy as `text`, its kernels built;
+def planted(copy: TreeCopy, path: str, text: bytes) -> Iterator[bool]:
+    """A file of the copy as `text`, its kernels built; True if it compiles.
 
-    True if it compiles. Afterwards it is `then`, or what the tree says.
+    Afterwards it is what the tree says.
     """
-    if not path.endswith(".py"):
-        families = copy.families_of(path)
-    else:
-        families = []
     try:
-        copy.written(path, text)
-        yield _is_sound(copy, path, text, families)
+        yield _plant(copy, path, text)
     finally:
-        copy.written(path, text_of(path) if then is None else then)
-        for family in families:
-            if then is None:
-                copy.pristine_kernel(family)
-            else:
-                copy.built_kernel(family)
+        _restore(copy, path)
+
+
+def _plant(copy: TreeCopy, path: str, text: bytes) -> bool:
+    """Writes a file of the copy and builds its kernels; True if it compiles."""
+    copy.written(path, text)
+    return _is_sound(copy, path, text, _families(copy, path))
+
+
+def _restore(copy: TreeCopy, path: str) -> None:
+    """Puts back a file of the copy, and its kernels."""
+    copy.written(path, text_of(path))
+    for family in _families(copy, path):
+        copy.pristine_kernel(family)
+
+
+def _families(copy: TreeCopy, path: str) -> list[str]:
+    """The kernels that a file is part of; none for a module."""
+    if path.endswith(".py"):
+        return []
+    return copy.families_of(path)
 
 
 def _is_sound(copy: TreeCopy, path: str, text: bytes, families: list[str]) -> bool:

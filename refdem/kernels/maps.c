@@ -56,15 +56,14 @@ static inline void find_next_wall(unfolded *c)
 }
 
 /* The coordinate within the table at time t: the unfolded one, less the tables passed, mirrored in
- * every other. */
+ * every other. It is right to 2^-100 of the way, so that at a wall it rounds to that wall. */
 static inline double fold(const unfolded *c, dd t)
 {
     dd place = dd_add(dd_of(c->start), dd_mul(dd_of(c->rate), t));
     place = dd_sub(place, dd_scale(dd_of(c->size), c->sense * (double)c->count));
-    double x = dd_round(place);
     if (c->count % 2 == 1)
-        x = -x;
-    return fmax(-0.5 * c->size, fmin(0.5 * c->size, x));
+        return -dd_round(place);
+    return dd_round(place);
 }
 
 int refdem_rectangle(double width, double height, const double *restrict start, int64_t samples,
@@ -119,13 +118,10 @@ static inline int bounce(double r, double a, int arc, double *restrict s)
     double u = s[2];
     double v = s[3];
     double wall_side = copysign(1.0, v);
-    double crossing; /* where it meets the line of the straight wall */
+    /* Where it meets the line of the straight wall; along the walls it goes to a half circle. */
+    double crossing = copysign(INFINITY, u);
     if (v != 0.0)
         crossing = x + (wall_side * r - y) * u / v;
-    else if (u > 0.0) /* along the walls it goes to a half circle */
-        crossing = INFINITY;
-    else
-        crossing = -INFINITY;
     if (a > 0.0 && fabs(crossing) <= a) { /* the straight wall */
         s[0] = crossing;
         s[1] = wall_side * r;

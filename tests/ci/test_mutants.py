@@ -6,6 +6,8 @@ from pathlib import Path
 import mutant_sites
 import pytest
 import tree_copy
+from executed_lines import Executed
+from mutants import STARTED, Judge
 
 CI = Path(__file__).parents[2] / "ci"
 
@@ -140,3 +142,70 @@ def test_what_an_assert_says_is_no_site(tmp_path):
 def test_functions_of_equal_code_do_not_share_their_sites(tmp_path):
     text = "def twin(x):\n    return x + x\n"
     assert len(names(tmp_path, "twins.py", text + text)) == 2
+
+
+DECLARED = """
+static double f(double x)
+{
+    double all[3], last[1], some[N + 1];
+    all[2] = x;
+    return all[2];
+}
+"""
+
+
+def test_only_a_larger_array_is_room_that_nobody_uses(tmp_path):
+    (tmp_path / "declared.c").write_text(DECLARED)
+    found = {
+        (site.kind, site.shown(DECLARED.encode()))
+        for site in mutant_sites.sites(tmp_path, "declared.c")
+    }
+    assert found == {
+        ("room", "3 -> 4"),
+        ("constant", "1 -> 0"),
+        ("operator", "+ -> -"),
+        ("constant", "2 -> 3"),
+        ("statement", "all[2] = x; -> ;"),
+    }
+
+
+def test_a_site_of_c_knows_the_end_of_its_function(tmp_path):
+    (tmp_path / "declared.c").write_text(DECLARED)
+    ends = {site.until for site in mutant_sites.sites(tmp_path, "declared.c")}
+    assert ends == {len(DECLARED) - 1}
+
+
+def executed(name, seconds, **lines):
+    """A test that runs lines of files, named without their endings."""
+    return Executed(name, seconds, {f"{file}.{end}": set(at) for file, (end, at) in lines.items()})
+
+
+def shown(lots):
+    """The names of the tests of all lots."""
+    return [test.test for lot in lots for test in lot]
+
+
+def test_a_declaration_is_shown_to_those_that_run_what_follows_it(tmp_path):
+    (tmp_path / "declared.c").write_text(DECLARED)
+    tests = [
+        executed("a.py::follows", 1.0, declared=("c", [6])),
+        executed("b.py::elsewhere", 1.0, declared=("c", [40])),
+    ]
+    sites = mutant_sites.sites(tmp_path, "declared.c")
+    (site,) = (site for site in sites if site.kind == "operator")
+    lots = Judge(tests, {}, 1).lots(site, DECLARED.encode())
+    assert shown(lots) == ["a.py::follows"]
+
+
+def test_what_runs_in_a_process_of_its_own_is_shown_to_those_that_start_it(tmp_path):
+    ((path, starter),) = STARTED.items()
+    tests = [
+        Executed("a.py::starts", 2.0, {starter: {200}}),
+        Executed("b.py::runs", 1.0, {path: {3}}),
+        Executed("c.py::neither", 1.0, {path: {9}}),
+    ]
+    text = "def f(x):\n    if x:\n        return x + 1.5\n"
+    (tmp_path / Path(path).parent).mkdir(parents=True)
+    (tmp_path / path).write_text(text)
+    site = mutant_sites.sites(tmp_path, path)[0]
+    assert shown(Judge(tests, {}, 1).lots(site, text.encode())) == ["b.py::runs", "a.py::starts"]

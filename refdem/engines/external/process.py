@@ -33,7 +33,9 @@ SHARE = 0.9
 CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Where Linux keeps the limit of a container: control groups version 2, and 1."""
 MAX_OUTPUT = 300
-"""Characters of what a program said that an error shows."""
+"""Characters of what a program said that an error or a refusal shows."""
+LONGEST_CHARACTER = 4
+"""Bytes of a character in UTF-8, at most."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
 _LOCAL = threading.local()
 _BUSY: set["Supervised"] = set()
@@ -175,7 +177,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     if exit.status == NOT_SUPPORTED:
         reason = "the program reports that the scene is not supported (exit status 77)"
         if says:
-            reason = one_line(says[-1])
+            reason = one_line(says[-1][-MAX_OUTPUT:])
         raise UnsupportedError(reason)
     if exit.status != 0:
         output = one_line(" / ".join(says))[-MAX_OUTPUT:]
@@ -218,7 +220,9 @@ def status_words(status: int) -> str:
 
 
 def _last_lines(file: BinaryIO) -> list[str]:
-    """The lines at the end of what the program said."""
+    """The lines at the end of what the program said, MAX_OUTPUT characters of them at least."""
+    # The first character may be cut, and so is no part of these; a line end follows the last one.
+    most = LONGEST_CHARACTER * (MAX_OUTPUT + 1)
     size = os.fstat(file.fileno()).st_size
-    text = os.pread(file.fileno(), 4 * MAX_OUTPUT, max(0, size - 4 * MAX_OUTPUT))
+    text = os.pread(file.fileno(), most, max(0, size - most))
     return text.decode(errors="replace").strip().splitlines()
