@@ -539,6 +539,8 @@ def test_a_return_error_of_an_even_order_has_the_next_odd_one():
         )
         assert found["order"].value == pytest.approx(max(0.0, expected - log2(ratio)), **LIKE)
         assert found["order"].bound == pytest.approx(0.15)
+        verb = "meets" if found["order"].outcome == "pass" else "is below"
+        assert f"{verb} the claimed {expected}" in found["order"].sentence
 
 
 def test_a_defect_below_the_next_term_shows_no_order():
