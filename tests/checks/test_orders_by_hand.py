@@ -394,6 +394,15 @@ def test_levels_are_told_with_their_bound_order_and_constant():
     )
 
 
+def test_a_level_counts_whose_bound_at_the_end_is_twenty_roundings():
+    # In single precision 20 x 8 u sqrt(8/h) is 4.3e-4 and 6.1e-4; 17 (2 h)^2 is 1e-3 and 2.6e-4,
+    # and 17 times less at the start.
+    claims = method(precision="single")
+    levels = (2.0**-8, 2.0**-9)
+    found = judged("error", dict.fromkeys(levels, 1e-5), claims=claims, levels=levels)["x"]
+    assert [level.counts for level in found.levels] == [True, False]
+
+
 def test_a_quantity_that_truth_moves_within_round_off_has_no_signal():
     of = swinging()
     for way, moves in ((0.9, False), (1.1, True)):

@@ -245,6 +245,9 @@ def test_a_claim_below_what_a_force_allows_stands():
     of = instance([SPHERE], (HERTZ, Plane()))
     assert order(of, method(order=2)) == 2
     assert order(of, method(order=3)) == 2.5
+    # A linear contact allows the second order: the claim is told as it was made, and not as 2.0.
+    linear = instance([SPHERE], (Contact(law="linear", stiffness=1.0), Plane()))
+    assert str(order(linear, method(order=2))) == "2"
 
 
 def test_tolerances_fall_by_hundreds_down_to_twenty_roundings():
