@@ -1,5 +1,7 @@
 """The turning point of a wedge that meets a wall, and which end it shows on its way, by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -46,11 +48,8 @@ class Wall:
         return self.now
 
 
-class Scene:
-    """No more than an attitude."""
-
-    class bodies:
-        attitude = np.array([[1.0, 0.0, 0.0, 0.0]])
+SCENE = SimpleNamespace(bodies=SimpleNamespace(attitude=np.array([[1.0, 0.0, 0.0, 0.0]])))
+"""No more than an attitude."""
 
 
 @pytest.mark.parametrize(
@@ -65,4 +64,4 @@ class Scene:
 )
 @pytest.mark.parametrize("now", [True, False])
 def test_what_comes_first_on_the_way_in_goes_last_on_the_way_out(overlap, rate, turned, now):
-    assert exact_wedge._comes_edge_first(Scene(), Wall(now), overlap, rate) == (now != turned)
+    assert exact_wedge._comes_edge_first(SCENE, Wall(now), overlap, rate) == (now != turned)
