@@ -418,6 +418,22 @@ def test_the_bound_on_a_slip_is_the_observed_error_over_its_rate_and_a_step():
         assert found["slip"].sharpness == pytest.approx(allowed / 3.0, rel=1e-6)
 
 
+def test_a_clock_may_begin_at_any_time():
+    """The signal beside a time is how long ago the run began, and not what its clock shows."""
+    times = tuple(t + 2.0 for t in TIMES)
+    of = instance([POINT], (SPRING, BELT), times=times, quantities={"x": 4.0})
+    values = {"x": [0.0, 0.1, 0.2, 0.3, 0.4], "v": [0.0, 1.0, 1.0, 1.0, -1.0]}
+    samples = truth(times, values, scalars={"slip_1": (5.0, 0.0)})
+    subject = Subject(of, method(), (2.0**-12,), samples)
+    place = [[[x, 0.0, 0.0]] for x in values["x"]]
+    run = standing(of, position=place, events=(Event(5.0, "slip", 0),))
+    slip = findings(CHECK, subject, run)["slip"]
+    assert slip.sharpness == pytest.approx(slip.bound * 0.5 / (5.0 - 2.0), rel=1e-12)
+    # An event that never was is off by its distance from the nearest one.
+    early = standing(of, position=place, events=(Event(2.5, "slip", 0), Event(5.0, "slip", 0)))
+    assert findings(CHECK, subject, early)["slip"].value == pytest.approx(2.5 / 0.5, rel=1e-12)
+
+
 def test_a_bound_that_claims_alone_give_is_used_where_it_is_smaller():
     h = 2.0**-12
     x = [value + 0.1 for value in (0.0, 0.1, 0.2, 0.3, 0.4)]

@@ -66,6 +66,8 @@ def test_the_sharpest_sample_has_the_least_bound_over_the_largest_signal_so_far(
     bounds = np.array([1.0, 3.0, 4.0, 9.0])
     assert sharpest(bounds, np.array([0.0, 6.0, 5.0, 10.0])) == Sight(3.0, 6.0)
     assert sharpest(bounds, np.zeros(4)) == Sight(1.0, 0.0)
+    # Nothing has moved where nothing may: that sample sees nothing.
+    assert sharpest(np.array([0.0, 1.0]), np.array([0.0, 2.0])) == Sight(1.0, 2.0)
 
 
 @pytest.mark.parametrize(("value", "outcome"), [(0.5, "pass"), (0.5000001, "fail"), (nan, "fail")])
