@@ -244,6 +244,9 @@ def test_two_balls_touch_where_straight_lines_bring_them_to_the_sum_of_radii():
     # They part, or pass each other.
     away = standing(of, position=run.position, velocity=-run.velocity)
     assert _impulses.touch(of.scene, away, of_window((0, 1))) is None
+    # So do two that overlap already and move along each other: none nears the other.
+    along = standing(of, position=[[[0, 0, 9.0], [0, 1.25, 9.0]]] * 5, velocity=run.velocity)
+    assert _impulses.touch(of.scene, along, of_window((0, 1))) is None
     wide = standing(of, position=[[[0, 0, 9.0], [3.9, 1.6, 9.0]]] * 5, velocity=run.velocity)
     assert _impulses.touch(of.scene, wide, of_window((0, 1))) is None
 
@@ -438,6 +441,34 @@ def test_spins_of_an_impact_are_judged_by_the_moment_of_the_impulse_that_is_seen
     speeds = 2 * 2 * _impulses.off(subject, run, found, 0.0)
     assert departure.bound == pytest.approx(rounded + speeds / unit, rel=1e-12)
     assert rigid_impact.Departure(3.0, 4.0, "").share == 0.75
+
+
+def test_spins_of_balls_are_judged_in_units_of_their_own_radii():
+    first = body(BIG, velocity=(4.0, 0, 0))
+    second = body(SMALL, position=(2.5, 0.0, 0.0))
+    of = instance([first, second], (LAW,), times=TIMES, quantities={"r1.x": 4.0, "r2.x": 4.0})
+    velocity = np.zeros((5, 2, 3))
+    velocity[0, 0] = (4.0, 0, 0)
+    velocity[1:] = [(2.0, -0.5, 0), (4.0, 1.0, 0)]
+    omega = np.zeros((5, 2, 3))
+    omega[1:, :, 2] = (1.0, -5.0)
+    run = standing(of, velocity=velocity, omega=omega)
+    found = _impulses.struck(of.scene, run, of_window((0, 1), 0, 1))
+    known = with_list(of, (0.25, 0.0, 4.0, (0, 1)))
+    subject = Subject(of, method(), (2.0**-9,), known)
+    departure = rigid_impact._spin_of(subject, run, found)
+    # The unit is 2/3 kg x 4 m/s x R; P = (-4, -1, 0), n = x: R n x P is -R along z for both.
+    unit = 2 / 3 * 4.0
+    gained = (0.8 * 1.0, 0.1 * -5.0)
+    values = [
+        abs(gain - -radius) / (unit * radius)
+        for gain, radius in zip(gained, (1.0, 0.5), strict=True)
+    ]
+    assert departure.value == pytest.approx(max(values), rel=1e-12)
+    noise = _impulses.spin_noise(subject)
+    rounded = noise * max(0.8 * 1.0 / unit, 0.1 * 5.0 / (unit * 0.5))
+    speeds = 2 * 2.0 * _impulses.off(subject, run, found, 0.0)
+    assert departure.bound == pytest.approx(rounded + speeds / unit, rel=1e-12)
 
 
 def one_impact(
