@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pytest
 
 from refdem.core.case import Case, Instance
 from refdem.core.check import Check, CompletedRun, Subject
@@ -187,3 +188,10 @@ def findings(
             made = run(variant)
         runs[variant] = CompletedRun(made, Cost(seconds=0.0))
     return {finding.quantity: finding for finding in check.judge(subject, runs)}
+
+
+def near(expected: Any, rel: float = 1e-6) -> Any:
+    """Equal to a relative error alone: the absolute one of 1e-12 that pytest.approx allows by
+    itself is more than all round-off that a bound may have.
+    """
+    return pytest.approx(expected, rel=rel, abs=0.0)

@@ -27,7 +27,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from tests.handmade import U, findings, instance, method, standing, truth
+from tests.handmade import U, findings, instance, method, near, standing, truth
 
 TIMES = (0.0, 2.0, 4.0, 6.0, 8.0)
 LEVELS = (2.0**-3, 2.0**-4, 2.0**-5)
@@ -61,9 +61,9 @@ def test_energy_that_is_claimed_changes_by_two_round_offs_in_units_of_the_start(
     # E = 64 + 36 = 100 J; then 81 + 36; m (L/tau)^2 is 128 J.
     run = with_speeds(of, 8.0, 9.0, 8.0, 8.0, 7.0)
     found = judged(of, run)["balance"]
-    assert found.value == pytest.approx(0.17, rel=1e-13)
-    assert found.bound == pytest.approx(2 * ROUND_OFF, rel=1e-13)
-    assert found.sharpness == pytest.approx(2 * ROUND_OFF / 0.17, rel=1e-12)
+    assert found.value == near(0.17, rel=1e-13)
+    assert found.bound == near(2 * ROUND_OFF, rel=1e-13)
+    assert found.sharpness == near(2 * ROUND_OFF / 0.17, rel=1e-12)
 
 
 def test_energy_that_is_not_claimed_has_the_smaller_of_two_bounds_at_the_finest_level():
@@ -74,13 +74,13 @@ def test_energy_that_is_not_claimed_has_the_smaller_of_two_bounds_at_the_finest_
     change = (8.0625**2 - 64) / 100
     place = sqrt(128 / (2 * 100))
     assert place < 1
-    assert found["finest"].value == pytest.approx((8.0078125**2 - 64) / 100, rel=1e-12)
+    assert found["finest"].value == near((8.0078125**2 - 64) / 100, rel=1e-12)
     expected = 4 * change / 16 + 2 * 20 * ROUND_OFF * place
-    assert found["finest"].bound == pytest.approx(expected, **LIKE)
+    assert found["finest"].bound == near(expected, **LIKE)
     # The coarsest level has 9 (1/4)^2 of a relative change of 0.01: no level is sharp.
-    assert found["balance"].bound == pytest.approx(2 * (9 / 16 + ROUND_OFF), **LIKE)
+    assert found["balance"].bound == near(2 * (9 / 16 + ROUND_OFF), **LIKE)
     two = judged(of, fine, method(), levels=LEVELS[1:])
-    assert two["finest"].bound == pytest.approx(2 * (9 / 256 + ROUND_OFF), **LIKE)
+    assert two["finest"].bound == near(2 * (9 / 256 + ROUND_OFF), **LIKE)
 
 
 def test_the_balance_is_judged_at_the_first_level_that_sees_a_tenth_of_what_is_exchanged():
@@ -90,8 +90,8 @@ def test_the_balance_is_judged_at_the_first_level_that_sees_a_tenth_of_what_is_e
     # 48 J of 100 are exchanged; 2 (1 + 4) (2 h)^2 is a tenth of it from 2 h = 1/16 on.
     found = judged(of, run, method(), levels)
     # The largest share of its bound is at the earliest sample.
-    assert found["balance"].value == pytest.approx(0.48)
-    assert found["balance"].bound == pytest.approx(2 * (5 / 256 + 8 * U * sqrt(256)), **LIKE)
+    assert found["balance"].value == near(0.48)
+    assert found["balance"].bound == near(2 * (5 / 256 + 8 * U * sqrt(256)), **LIKE)
 
 
 def test_places_far_away_and_slow_meetings_round_the_energy_of_contacts():
@@ -105,10 +105,10 @@ def test_places_far_away_and_slow_meetings_round_the_energy_of_contacts():
     of = instance([slow], (SOFT, Plane()))
     found = judged(of, standing(of))["balance"]
     # |r|/L = 10, E_s/(2 E_0) = 128/(2 x 1).
-    assert found.bound == pytest.approx(2 * ROUND_OFF * 10 * 8, rel=1e-13)
+    assert found.bound == near(2 * ROUND_OFF * 10 * 8, rel=1e-13)
     swinging = instance([Body(mass=2.0, position=(40.0, 0, 0))], (SPRING,))
     # Without contacts the distance is no factor; E_0 = 6400 J.
-    assert judged(swinging, standing(swinging))["balance"].bound == pytest.approx(2 * ROUND_OFF)
+    assert judged(swinging, standing(swinging))["balance"].bound == near(2 * ROUND_OFF)
 
 
 def test_what_falls_rounds_velocities_alike_at_every_step():
@@ -117,7 +117,7 @@ def test_what_falls_rounds_velocities_alike_at_every_step():
     # E_0 = 64 + 4 = 68 J, not less than 64; steps of 1/8 s.
     found = judged(of, standing(of))["balance"]
     expected = 2 * (ROUND_OFF * sqrt(128 / 136) + 64 * U)
-    assert found.bound == pytest.approx(max(expected, 2 * ROUND_OFF), rel=1e-13)
+    assert found.bound == near(max(expected, 2 * ROUND_OFF), rel=1e-13)
 
 
 def test_work_that_is_reported_balances_energy_and_never_decreases():
@@ -134,9 +134,9 @@ def test_work_that_is_reported_balances_energy_and_never_decreases():
     )
     found = judged(of, run)
     # 36 + 36 + W against 100 J: 0, 8 too few, 3 too many.
-    assert found["balance"].value == pytest.approx(0.08)
-    assert found["dissipation"].value == pytest.approx(0.08)
-    assert found["dissipation"].bound == pytest.approx(2 * ROUND_OFF, rel=1e-13)
+    assert found["balance"].value == near(0.08)
+    assert found["dissipation"].value == near(0.08)
+    assert found["dissipation"].bound == near(2 * ROUND_OFF, rel=1e-13)
     lost = standing(of, velocity=run.velocity)
     silent = judged(of, lost)
     assert "dissipation" not in silent
@@ -149,7 +149,7 @@ def test_without_work_energy_may_not_rise_above_any_earlier_value():
     of = instance([POINT], (SPRING, rubbing))
     found = judged(of, with_speeds(of, 8.0, 6.0, 7.0, 5.0, 5.5))["balance"]
     # 49 - 36 of 100 J.
-    assert found.value == pytest.approx(0.13)
+    assert found.value == near(0.13)
     assert "The rise of energy above any earlier value" in found.sentence
 
 
@@ -159,7 +159,7 @@ def test_springs_of_contacts_may_hold_energy_and_not_give_more():
     rising = standing(of, velocity=[[[0, 0, v]] for v in (-4.0, 3.0, 5.0, 4.0, 4.0)])
     found = judged(of, rising)["balance"]
     # 25 - 16 of 16 J.
-    assert found.value == pytest.approx(9 / 16)
+    assert found.value == near(9 / 16)
     hertz = Contact(law="hertz", stiffness=8.0, friction=0.5, tangential_stiffness=2.0)
     stiff = instance([BALL], (hertz, Plane()))
     assert judged(stiff, standing(stiff))["balance"].outcome == "undecided"
@@ -169,7 +169,7 @@ def test_work_of_a_drag_is_integrated_between_samples_as_far_as_they_show_it():
     of = instance([POINT], (SPRING, Drag(a=0, b=-1, coefficient=0.1)))
     # Samples 2 s apart are 4 rad of the fastest motion; nothing drives, and energy may not rise.
     found = judged(of, with_speeds(of, 8.0, 6.0, 7.0, 5.0, 5.5))["balance"]
-    assert found.value == pytest.approx(0.13)
+    assert found.value == near(0.13)
     assert energy.MOST_RADIANS == 2.0
 
 
@@ -181,9 +181,9 @@ def test_a_symplectic_method_keeps_the_mean_energy_of_quarters():
     found = judged(of, run, claims)["drift"]
     first = (64 + 72.25) / 2
     last = (49 + 36) / 2
-    assert found.value == pytest.approx((first - last) / 100)
+    assert found.value == near((first - last) / 100)
     expected = 2 * (3 * (1 / 16) ** 2 + ROUND_OFF * sqrt(128 / 200))
-    assert found.bound == pytest.approx(expected, **LIKE)
+    assert found.bound == near(expected, **LIKE)
     assert "drift" not in judged(of, run, method())
 
 
@@ -193,7 +193,7 @@ def test_rods_of_methods_with_a_tolerance_stretch_by_rounding_in_time():
     found = judged(of, standing(of), claims, (1e-6,))["balance"]
     # At t = 0: 1e3 tol; rods add 8 u sqrt(64) t/tau.
     bounds = 2 * (1e-3 + ROUND_OFF + 8 * U * 8 * 2 * np.array(TIMES))
-    assert found.bound == pytest.approx(bounds[0], rel=1e-13)
+    assert found.bound == near(bounds[0], rel=1e-13)
     subject = Subject(of, claims, (1e-6,), None)
     np.testing.assert_allclose(
         energy._rod_rounding(subject), 8 * U * 8 * 2 * np.array(TIMES), rtol=1e-13
@@ -227,15 +227,15 @@ def test_the_temperature_of_a_gas_follows_haff_to_four_standard_errors():
     allowed = scatter + shift + 1e-12
     values = np.abs(np.log(temperature / law))
     worst = int(np.argmax(values / allowed))
-    assert found.value == pytest.approx(values[worst], **LIKE)
-    assert found.bound == pytest.approx(allowed[worst], **LIKE)
+    assert found.value == near(values[worst], **LIKE)
+    assert found.bound == near(allowed[worst], **LIKE)
 
 
 def test_contacts_that_last_hold_a_part_of_the_energy():
     gas = cooling.Gas(100, 0.75, 0.01, 0.01, 4.0)
     assert gas.softness == 0.04
     found = cooling.CHECK._temperature(gas, np.array([0.0, 1.0]), np.array([4.0, 4.0]), np.inf, 0.0)
-    assert found.series.bound[0] == pytest.approx(0.04 + 4 * sqrt(0.04 / 100), **LIKE)
+    assert found.series.bound[0] == near(0.04 + 4 * sqrt(0.04 / 100), **LIKE)
 
 
 def test_collisions_are_counted_to_four_standard_errors_and_lose_what_the_law_says():
@@ -248,10 +248,10 @@ def test_collisions_are_counted_to_four_standard_errors_and_lose_what_the_law_sa
     # 50 spheres meet 1/4 times a second for 16 s: 200.
     count, loss = cooling.CHECK._collision_findings(gas, run, temperature, 210)
     allowed = 4 / sqrt(200) + 0.01 + 0.125 * 0.25
-    assert count.value == pytest.approx(0.05)
-    assert count.bound == pytest.approx(allowed, **LIKE)
-    assert loss.value == pytest.approx(abs(650 / (210 * 0.75 * 4) - 1), **LIKE)
-    assert loss.bound == pytest.approx(allowed + 0.125 / 16, **LIKE)
+    assert count.value == near(0.05)
+    assert count.bound == near(allowed, **LIKE)
+    assert loss.value == near(abs(650 / (210 * 0.75 * 4) - 1), **LIKE)
+    assert loss.bound == near(allowed + 0.125 / 16, **LIKE)
     elastic = cooling.Gas(101, 1.0, 0.125, 0.01, 0.25)
     assert len(cooling.CHECK._collision_findings(elastic, run, temperature, 210)) == 1
 
@@ -269,7 +269,7 @@ def test_velocities_of_an_elastic_gas_have_no_kurtosis_to_four_errors():
     velocity = np.array([[[1.0, 1, 1], [-1, -1, -1], [1, 1, 1], [-1, -1, -1]]])
     found = cooling.CHECK._distribution(gas, SimpleNamespace(velocity=velocity))
     assert found.value == 2.0
-    assert found.bound == pytest.approx(4 * (sqrt(24 / 9) + 6 / 9) + 0.03, **LIKE)
+    assert found.bound == near(4 * (sqrt(24 / 9) + 6 / 9) + 0.03, **LIKE)
 
 
 # Bounces
@@ -304,19 +304,19 @@ def exponent(observed, true, duration=10.0, bound=1.0):
 def test_an_exponent_is_off_by_three_errors_and_ln_ten_over_the_time():
     found = exponent(Growth(0.75, 0.01, 9.0), Growth(0.5, 0.02, 9.0))
     assert found.value == 0.25
-    assert found.bound == pytest.approx(3 * 0.03 + log(10) / 10, **LIKE)
+    assert found.bound == near(3 * 0.03 + log(10) / 10, **LIKE)
     assert found.unit == "1/s"
 
 
 def test_a_run_on_the_true_motion_grows_at_most_twice_and_at_least_a_thousandth():
     faster = exponent(Growth(0.75, 1.0, 9.0), Growth(0.5, 1.0, 9.0), bound=0.009)
-    assert faster.bound == pytest.approx(log(2) / 10, **LIKE)
+    assert faster.bound == near(log(2) / 10, **LIKE)
     slower = exponent(Growth(0.25, 1.0, 9.0), Growth(0.5, 1.0, 9.0), bound=0.009)
-    assert slower.bound == pytest.approx(log(1000) / 10, **LIKE)
+    assert slower.bound == near(log(1000) / 10, **LIKE)
     sure = exponent(Growth(0.25, 0.01, 9.0), Growth(0.5, 0.02, 9.0), bound=0.009)
-    assert sure.bound == pytest.approx(3 * 0.03 + log(10) / 10, **LIKE)
+    assert sure.bound == near(3 * 0.03 + log(10) / 10, **LIKE)
     lost = exponent(Growth(0.75, 1.0, 9.0), Growth(0.5, 1.0, 9.0), bound=0.011)
-    assert lost.bound == pytest.approx(6 + log(10) / 10, **LIKE)
+    assert lost.bound == near(6 + log(10) / 10, **LIKE)
 
 
 @pytest.mark.parametrize(
@@ -408,11 +408,9 @@ def test_round_off_of_a_picture_is_that_of_both_runs_and_of_other_units():
     plain = pictures.of(of, "mirrored")
     level = symmetry.level_for(subject)
     expected = 2 * subject.noise(level)
-    assert symmetry.round_off(subject, plain) == pytest.approx(expected, rel=1e-13)
+    assert symmetry.round_off(subject, plain) == near(expected, rel=1e-13)
     rescaled = pictures.of(of, "rescaled")
-    assert symmetry.round_off(subject, rescaled) == pytest.approx(
-        expected + U * 8.5 * 16, rel=1e-13
-    )
+    assert symmetry.round_off(subject, rescaled) == near(expected + U * 8.5 * 16, rel=1e-13)
 
 
 def test_what_a_rounding_decides_is_at_most_the_truncation_of_both_runs():
@@ -468,11 +466,11 @@ def test_a_rotated_run_differs_by_truncation_that_falls_with_the_step():
     }
     found = symmetry.CHECK._rotated(subject, runs, np.ones(5), np.zeros(5))
     # A place off along x' comes back off along Q^T x': its largest component counts.
-    assert found.value == pytest.approx(0.001 * size, rel=1e-6)
+    assert found.value == near(0.001 * size, rel=1e-6)
     # Two octaves at order 2 less 1/2.
-    assert found.bound == pytest.approx(0.01 * size / 2.0**3, rel=1e-6)
+    assert found.bound == near(0.01 * size / 2.0**3, rel=1e-6)
     decided = symmetry.CHECK._rotated(subject, runs, np.ones(5), np.full(5, 1e-3))
-    assert decided.bound == pytest.approx(0.01 * size / 8 + 1e-3, rel=1e-6)
+    assert decided.bound == near(0.01 * size / 8 + 1e-3, rel=1e-6)
     wild = runs | {Variant(levels[0], "rotated"): off_by(9.0)}
     limit = symmetry.CHECK._rotated(subject, wild, np.ones(5), np.zeros(5))
-    assert limit.bound == pytest.approx(2 * 17 / 1024, rel=1e-6)
+    assert limit.bound == near(2 * 17 / 1024, rel=1e-6)

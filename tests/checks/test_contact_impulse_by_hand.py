@@ -14,7 +14,7 @@ from refdem.core.variant import Variant
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
-from tests.handmade import U, findings, instance, method, standing
+from tests.handmade import U, findings, instance, method, near, standing
 
 BALL = Body(mass=2.0, inertia=(0.8, 0.8, 0.8), position=(0.0, 0.0, 2.0), shape=Sphere(radius=1.0))
 OTHER = Body(mass=4.0, inertia=(0.8, 0.8, 0.8), position=(2.5, 0.0, 0.0), shape=Sphere(radius=0.5))
@@ -130,9 +130,9 @@ def test_the_cone_is_wider_by_the_turn_of_the_normal_and_at_most_a_half_space():
     for turn in (0.0, 0.125, 0.5):
         half_angle = pi / 4 + turn
         expected = 4 * np.cos(half_angle) - np.sin(half_angle)
-        assert outside(turn, (-1.0, 0.0, 4.0)) == pytest.approx(expected, rel=1e-13)
+        assert outside(turn, (-1.0, 0.0, 4.0)) == near(expected, rel=1e-13)
     assert outside(1.5, (-1.0, 0.0, 2.0)) == 0.0
-    assert outside(1.5, (1.0, 0.0, 2.0)) == pytest.approx(1.0, rel=1e-13)
+    assert outside(1.5, (1.0, 0.0, 2.0)) == near(1.0, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -205,10 +205,10 @@ def test_the_cone_is_held_to_eight_round_offs_and_more_for_fast_bodies():
         rubbing, heights=[0.9] * 3, velocities=[(0, 0, 0), (1, 0, 0.5), (1, 0, 0.5)]
     )
     cone = findings(CHECK, subject_of(of), run)["cone"]
-    assert cone.value == pytest.approx(1 / 16, rel=1e-14)
-    assert cone.bound == pytest.approx(ROUNDING, rel=1e-14)
+    assert cone.value == near(1 / 16, rel=1e-14)
+    assert cone.bound == near(ROUNDING, rel=1e-14)
     fast = standing(of, position=run.position, velocity=run.velocity + np.array([0.0, 24.0, 0.0]))
-    assert findings(CHECK, subject_of(of), fast)["cone"].bound == pytest.approx(3 * ROUNDING)
+    assert findings(CHECK, subject_of(of), fast)["cone"].bound == near(3 * ROUNDING)
 
 
 def test_a_sphere_that_only_touches_has_no_cone():
@@ -223,8 +223,8 @@ def test_sliding_is_held_to_round_off_and_to_what_the_slip_turns():
     of, run = over_wall(law, heights=[0.9] * 2, velocities=[(6.0, 0, 0), (6.0, -0.5, 0.5)])
     sliding = findings(CHECK, subject_of(of), run)["sliding"]
     turn = atan(1 / 12)
-    assert sliding.value == pytest.approx((1 - 0.5) / 16, rel=1e-14)
-    assert sliding.bound == pytest.approx(ROUNDING * 1.5 + 0.5 * turn / 16, rel=1e-12)
+    assert sliding.value == near((1 - 0.5) / 16, rel=1e-14)
+    assert sliding.bound == near(ROUNDING * 1.5 + 0.5 * turn / 16, rel=1e-12)
 
 
 def normal_of(of, run):
@@ -237,12 +237,12 @@ def test_within_a_contact_the_normal_impulse_may_leave_the_forces_by_their_curva
     law = Contact(law="linear", stiffness=8.0)
     of, run = over_wall(law, heights=[0.75] * 5, velocities=[(0, 0, 0)] * 2 + [(0, 0, 0.5)] * 3)
     found = normal_of(of, run)
-    assert found.value == pytest.approx((1.0 - 0.5) / 16, rel=1e-14)
+    assert found.value == near((1.0 - 0.5) / 16, rel=1e-14)
     # F dt (dt/tau)^2/2 = 2 x 1/4 x 1/8 kg m/s.
-    assert found.bound == pytest.approx(1 / 16 / 16 + ROUNDING, rel=1e-12)
+    assert found.bound == near(1 / 16 / 16 + ROUNDING, rel=1e-12)
     # Too little by as much: nothing is pushed in the others, where 1/2 is due.
     still, at_rest = over_wall(law, heights=[0.75] * 5)
-    assert normal_of(still, at_rest).value == pytest.approx(0.5 / 16, rel=1e-14)
+    assert normal_of(still, at_rest).value == near(0.5 / 16, rel=1e-14)
 
 
 def test_where_a_contact_begins_the_force_is_known_to_its_change_in_an_interval():
@@ -254,8 +254,8 @@ def test_where_a_contact_begins_the_force_is_known_to_its_change_in_an_interval(
     )
     found = normal_of(of, run)
     # Around the first interval are forces of 0, 0 and 2 N, the largest of all is 4 N.
-    assert found.value == pytest.approx((4.0 - 0.5) / 16, rel=1e-14)
-    assert found.bound == pytest.approx(4 * 0.25 * 0.5 / 16 + ROUNDING, rel=1e-12)
+    assert found.value == near((4.0 - 0.5) / 16, rel=1e-14)
+    assert found.bound == near(4 * 0.25 * 0.5 / 16 + ROUNDING, rel=1e-12)
 
 
 def test_friction_across_a_turning_normal_tilts_into_it():
@@ -266,9 +266,9 @@ def test_friction_across_a_turning_normal_tilts_into_it():
     # J = 2 (-1/2, 0, 1): 1 along the normal, 2 across, while k d = 2 N push for 1/4 s.
     run = standing(pair, position=places, velocity=[[[0.0] * 3] * 2, [[-0.5, 0, 1.0], [0.0] * 3]])
     found = normal_of(pair, run)
-    assert found.value == pytest.approx((1.0 - 0.5) / 16, rel=1e-12)
+    assert found.value == near((1.0 - 0.5) / 16, rel=1e-12)
     curvature = 2 * 0.25 * (0.5**2 / 2)
-    assert found.bound == pytest.approx((curvature + 2 * turn) / 16 + ROUNDING, rel=1e-12)
+    assert found.bound == near((curvature + 2 * turn) / 16 + ROUNDING, rel=1e-12)
 
 
 SLIDER = Contact(law="linear", stiffness=8.0, friction=0.5)

@@ -26,7 +26,7 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from tests.handmade import U, findings, instance, method, standing, truth
+from tests.handmade import U, findings, instance, method, near, standing, truth
 
 TIMES = (0.0, 2.0, 4.0, 6.0, 8.0)
 ROUND_OFF = 8 * U * 16
@@ -52,9 +52,9 @@ def test_every_bounce_is_on_the_wall_at_unit_speed_and_goes_inwards_to_eight_rou
     run = Trajectory.of_values(np.arange(4.0), {"position": position, "direction": direction})
     found = findings(bounces.CHECK, subject, run)
     # The start is no bounce; the second goes at 3/2, the third is 1/4 outside and goes outwards.
-    assert found["speed"].value == pytest.approx(0.5, rel=1e-14)
+    assert found["speed"].value == near(0.5, rel=1e-14)
     assert found["wall"].value == 0.25 / 4
-    assert found["inward"].value == pytest.approx(0.6, rel=1e-14)
+    assert found["inward"].value == near(0.6, rel=1e-14)
     assert {finding.bound for finding in found.values()} == {8 * U}
 
 
@@ -135,11 +135,11 @@ def test_an_area_is_held_to_the_error_of_its_polygon_and_round_off(elements, sha
     true = [2.0, 2.0, 2.0, 2.5, 2.0]
     found = area_of(x, v, true, elements, radius=0.125, growth=[1, 1, 1, 3.0, 1])
     # In units of the first area; the radius of truth is no error.
-    assert found.value == pytest.approx((area - 2.0 - 0.125) / 2, **LIKE)
+    assert found.value == near((area - 2.0 - 0.125) / 2, **LIKE)
     length = 4.0
     rounding = 8 * ROUND_OFF * (length + length)
-    assert found.bound == pytest.approx((share * difference + rounding) / 2, **LIKE)
-    assert found.sharpness == pytest.approx(found.bound, rel=1e-6)
+    assert found.bound == near((share * difference + rounding) / 2, **LIKE)
+    assert found.sharpness == near(found.bound, rel=1e-6)
 
 
 def test_an_outline_that_stretches_is_judged_while_its_polygon_is_fine():
@@ -204,14 +204,14 @@ def test_spins_of_a_rough_gas_gain_what_kinetic_theory_says():
     allowed = 4 * rotational / t0 * np.sqrt(2 / np.maximum(counted, 1)) + 0.01 + stored
     values = np.abs(observed - rotational) / t0
     worst = int(np.argmax(values / allowed))
-    assert found["spin"].value == pytest.approx(values[worst], **LIKE)
-    assert found["spin"].bound == pytest.approx(allowed[worst], **LIKE)
-    assert found["energy"].bound == pytest.approx(stored, **LIKE)
+    assert found["spin"].value == near(values[worst], **LIKE)
+    assert found["spin"].bound == near(allowed[worst], **LIKE)
+    assert found["energy"].bound == near(stored, **LIKE)
 
 
 def test_a_rough_gas_keeps_its_energy():
     _, found = rough_gas([0.0, 0.0, 0.0], energy=1.1)
-    assert found["energy"].value == pytest.approx(0.21, **LIKE)
+    assert found["energy"].value == near(0.21, **LIKE)
 
 
 def test_a_rough_gas_is_judged_where_collisions_are_binary_and_many():
@@ -357,7 +357,7 @@ def test_the_moment_about_the_line_of_contact_falls_with_the_order_where_it_is_n
     claims = method(order_with={"contact": 1})
     found = findings(check, Subject(of, claims, levels, None), run)["moment"]
     # J w = 0.0012 of m R v = 12; a contact has room 64; two octaves at order 1.
-    assert found.value == pytest.approx(0.8 * 0.0015 / 12, **LIKE)
+    assert found.value == near(0.8 * 0.0015 / 12, **LIKE)
     steps = U * 8 / levels[-1]
     expected = 64 * (0.8 * 0.015 / 12) / 4 + 20 * (ROUND_OFF + steps)
-    assert found.bound == pytest.approx(expected, **LIKE)
+    assert found.bound == near(expected, **LIKE)

@@ -19,7 +19,7 @@ from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from tests.handmade import U, findings, instance, method, standing, truth
+from tests.handmade import U, findings, instance, method, near, standing, truth
 
 TIMES = (0.0, 2.0, 4.0, 6.0, 8.0)
 H = 2.0**-9
@@ -43,11 +43,11 @@ def stopped(speeds, *, friction=4.0, place=0.5, true_speeds=(0.0,) * 5, level=H,
 def test_a_stop_is_the_last_sample_that_moves_but_for_an_interval_and_what_is_too_slow_to_see():
     subject, found = stopped((8.0, 8.0, 1.0, 0.0, 0.0))
     allowed = float(subject.bound(H)[-1])
-    assert allowed == pytest.approx(17 * (2 * H) ** 2 + ROUND_OFF + U * 8 / H, **LIKE)
-    assert found.value == pytest.approx((5.0 - 4.0) / 0.5)
+    assert allowed == near(17 * (2 * H) ** 2 + ROUND_OFF + U * 8 / H, **LIKE)
+    assert found.value == near((5.0 - 4.0) / 0.5)
     # Friction of 4 N less the spring's 1 N brake 2 kg: 3/2 m/s^2; twice the speed that shows.
     unseen = pi / 2 * (2 * allowed * 8) / 1.5
-    assert found.bound == pytest.approx(allowed + (2.0 + unseen) / 0.5, **LIKE)
+    assert found.bound == near(allowed + (2.0 + unseen) / 0.5, **LIKE)
 
 
 def test_a_body_that_never_moves_visibly_stops_at_the_start():
@@ -55,7 +55,7 @@ def test_a_body_that_never_moves_visibly_stops_at_the_start():
     visible = float(subject.bound(H)[-1]) * 8
     for factor, value in ((0.99, 10.0), (1.01, 2.0)):
         _, found = stopped((0.0, factor * visible, -factor * visible, 0.0, 0.0))
-        assert found.value == pytest.approx(value)
+        assert found.value == near(value)
 
 
 @pytest.mark.parametrize(
@@ -70,8 +70,8 @@ def test_a_body_that_never_moves_visibly_stops_at_the_start():
 def test_a_last_half_cycle_that_is_too_slow_to_see_is_left_out(true_speeds, unseen):
     subject, found = stopped((8.0, 0.0, 0.0, 0.0, 0.0), level=2.0**-4, true_speeds=true_speeds)
     allowed = float(subject.bound(2.0**-4)[-1])
-    assert allowed == pytest.approx(17 / 64, rel=1e-6)
-    assert found.bound == pytest.approx(allowed + (2.0 + unseen) / 0.5, **LIKE)
+    assert allowed == near(17 / 64, rel=1e-6)
+    assert found.bound == near(allowed + (2.0 + unseen) / 0.5, **LIKE)
 
 
 def test_a_stop_after_the_last_sample_is_not_seen():
@@ -103,8 +103,8 @@ def test_creep_is_counted_from_the_stop_and_the_time_by_which_it_may_be_late():
         found = findings(
             stop.CHECK, Subject(of, method(), (H,), known), standing(of, position=places)
         )
-        assert found["creep"].value == pytest.approx(creep)
-        assert found["creep"].bound == pytest.approx(ROUND_OFF, rel=1e-13)
+        assert found["creep"].value == near(creep)
+        assert found["creep"].bound == near(ROUND_OFF, rel=1e-13)
 
 
 def flipped(omega, true_omega, growth=None):
@@ -181,8 +181,8 @@ def test_the_second_integral_changes_as_that_of_truth_does():
     (found,) = second_integral.CHECK.judge(subject, run)
     size = max(r * r * abs(w) * hypot(u, r * w) + 2 * r * r for r, _, u, w in seen)
     change = integral(1.75, 1.0, -0.25, 0.5) - integral(1.5, 1.0, -0.25, 0.5)
-    assert found.value == pytest.approx(abs(change) / size, rel=1e-12)
-    assert found.bound == pytest.approx(8 * float(real.bound(H)[-1]), rel=1e-12)
+    assert found.value == near(abs(change) / size, rel=1e-12)
+    assert found.bound == near(8 * float(real.bound(H)[-1]), rel=1e-12)
     drift = max(abs(integral(*row) - integral(*true[0])) for row in true) / size
     assert f"drifts by {drift:.2g}" in found.sentence
 

@@ -38,7 +38,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from tests.handmade import U, instance, method, truth
+from tests.handmade import U, instance, method, near, truth
 
 POINT = Body(mass=2.0, position=(1.0, 0.0, 0.0))
 SPHERE = Body(mass=1.0, inertia=(0.1, 0.1, 0.1), shape=Sphere(radius=0.5))
@@ -50,7 +50,7 @@ SINGLE = 2.0**-24
     ("steps", "factor"), [(0.25, 16.0), (256.0, 16.0), (257.0, sqrt(257.0)), (1e4, 100.0)]
 )
 def test_round_off_is_eight_roundings_times_the_root_of_the_steps_or_the_phase(steps, factor):
-    assert round_off(instance([POINT]), method(), steps) == pytest.approx(8 * U * factor, rel=1e-14)
+    assert round_off(instance([POINT]), method(), steps) == near(8 * U * factor, rel=1e-14)
 
 
 def test_round_off_is_eight_roundings_at_least():
@@ -79,7 +79,7 @@ def test_rods_that_share_bodies_are_swept_over_once_a_bit(bodies, rods, control,
         Rod(a=k, b=k - 1, length=1.0, anchor_b=(-1.0 * (k == 0), 0, 0)) for k in range(rods)
     )
     chain = instance(points, joined)
-    assert sweeping(chain, method(control)) == pytest.approx(factor, rel=1e-14)
+    assert sweeping(chain, method(control)) == near(factor, rel=1e-14)
 
 
 def test_few_sweeps_over_many_bodies_are_no_factor():
@@ -175,9 +175,9 @@ def test_far_places_and_a_clock_count_in_the_bound():
 
 def test_the_noise_of_a_run_is_its_round_off_and_its_repeated_sums():
     free = Subject(instance([POINT]), method(), (1 / 64,), None)
-    assert free.noise(1 / 64) == pytest.approx(8 * U * sqrt(512) + 512 * U, rel=1e-14)
+    assert free.noise(1 / 64) == near(8 * U * sqrt(512) + 512 * U, rel=1e-14)
     ticking = Subject(instance([POINT]), method("tolerance", summed_clock=True), (1e-6,), None)
-    assert ticking.noise(1e-6) == pytest.approx(8 * U * 16 + U * 16 * 69, rel=1e-14)
+    assert ticking.noise(1e-6) == near(8 * U * 16 + U * 16 * 69, rel=1e-14)
 
 
 def test_what_is_kept_is_held_to_round_off_and_what_is_not_to_the_order_beside_it():
@@ -252,11 +252,9 @@ def test_a_claim_below_what_a_force_allows_stands():
 
 def test_tolerances_fall_by_hundreds_down_to_twenty_roundings():
     of = instance([POINT])
-    assert levels(of, method("tolerance"), 4, 1e6) == pytest.approx((1e-4, 1e-6, 1e-8, 1e-10))
-    assert levels(of, method("tolerance", precision="single"), 4, 1e6) == pytest.approx((1e-4,))
-    assert levels(of, method("tolerance"), 9, 1e6) == pytest.approx(
-        (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
-    )
+    assert levels(of, method("tolerance"), 4, 1e6) == near((1e-4, 1e-6, 1e-8, 1e-10))
+    assert levels(of, method("tolerance", precision="single"), 4, 1e6) == near((1e-4,))
+    assert levels(of, method("tolerance"), 9, 1e6) == near((1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14))
     assert levels(of, method("exact"), 4, 1e6) == (0.0,)
 
 

@@ -4,6 +4,7 @@ factor that is off by a half is seen here.
 
 from math import cos, inf, nan, pi, sin
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -197,6 +198,32 @@ def test_an_attitude_is_off_by_the_angle_of_one_rotation_less_twice_the_radius()
     found = signed(Subject(of, method(), (1.0,), known), run, known, 3)
     sines = 2 * np.sin(half)
     np.testing.assert_allclose(found, [[0.0] * 3, [0.0] * 3, sines], atol=1e-15)
+
+
+class Physical(Turning):
+    """A case that looks at no attitude but a unit quaternion, and at an angle and a speed."""
+
+    def observe(self, p, trajectory):
+        np.testing.assert_allclose(np.linalg.norm(trajectory.attitude, axis=-1), 1.0, rtol=1e-15)
+        return super().observe(p, trajectory) | {"vx": trajectory.velocity[:, 0, 0]}
+
+
+def test_a_case_is_shown_unit_quaternions_where_it_is_asked_what_it_depends_on():
+    of = turning()
+    group = [Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz"]
+    case = Physical(of.scene, TIMES, of.scales, [*group, Quantity("vx", "m/s", 2.0)])
+    of = type(of)(case, of.p)
+    names = [f"attitude.{axis}" for axis in "wxyz"]
+    upright = dict(zip(names, ([1.0] * 3, [0.0] * 3, [0.0] * 3, [0.0] * 3), strict=True))
+    known = truth(TIMES, upright | {"vx": [0.0] * 3})
+    late = {"vx": [0.5] * 3}
+    delayed = msgspec.structs.replace(known, earlier={0.25: (late, {"vx": [0.0] * 3})})
+    found = errors(of, standing(of), delayed, 0.25)
+    # The attitude is compared with its own time, the speed with that of a quarter of a second ago.
+    assert {name: value.tolist() for name, value in found.items()} == {
+        "attitude": [0.0] * 3,
+        "vx": [0.25] * 3,
+    }
 
 
 def test_the_largest_error_so_far_is_that_of_any_quantity():

@@ -15,7 +15,7 @@ from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from tests.handmade import instance, standing
+from tests.handmade import instance, near, standing
 
 QUARTER = np.array([1.0, 0.0, 0.0, 1.0]) / sqrt(2.0)
 """A quarter of a turn about z: x becomes y."""
@@ -89,8 +89,8 @@ def test_anchors_in_the_world_move_with_space_and_those_in_bodies_do_not():
     assert inner.anchor_a == (5.0, 10.0, 15.0)
     np.testing.assert_allclose(outer.anchor_b, [40.0, 5.0, 15.0], atol=1e-14)
     # [N/m] = kg/s^2, [m/s^2]; a direction has no unit.
-    assert inner.stiffness == pytest.approx(2.0 * 3 / 16)
-    assert inner.length == pytest.approx(15.0)
+    assert inner.stiffness == near(2.0 * 3 / 16)
+    assert inner.length == near(15.0)
     np.testing.assert_allclose(gravity.g, [0.0, 5 / 16, 0.0], atol=1e-15)
     np.testing.assert_allclose(plane.normal, [0.0, 1.0, 0.0], atol=1e-15)
     np.testing.assert_allclose(plane.point, [50.0, 5.0, 0.0], atol=1e-14)
