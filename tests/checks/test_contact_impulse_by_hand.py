@@ -227,6 +227,30 @@ def test_sliding_is_held_to_round_off_and_to_what_the_slip_turns():
     assert sliding.bound == near(ROUNDING * 1.5 + 0.5 * turn / 16, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("law", "found"),
+    [
+        (Contact(law="linear", stiffness=8.0, friction=0.5), {"normal", "cone", "sliding"}),
+        (Contact(law="linear", stiffness=8.0), {"normal"}),
+        (
+            Contact(law="linear", stiffness=8.0, friction=0.5, tangential_stiffness=1.0),
+            {"normal"},
+        ),
+    ],
+)
+def test_sliding_and_cone_are_those_of_friction_without_a_spring(law, found):
+    of, run = over_wall(law, heights=[0.9] * 2, velocities=[(6.0, 0, 0), (6.0, -0.5, 0.5)])
+    assert set(findings(CHECK, subject_of(of), run)) == found
+
+
+def test_two_spheres_have_a_cone_and_are_not_held_to_sliding():
+    law = Contact(law="linear", stiffness=8.0, friction=0.5)
+    pair = instance([BALL, OTHER], (law,), times=TIMES[:2])
+    places = [[[0, 0, 0], [1.25, 0, 0]]] * 2
+    run = standing(pair, position=places, velocity=[[[0, 9.0, 0], [0.0] * 3]] * 2)
+    assert set(findings(CHECK, subject_of(pair), run)) == {"normal", "cone"}
+
+
 def normal_of(of, run):
     """The finding on the normal impulse."""
     return findings(CHECK, subject_of(of), run)["normal"]

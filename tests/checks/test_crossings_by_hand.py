@@ -292,6 +292,9 @@ def test_the_closing_speed_of_two_balls_is_that_at_the_place_where_straight_line
     assert crossing.bend == near(6.0 / reach, rel=1e-14)
     falling = instance([BALL], (RIGID, Plane()))
     assert _crossings.closing_speed(falling.scene) == (3.0, 0.0)
+    # Two that pass each other do not close.
+    wide = Body(mass=1.0, inertia=(0.1,) * 3, position=(3.9, 2.0, 0.0), shape=Sphere(radius=0.5))
+    assert _crossings.closing_speed(instance([first, wide], (RIGID,)).scene)[0] == 0.0
 
 
 @pytest.mark.parametrize(

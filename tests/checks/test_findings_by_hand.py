@@ -358,14 +358,18 @@ def test_apsides_turn_by_the_angle_of_vectors_or_of_axes():
 # Capture
 
 
-def captured(factor=1.0, times=(0.0, 1.0, 2.0, 3.0, 4.0), radius=2.0, rate=0.5):
-    """A point that circles a hook at the origin; the last speed is wrong by a factor."""
+def captured(
+    factor=1.0, times=(0.0, 1.0, 2.0, 3.0, 4.0), radius=2.0, rate=0.5, hook=(0.0, 0.0, 0.0)
+):
+    """A point that circles a hook; the last speed is wrong by a factor."""
     point = Body(mass=3.0, position=(radius, 0, 0), velocity=(0, radius * rate, 0))
-    of = instance([point], (Catch(a=0, b=-1, radius=radius),), times=times, quantities={"x": 4.0})
+    catch = Catch(a=0, b=-1, radius=radius, anchor_b=hook)
+    of = instance([point], (catch,), times=times, quantities={"x": 4.0})
     t = np.array(times)
     angle = rate * t
     place = radius * np.stack([np.cos(angle), np.sin(angle), 0 * t], axis=1)[:, None]
     speed = radius * rate * np.stack([-np.sin(angle), np.cos(angle), 0 * t], axis=1)[:, None]
+    place = place + np.array(hook)
     speed[-1] *= factor
     known = truth(
         times,
@@ -390,6 +394,13 @@ def test_after_a_capture_rate_speed_and_inertia_agree():
     for finding in found.values():
         assert finding.bound == near(bound, rel=1e-9)
         assert finding.sharpness == near(bound, rel=1e-9)
+
+
+def test_a_hook_may_be_anywhere():
+    found = captured(factor=1.5, hook=(1.0, -2.0, 0.0))
+    assert found["omega"].value == near(0.25, rel=1e-12)
+    assert found["speed"].value == near(0.5, rel=1e-12)
+    assert found["inertia"].value == near(0.8, rel=1e-12)
 
 
 def test_whole_turns_between_samples_are_counted_by_the_speed():
@@ -695,6 +706,9 @@ def test_a_force_of_half_a_step_earlier_is_right_and_of_more_bodies_it_may_be_of
     earlier = [f / (1 - 2.0 / 32 / (2 * 2 / 3)) for f in (6.0, 1.0, 0.0)]
     found = judged("contact-channels", of, run(contact_force=earlier))["contact_force"]
     assert found.value == pytest.approx(0.0, abs=1e-15)
+    # What has no steps has no half of one.
+    exact = judged("contact-channels", of, run(contact_force=earlier), method("exact"), (0.0,))
+    assert exact["contact_force"].value == near((earlier[0] - 6.0) / 6, rel=1e-12)
     law = Contact(law="linear", stiffness=8.0, damping=2.0)
     third = Body(mass=2.0, inertia=(0.1,) * 3, position=(0, 9.0, 0), shape=Sphere(radius=0.5))
     three = instance([BALL, SMALL, third], (law,), times=(0.0, 8.0))

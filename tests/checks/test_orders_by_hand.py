@@ -335,6 +335,12 @@ def test_errors_of_tolerances_fall_with_them_and_the_whole_run_counts():
     found = estimate(errors, claims=method("tolerance"), levels=levels, sample=0)
     # A hundredth of the change before is 1e-6: more than 3e-7.
     assert found == near(4 * 1e-6 + 20 * 8 * U * 16, rel=1e-9)
+    # A tolerance whose bound is above a tenth of the scale says nothing; a step says it still.
+    loose = (1e-3, 1e-5, 1e-7)
+    by_level = dict(zip(loose, errors.values(), strict=True))
+    assert estimate(by_level, claims=method("tolerance"), levels=loose) is None
+    coarse = (0.25, 0.125, 0.0625)
+    assert estimate(dict(zip(coarse, errors.values(), strict=True)), levels=coarse) is not None
     still = {h: [0.0] * 5 for h in levels}
     assert estimate(still, claims=method("tolerance"), levels=levels) is None
 

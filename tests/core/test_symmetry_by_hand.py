@@ -87,6 +87,8 @@ def test_anchors_in_the_world_move_with_space_and_those_in_bodies_do_not():
     by = Symmetry(turn=QUARTER, shift=np.array([10.0, 0, 0]), units=(3.0, 5.0, 4.0))
     inner, outer, gravity, plane = shown(by, links).scene.elements
     assert inner.anchor_a == (5.0, 10.0, 15.0)
+    # Nothing is nothing in all units.
+    assert outer.length == 0.0
     np.testing.assert_allclose(outer.anchor_b, [40.0, 5.0, 15.0], atol=1e-14)
     # [N/m] = kg/s^2, [m/s^2]; a direction has no unit.
     assert inner.stiffness == near(2.0 * 3 / 16)
