@@ -488,8 +488,8 @@ def one_impact(
         of = instance([ball], (law, FLOOR), times=TIMES)
         after = [[(across, 0.0, parting * 4.0)]]
     else:
-        first = body(BIG, velocity=(4.0, 0, 0))
-        second = body(SMALL, position=(1.5 + gap, 0.0, 0.0), velocity=(0.0, 0.0, 0.0))
+        first = body(BIG, position=(-2.0, 1.0, 0.0), velocity=(4.0, 0, 0))
+        second = body(SMALL, position=(gap - 0.5, 1.0, 0.0), velocity=(0.0, 0.0, 0.0))
         of = instance([first, second], (law,), times=TIMES)
         # p = 2/3 kg x 4 m/s x (1 + e)
         impulse = 8 / 3 * (1 + parting)

@@ -195,9 +195,12 @@ def test_an_attitude_is_off_by_the_angle_of_one_rotation_less_twice_the_radius()
     with_radius = errors(of, run, truth(TIMES, upright, radius=0.05))["attitude"]
     np.testing.assert_allclose(with_radius, [0.0, 0.1, 0.4], atol=1e-15)
     known = truth(TIMES, upright)
-    found = signed(Subject(of, method(), (1.0,), known), run, known, 3)
+    subject = Subject(of, method(), (1.0,), known)
+    found = signed(subject, run, known, 3)
     sines = 2 * np.sin(half)
     np.testing.assert_allclose(found, [[0.0] * 3, [0.0] * 3, sines], atol=1e-15)
+    same = signed(subject, standing(of, attitude=attitude[:, None]), known, 3)
+    np.testing.assert_allclose(same, found, atol=1e-15)
 
 
 class Physical(Turning):

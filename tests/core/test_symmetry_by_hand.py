@@ -107,6 +107,7 @@ def test_a_mirrored_polyhedron_has_its_faces_seen_from_outside():
     solid = Polyhedron(vertices=corners, faces=faces)
     by = Symmetry(mirrored=True, units=(1.0, 2.0, 1.0))._shape(solid)
     assert by.vertices[1] == (-2.0, 0.0, 0.0)
+    assert by.vertices[2] == (0.0, 2.0, 0.0)
     assert by.vertices[3] == (0.0, 0.0, 2.0)
     assert by.faces[0] == (1, 2, 0)
 
