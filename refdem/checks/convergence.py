@@ -12,7 +12,14 @@ import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import growth_shown, judged, order_statement, perturbation, undecided
+from refdem.core.judgement import (
+    growth_shown,
+    judged,
+    observed_order,
+    order_statement,
+    perturbation,
+    undecided,
+)
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
@@ -80,7 +87,7 @@ class Convergence(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         if fine > floor:
-            observed = float(np.log2(coarse / fine))
+            observed = observed_order(coarse, fine)
         else:
             observed = float(order)
         deficit = max(0.0, order - observed)

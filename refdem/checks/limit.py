@@ -7,7 +7,15 @@ import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import PREDICTION_FACTOR, certified, judged, no_truth, signed, undecided
+from refdem.core.judgement import (
+    PREDICTION_FACTOR,
+    certified,
+    judged,
+    no_truth,
+    observed_order,
+    signed,
+    undecided,
+)
 from refdem.core.refinement import kinked, scored
 from refdem.core.variant import Variant
 
@@ -68,7 +76,7 @@ class Limit(Check):
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
         floor = 3 * float(np.max(subject.noise(subject.levels[-1]) * truth.growth()[:count]))
         largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
-        if largest[1] > floor and np.log2(largest[0] / largest[1]) < order - SETTLED:
+        if largest[1] > floor and observed_order(*largest[:2]) < order - SETTLED:
             why = f"errors do not yet fall with order {order}; see the check `order`"
             return [undecided(self.name, "state", why)]
         # E(h) = (2^p e(h/2) - e(h))/(2^p - 1) of both pairs of neighbouring levels.

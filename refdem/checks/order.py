@@ -22,6 +22,7 @@ from refdem.core.judgement import (
     errors,
     judged,
     no_truth,
+    observed_order,
     order_statement,
     predictable,
     signed,
@@ -161,7 +162,7 @@ class Order(Check):
             return self._mean(subject, [counting[k] for k in above], [largest[k] for k in above])
         pairs = list(zip(pairwise(largest), floor[1:], strict=True))
         # Errors within round-off show no order.
-        orders = [float(np.log2(a / b)) for (a, b), low in pairs if b > low]
+        orders = [observed_order(a, b) for (a, b), low in pairs if b > low]
         resolved = [
             h for h, error, low in zip(counting, largest, floor, strict=True) if error > low
         ][-3:]
@@ -171,9 +172,7 @@ class Order(Check):
         # Orders of the levels too coarse to count, which show how fast the deficit falls.
         coarser = [_largest(errors_at[h], common) for h in subject.levels if h > counting[0]]
         coarser_orders = [
-            float(np.log2(a / b))
-            for a, b in pairwise([*coarser, largest[0]])
-            if b > 0 and a < SMALL
+            observed_order(a, b) for a, b in pairwise([*coarser, largest[0]]) if b > 0 and a < SMALL
         ]
         expected = expected_lack([*coarser_orders, *orders], subject.order) + 2 * rounded / float(
             np.log(2.0)

@@ -157,6 +157,17 @@ def _compared(value: float, bound: float, unit: str) -> str:
     return f"not a number (the bound is {limit})"
 
 
+def observed_order(coarse: float, fine: float) -> float:
+    """The order log2(e(h)/e(h/2)) of two errors, the fine one above 0.
+
+    It is minus infinity where the coarse error is 0, as of a code that takes the same steps for
+    both.
+    """
+    if coarse == 0:
+        return -np.inf
+    return float(np.log2(coarse / fine))
+
+
 def order_statement(
     seen: float, claimed: float, deficit: float, tolerance: float, detail: str
 ) -> str:

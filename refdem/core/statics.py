@@ -257,19 +257,17 @@ class Identity(Static):
         """
         result_sizes: dict[str, int] = {}
         for step in self.content.operations:
-            # -1 stands for an operation that does not exist.
-            expected, result = SIZES.get(step.operation, ((), -1))
             sizes = tuple(_size(operand, result_sizes) for operand in step.operands)
-            if result < 0 or not _fit(sizes, expected) or step.name in result_sizes:
-                actual = (
-                    f"operation {step.name} ({step.operation}) has operands of sizes {sizes} (-1:"
-                    " unknown)"
-                )
-                if result <= 0:
-                    expectation = f"one of {', '.join(SIZES)}"
-                else:
-                    expectation = str(expected)
-                raise UsageError(f"{actual}; expected {expectation}, each name once")
+            actual = (
+                f"operation {step.name} ({step.operation}) has operands of sizes {sizes} (-1:"
+                " unknown)"
+            )
+            if step.operation not in SIZES:
+                known = ", ".join(SIZES)
+                raise UsageError(f"{actual}; expected one of {known}, each name once")
+            expected, result = SIZES[step.operation]
+            if not _fit(sizes, expected) or step.name in result_sizes:
+                raise UsageError(f"{actual}; expected {expected}, each name once")
             result_sizes[step.name] = result
 
     @property
