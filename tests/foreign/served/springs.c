@@ -38,7 +38,8 @@ static const char *solve(const char *request, const char *trajectory)
     if (atoi(text("scene.bodies.count")) != 1 || atof(text("scene.elements.0.length")) != 0)
         return "one mass on one spring of no length";
     const double h = atof(text("step"));
-    const double omega2 = atof(text("scene.elements.0.stiffness")) / atof(text("scene.bodies.0.mass"));
+    const double omega2
+        = atof(text("scene.elements.0.stiffness")) / atof(text("scene.bodies.0.mass"));
     const double start = atof(text("times.0"));
     const long stride = atol(text("stride"));
     const long samples = atol(text("times.count"));
