@@ -39,6 +39,7 @@ PARTS = (
     "cli",
     "properties",
     "attacks",
+    "by_hand",
 )
 ROWS = "ci/campaign_rows.py"
 UNKNOWN = -1

@@ -45,6 +45,7 @@ TESTS = (
     "cli",
     "properties",
     "attacks",
+    "by_hand",
 )
 """Folders of tests whose numbers, or whose time, could depend on the machine."""
 

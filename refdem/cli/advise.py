@@ -218,7 +218,7 @@ def table(found: "Iterable[Recommendation]") -> list[str]:
 
 
 def cells(choice: "Choice") -> tuple[str, str, str, str, str, str]:
-    """One row of the table."""
+    """The cells of one choice in the table."""
     mark = ""
     if choice.is_extrapolated:
         mark = "~"

@@ -41,7 +41,7 @@ class Choice:
 
     @property
     def name(self) -> str:
-        """Engine and method."""
+        """The engine and its method, as `mujoco/rk4`."""
         return f"{self.record.engine}/{self.record.method}"
 
     @property
@@ -272,7 +272,7 @@ def _finding_of_worst(row: Row, step: float) -> str:
 
 
 def without(contents: Contents) -> dict[str, list[str]]:
-    """By engine, the labels of the settings in which none of its methods was measured."""
+    """The labels of the settings in which no method of an engine was measured, by engine."""
     missing: dict[str, list[str]] = {}
     for case in contents.cases:
         measured = {row.record.engine for row in rows_of(contents, case.label)}
