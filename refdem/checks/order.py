@@ -87,6 +87,9 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
     seen = finding.order_seen
     if finding.outcome != "fail" or seen is None or kinked(subject.instance):
         return finding
+    # Errors that are the same at two steps, or none at the coarser one, have no finite order.
+    if not np.isfinite(seen):
+        return finding
     order = round(seen)
     features = subject.instance.problem.features
     key = next((name for name in LOWERING if name in features), None)
