@@ -12,6 +12,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from refdem.checks._impacts import is_sequence
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -28,7 +29,15 @@ from refdem.core.judgement import (
     signed,
     undecided,
 )
-from refdem.core.refinement import COUNTING_FLOOR, SCATTER, kinked, order_levels, scored, smoothness
+from refdem.core.refinement import (
+    COUNTING_FLOOR,
+    SCATTER,
+    bound,
+    kinked,
+    order_levels,
+    scored,
+    smoothness,
+)
 from refdem.core.smoothness import singularities
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -364,7 +373,7 @@ class Order(Check):
         # a line, by Student's quantile for their degrees of freedom.
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
         scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
-        if _sees_impacts_late(subject):
+        if _late_alike(subject, steps, largest):
             scatter = max(scatter, claimed)
         if 0.5 < deficit <= scatter:
             why = (
@@ -393,16 +402,20 @@ class Order(Check):
         )
 
 
-def _sees_impacts_late(subject: Subject) -> bool:
-    """True for a method that looks for rigid impacts at the ends of its steps.
+def _late_alike(subject: Subject, steps: list[float], largest: list[float]) -> bool:
+    """True if impacts that are seen late may explain errors that do not fall with the step.
 
-    Each impact is late by a part f < 1 of the step, which jumps to 2 f, or 2 f - 1, as the step is
-    halved. An impact of f < 2^-n is late by the same time at n more levels: where it makes most of
-    the error, as the first one of a chain may, n levels show the order 0. Errors that grow as the
-    step falls are not excused.
+    A method that looks for the impacts of spheres at the ends of its steps sees each of them late
+    by a part f < 1 of the step, which jumps to 2 f, or 2 f - 1, as the step is halved. An impact of
+    f < 2^-n is late by the same time at n more levels: where it makes most of the error, as the
+    first one of a chain may, n levels show the order 0. That delay is shorter than the finest step,
+    so that no error is larger than the bound there.
     """
-    is_rigid = "contact:rigid" in subject.instance.problem.features
-    return is_rigid and not subject.method.locates_events
+    is_seen_late = is_sequence(subject.instance.scene) and not subject.method.locates_events
+    if not is_seen_late or subject.truth is None:
+        return False
+    of_finest = bound(subject.instance, subject.method, min(steps), subject.truth)
+    return max(largest) <= float(of_finest.max())
 
 
 def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, float]:

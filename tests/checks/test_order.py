@@ -155,6 +155,14 @@ def test_an_impact_that_is_late_by_one_time_at_all_levels_is_no_lack_of_order(
     assert found["state"].outcome == outcome, found["state"].sentence
 
 
+def test_a_delay_of_the_finest_step_excuses_no_larger_error_and_nothing_where_nothing_is_met(judge):
+    """A box at rest on a slope meets nothing: an error that stays is creep, or a soft floor."""
+    larger = judge("order", case="bouncing-ball", method="first", fault=spoiled(0.3, 0))
+    assert larger["state"].outcome == "fail", larger["state"].sentence
+    resting = judge("order", case="block-on-slope", method="first", fault=spoiled(1e-4, 0))
+    assert resting["state"].outcome == "fail", resting["state"].sentence
+
+
 ONE_PAIR = [
     ((1.0, 2**-1.98), "pass"),
     ((1.0, 2**-1.6), "undecided"),
