@@ -6,13 +6,12 @@ import pytest
 from flint import arb
 
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
 from refdem.truth.closed_forms import stick_slip
 from refdem.truth.events import crossing, phase, system
 from refdem.truth.events import motion as motions
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
-from refdem.truth.validated_ivp.moved import identity
 from tests.truth.events import systems
 from tests.truth.events.guards import GUARDS
 
@@ -140,7 +139,7 @@ BUGS = {
     "jump matrix forgotten": (
         Phase,
         "section",
-        lambda self, guard, states, rate: identity(len(states)),
+        lambda self, guard, states, rate: unit_matrix(len(states)),
     ),
     "jump matrix with the wrong sign": (
         Phase,
@@ -221,7 +220,7 @@ BUGS = {
     "changes at a time since the event": (
         motions,
         "at_fixed_time",
-        lambda phase, state: identity(len(state)),
+        lambda phase, state: unit_matrix(len(state)),
     ),
 }
 HULL = Phase.hull_at_entry
