@@ -86,7 +86,8 @@ def test_an_impact_keeps_momentum_and_angular_momentum_as_claimed(engine, method
     change = np.abs(turn - turn[0]).max() / angular_scale(instance)
     claims = discovery.engine(engine).method(method)
     if claims.keeps("angular-momentum", instance.scene.features):
-        assert change < 1e-14
+        # A rounding of r x v a step; an arm that is wrong changes L by more than 1e-3.
+        assert change < 2e-13
     else:
         assert change < 1e-2
 

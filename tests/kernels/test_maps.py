@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 FAMILY = "maps"
 AHEAD = 1e-9
 """[m] that a wall must be ahead, so that the one just met does not count."""
-CLOSE = 1e-9
+CLOSE = 1e-8
 """Error that round-off may make in a few bounces: each on an arc makes it several times larger."""
 BOUNCES = 6
 
