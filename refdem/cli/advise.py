@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from refdem.cli import completion
+from refdem.cli import completion, options
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,13 +29,7 @@ def command(
             help="Cases, also as `pendulum[theta0=2]`; or give --motion.",
         ),
     ] = None,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option(
-            autocompletion=completion.engines,
-            help="Engines, or paths of refdem.toml; default: all installed.",
-        ),
-    ] = None,
+    engine: options.Engines = None,
     motion: Annotated[
         str,
         typer.Option(
@@ -49,12 +43,8 @@ def command(
     digits: Annotated[
         float, typer.Option(help="Correct digits that are wanted.", min=0.0, max=MOST_DIGITS)
     ] = 3.0,
-    set: Annotated[
-        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of worker processes; default: one per core.")
-    ] = None,
+    set: options.Settings = None,
+    jobs: options.Jobs = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Says which method holds a number of digits with which step, and at what cost.

@@ -37,7 +37,17 @@ def _common(
     """Verifies rigid-body and discrete element codes against certified truth."""
 
 
-_FRAME = ("__init__", "app", "completion", "outputs", "progress", "skeleton", "starter", "summary")
+_FRAME = (
+    "__init__",
+    "app",
+    "completion",
+    "options",
+    "outputs",
+    "progress",
+    "skeleton",
+    "starter",
+    "summary",
+)
 
 for _path in sorted(Path(__file__).parent.glob("*.py")):
     if _path.stem not in _FRAME:

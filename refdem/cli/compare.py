@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from refdem.cli import completion
+from refdem.cli import completion, options
 from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, measured, shown
 
 if TYPE_CHECKING:
@@ -48,12 +48,8 @@ def command(
         float,
         typer.Option(help="Correct digits at which costs compare.", min=0.0, max=MOST_DIGITS),
     ] = 3.0,
-    set: Annotated[
-        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
-    ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of worker processes; default: one per core.")
-    ] = None,
+    set: options.Settings = None,
+    jobs: options.Jobs = None,
 ) -> None:
     """Compares engines in the same cases: error, order, cost, and what each conserves.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from refdem.cli import options
 from refdem.core.outside import one_line
 from refdem.errors import UsageError
 
@@ -30,9 +31,7 @@ def command(
         Path | None, typer.Option(help="File for the Markdown summary of a pull request.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the whole report.")] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of worker processes; default: one per core.")
-    ] = None,
+    jobs: options.Jobs = None,
 ) -> None:
     """Runs the gate of a program: every finding against truth, and against the baseline.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from refdem.cli import completion
+from refdem.cli import completion, options
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -23,13 +23,7 @@ def command(
             help="Cases, also as `pendulum[theta0=2]`; default: those of the campaign.",
         ),
     ] = None,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option(
-            autocompletion=completion.engines,
-            help="Engines, or paths of refdem.toml; default: all installed.",
-        ),
-    ] = None,
+    engine: options.Engines = None,
     method: Annotated[str, typer.Option(help="Only this method of the engine.")] = "",
     step: Annotated[
         float | None, typer.Option(help="Largest step [s]; refinement continues from it.")
@@ -38,9 +32,7 @@ def command(
         float | None,
         typer.Option(help="Largest step, as the number of steps per shortest time tau."),
     ] = None,
-    set: Annotated[
-        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
-    ] = None,
+    set: options.Settings = None,
     campaign: Annotated[
         str,
         typer.Option(
@@ -61,9 +53,7 @@ def command(
         ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of worker processes; default: one per core.")
-    ] = None,
+    jobs: options.Jobs = None,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print the outcome as JSON in place of the summary.")

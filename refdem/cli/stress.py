@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from refdem.cli import completion
+from refdem.cli import completion, options
 
 if TYPE_CHECKING:
     from refdem.core.store import Store
@@ -26,13 +26,7 @@ def command(
             help="Only ladders on these cases, also as `pendulum[theta0=2]`; default: all.",
         ),
     ] = None,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option(
-            autocompletion=completion.engines,
-            help="Engines, or paths of refdem.toml; default: all installed.",
-        ),
-    ] = None,
+    engine: options.Engines = None,
     method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
     battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,
     require: Annotated[
@@ -56,9 +50,7 @@ def command(
             )
         ),
     ] = 20.0,
-    jobs: Annotated[
-        int | None, typer.Option(help="Number of worker processes; default: one per core.")
-    ] = None,
+    jobs: options.Jobs = None,
     out: Annotated[
         Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")
     ] = Path("refdem-stress"),

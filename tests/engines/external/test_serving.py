@@ -20,6 +20,7 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external import serving
 from refdem.errors import EngineError, HangError, UnsupportedError, UsageError
+from tests.processes import processes
 
 SERVED = Path(__file__).parents[2] / "foreign" / "served"
 PATIENCE = 120.0
@@ -107,18 +108,6 @@ def ran(folder: Path, method: str, steps: int = 16, mass: str = "1") -> Trajecto
     """The trajectory of one run."""
     trajectory, _ = answer(folder, method, steps, mass)
     return trajectory
-
-
-def processes(word: str) -> list[str]:
-    """Processes whose command line has the word."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        try:
-            if word.encode() in path.read_bytes():
-                found.append(path.parent.name)
-        except OSError:
-            continue
-    return found
 
 
 def until_gone(word: str) -> bool:

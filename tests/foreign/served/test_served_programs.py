@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from tests.processes import processes
+
 HERE = Path(__file__).parent
 PATIENCE = 120.0
 """Seconds within which a process is there or gone, on any machine."""
@@ -77,18 +79,6 @@ def records(folder: Path) -> list[dict[str, Any]]:
             for level in finding["levels"]:
                 del level["seconds"]
         found.append({name: sheet[name] for name in ("label", "method", "findings")})
-    return found
-
-
-def processes(word: str) -> list[str]:
-    """Processes whose command line has the word."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        try:
-            if word.encode() in path.read_bytes():
-                found.append(path.parent.name)
-        except OSError:
-            continue
     return found
 
 

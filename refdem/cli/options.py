@@ -1,0 +1,19 @@
+"""Options that several commands share, each with its words in one place."""
+
+from typing import Annotated
+
+import typer
+
+from refdem.cli import completion
+
+Engines = Annotated[
+    list[str] | None,
+    typer.Option(
+        autocompletion=completion.engines,
+        help="Engines, or paths of refdem.toml; default: all installed.",
+    ),
+]
+Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")]
+Jobs = Annotated[
+    int | None, typer.Option(help="Number of worker processes; default: one per core.")
+]
