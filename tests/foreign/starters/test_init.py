@@ -86,7 +86,9 @@ def test_a_starter_passes_its_gate_as_it_stands(
 
 
 @pytest.mark.parametrize("language", STARTERS)
-def test_a_starter_refuses_and_makes_one_run_by_hand(tmp_path: Path, language: str) -> None:
+def test_a_starter_refuses_and_makes_one_run_by_hand(
+    tmp_path: Path, refdem: Command, language: str
+) -> None:
     written(language, "mydem", tmp_path)
     built(tmp_path, language)
     command = list(STARTERS[language].command)
@@ -97,10 +99,9 @@ def test_a_starter_refuses_and_makes_one_run_by_hand(tmp_path: Path, language: s
         ("harmonic-oscillator", 0, ""),
         ("coulomb-oscillator", 77, "element"),
     ):
-        request = subprocess.run(
-            ["refdem", "request", case, asked], capture_output=True, check=True
-        ).stdout
-        (tmp_path / "request").write_bytes(request)
+        request = refdem("request", case, asked, cwd=tmp_path)
+        assert request.returncode == 0, request.stderr
+        (tmp_path / "request").write_text(request.stdout)
         done = subprocess.run(
             [*command, "request", "trajectory.csv"],
             cwd=tmp_path,
