@@ -1,6 +1,7 @@
 """The command line: one command a file; errors are one clear sentence and an exit status."""
 
 import errno
+import io
 import os
 import signal
 import sys
@@ -53,6 +54,7 @@ def main() -> None:
     # Whoever closed them does not want to read them.
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    _write_messages_at_once()
     heard: list[int] = []
     try:
         try:
@@ -91,6 +93,22 @@ def _open_streams() -> None:
         except OSError:
             # The system gives the lowest number that is free, which is this one.
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+
+
+def _write_messages_at_once() -> None:
+    """Keeps nothing of standard error in a buffer.
+
+    What a full disk refused would stay there: every later flush would fail with it, that of a
+    process that starts another among them, and Python's last one would change the exit status.
+    """
+    buffered = sys.__stderr__
+    if buffered is None or sys.stderr is not buffered:
+        # Somebody else put another there, such as the tests or a notebook.
+        return
+    unbuffered = open(buffered.fileno(), "wb", buffering=0, closefd=False)  # noqa: SIM115
+    sys.stderr = io.TextIOWrapper(
+        unbuffered, encoding=buffered.encoding, errors=buffered.errors, write_through=True
+    )
 
 
 def _refused_by_the_system(error: OSError) -> None:

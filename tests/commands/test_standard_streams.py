@@ -62,8 +62,12 @@ def test_a_gate_whose_streams_are_closed_judges_as_ever(
     assert list(tmp_path.glob("failed-runs/*")) == []
 
 
-def test_a_standard_error_that_is_full_costs_what_it_would_say(tmp_path: Path, toml: Path) -> None:
-    found = done(tmp_path, f"gate {toml} --jobs 1 2>/dev/full")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_standard_error_that_is_full_costs_what_it_would_say(
+    tmp_path: Path, toml: Path, unbuffered: str
+) -> None:
+    before = f"export PYTHONUNBUFFERED={unbuffered};"
+    found = done(tmp_path, f"gate {toml} --jobs 1 2>/dev/full", before)
     assert found.returncode == UNACCEPTED
     assert "pass" in found.stdout
 
