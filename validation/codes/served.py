@@ -59,6 +59,26 @@ class Scene:
             return laws[0]
         return None
 
+    def chain(self):
+        """The numbers of the bodies of a chain of rods, from that which is joined to the world on,
+        and the place (3) [m] of the pivot; raises UnsupportedError for rods of another kind.
+        """
+        rods = self.of_kind("rod")
+        held = [rod for rod in rods if rod["b"] == -1]
+        cannot(len(held) != 1, "rods without one that is held by the world")
+        cannot(any(any(rod["anchor_a"]) for rod in rods), "anchors off the centre")
+        cannot(any(any(rod["anchor_b"]) for rod in rods if rod["b"] >= 0), "anchors off the centre")
+        numbers = [held[0]["a"]]
+        joins = [(rod["a"], rod["b"]) for rod in rods if rod["b"] >= 0]
+        while joins:
+            last = numbers[-1]
+            following = [pair for pair in joins if last in pair]
+            cannot(len(following) != 1, "rods other than a chain")
+            joins.remove(following[0])
+            numbers.append(sum(following[0]) - last)
+        cannot(sorted(numbers) != list(range(len(self.bodies))), "rods other than a chain")
+        return numbers, held[0]["anchor_b"]
+
     def moments(self, body, least=0.0):
         """The principal moments of inertia (3) [kg m^2] of a body; those of a point, which are 0,
         become `least` if the code takes no zero.

@@ -103,7 +103,7 @@ def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
     }
-    assert not modules & {"refdem", "served", "border"}
+    assert not modules & {"refdem", "served", "border", "hinges"}
     told = (path.parents[1] / "refdem.toml").read_text()
     assert f"deviations/{path.name}" in told
 
@@ -112,7 +112,7 @@ def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path
 def test_a_code_that_is_not_there_is_listed_as_not_installed(name, tmp_path, monkeypatch):
     copy = tmp_path / "codes"
     shutil.copytree(CODES / name, copy / name)
-    for shared in ("served.py", "border.py"):
+    for shared in ("served.py", "border.py", "hinges.py"):
         shutil.copy(CODES / shared, copy / shared)
     monkeypatch.setenv(codes.VARIABLE, str(copy))
     # Its environment would be three folders above the copy, where there is none.
