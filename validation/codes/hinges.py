@@ -11,7 +11,7 @@ LEAST_SINE = 1e-12
 
 @dataclass(frozen=True)
 class Hinge:
-    """The hinge of one rod.
+    """The hinge at the upper end of a rod.
 
     `number` of the body at its end; `at` (3) [m], the place of the hinge as the hinge before it has
     it; `arm` (3) [m] from the hinge to the body; `rate` [rad/s] relative to the rod before.
