@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from refdem.campaign.specification import Specification
@@ -164,6 +165,25 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
     if not specification.method or requested:
         return installed, missing
     return _with_method(installed, specification.method), missing
+
+
+def present(specification: Specification) -> tuple[Specification, list[str]]:
+    """The campaign without the engines that were asked for by name and are not installed, and a
+    sentence for each of these.
+
+    Raises EngineMissingError where none of the engines asked for is installed.
+    """
+    kept = []
+    absent = []
+    for name in specification.engines:
+        reason = discovery.engine(name).missing()
+        if reason is None:
+            kept.append(name)
+        else:
+            absent.append(f"engine {name} is not installed here; {reason}")
+    if absent and not kept:
+        raise EngineMissingError(" ".join(absent))
+    return msgspec.structs.replace(specification, engines=kept), absent
 
 
 def _with_method(engines: list[Engine], method_name: str) -> list[Engine]:

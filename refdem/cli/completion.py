@@ -13,10 +13,11 @@ def cases(incomplete: str) -> list[str]:
 
 
 def engines(incomplete: str) -> list[str]:
-    """The engines whose names begin so, installed or not."""
-    from refdem.core import discovery
+    """The engines and codes whose names begin so, installed or not."""
+    from refdem.core import codes, discovery
 
-    return [name for name in discovery.names("engines") if name.startswith(incomplete)]
+    known = [*discovery.names("engines"), *codes.descriptions()]
+    return [name for name in known if name.startswith(incomplete)]
 
 
 def motions(incomplete: str) -> list[str]:

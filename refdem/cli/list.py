@@ -11,7 +11,7 @@ def command(
     what: Annotated[str, typer.Argument(help="cases, engines or checks")] = "cases",
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Lists cases with their parameters, engines with their methods, or checks.
+    """Lists cases with their parameters, engines and codes with their methods, or checks.
 
     Example: refdem list cases --json
     """
@@ -20,9 +20,12 @@ def command(
     kinds = {"cases": case, "engines": engine, "checks": check}
     if what not in kinds:
         raise UsageError(f"list got {what!r}; expected cases, engines or checks")
-    from refdem.core import discovery
+    from refdem.core import codes, discovery
 
-    items = [kinds[what](name) for name in discovery.names(what)]
+    listed = discovery.names(what)
+    if what == "engines":
+        listed += [name for name in codes.descriptions() if name not in listed]
+    items = [kinds[what](name) for name in listed]
     if json:
         print(format.dumps(items, indent=1))
         return

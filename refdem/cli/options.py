@@ -10,7 +10,7 @@ Engines = Annotated[
     list[str] | None,
     typer.Option(
         autocompletion=completion.engines,
-        help="Engines, or paths of refdem.toml; default: all installed.",
+        help="Engines, codes, or paths of refdem.toml; default: all installed engines.",
     ),
 ]
 Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")]

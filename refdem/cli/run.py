@@ -61,11 +61,15 @@ def command(
 ) -> None:
     """Runs cases in engines and writes a report.
 
+    Of several engines named here those that are installed run; a sentence at the end says of each
+    other one how to install it, and the exit status is then 2 where all else holds.
+
     Example: refdem run pendulum --set theta0=2 --engine reference --engine mujoco --out report
     """
     import msgspec
 
     from refdem.campaign.campaign import Campaign
+    from refdem.campaign.plan import present
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines, printed_json
@@ -82,6 +86,7 @@ def command(
     overruled = {name: value for name, value in given.items() if value not in (None, "", [])}
     specification = msgspec.structs.replace(base, **overruled)
     count = workers(jobs)
+    specification, absent = present(specification)
     refuse_unwritable(out)
     store = Store(default_path())
     if bless:
@@ -92,11 +97,11 @@ def command(
     if bless:
         changes = blessed(base, sheets)
     if json:
-        print(printed_json(sheets, out / "index.html", changes))
+        print(printed_json(sheets, out / "index.html", changes, absent))
     else:
-        print("\n".join([*lines(sheets), *changes]))
+        print("\n".join([*lines(sheets), *changes, *absent]))
         print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
-    raise typer.Exit(exit_status(sheets))
+    raise typer.Exit(exit_status(sheets, absent))
 
 
 def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specification":

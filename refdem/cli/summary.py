@@ -4,7 +4,7 @@ status.
 
 import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from refdem.core.finding import (
@@ -28,16 +28,16 @@ pass nor a failure.
 """
 
 
-def exit_status(sheets: Iterable[Sheet]) -> int:
+def exit_status(sheets: Iterable[Sheet], absent: Collection[str] = ()) -> int:
     """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 2 if nothing was
-    judged, else 0.
+    judged or an engine that was asked for is `absent`, else 0.
     """
     outcomes = {finding.outcome for _, finding in worst_first(sheets)}
     if outcomes & set(FAILING):
         return 1
     if "error" in outcomes:
         return 3
-    if outcomes & set(DECIDED):
+    if outcomes & set(DECIDED) and not absent:
         return 0
     return VOID
 
@@ -73,11 +73,12 @@ def lines(sheets: list[Sheet]) -> list[str]:
     return printed
 
 
-def printed_json(sheets: list[Sheet], report: Path, changes: list[str]) -> str:
+def printed_json(sheets: list[Sheet], report: Path, changes: list[str], absent: list[str]) -> str:
     """The outcome of a run as JSON: how many findings have each outcome, every finding that failed
     or broke, why engines judged nothing, and where the report is.
 
-    `changes` are those to the list of findings that the campaign must make.
+    `changes` are those to the list of findings that the campaign must make; `absent` has a sentence
+    for each engine that was asked for and is not installed.
     """
     findings = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in findings)
@@ -87,10 +88,11 @@ def printed_json(sheets: list[Sheet], report: Path, changes: list[str]) -> str:
         if finding.outcome in BROKEN
     ]
     answer = {
-        "exit_status": exit_status(sheets),
+        "exit_status": exit_status(sheets, absent),
         "outcomes": {name: counts[name] for name in WORST_FIRST if counts[name]},
         "broken": broken,
         "unjudged": unjudged(sheets),
+        "absent": absent,
         "changes": changes,
         "report": str(report),
     }

@@ -1,5 +1,5 @@
 """Finding cases, checks and engines: one file each in its folder, or an entry point of another
-package.
+package; an engine may also be a code that has a folder of its own (core/codes.py).
 """
 
 from collections.abc import Iterator
@@ -10,6 +10,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from refdem.core import codes
 from refdem.core.parameters import nearest
 from refdem.errors import UsageError
 
@@ -69,7 +70,10 @@ def _load(folder: str, attribute: str, name: str) -> Any:
     entry_points_by_name = _others(folder)
     if name in entry_points_by_name:
         return entry_points_by_name[name].load()
-    hint = nearest(name, [*modules, *entry_points_by_name])
+    others: list[str] = []
+    if folder == "engines":
+        others = list(codes.descriptions())
+    hint = nearest(name, [*modules, *entry_points_by_name, *others])
     raise UsageError(f"no {folder[:-1]} {name!r}; {hint}")
 
 
@@ -113,14 +117,25 @@ def check(name: str) -> "Check":
 def engine(name: str) -> "Engine":
     """The engine of that name, or the program that the refdem.toml at that path describes; the
     engine itself is not imported.
+
+    A code of `codes.descriptions` is found by the name of its folder, unless an engine has it.
     """
     if name in _HERE:
         return _HERE[name]
     if name.endswith(".toml"):
-        program: Engine = import_module(f"refdem.engines.{DESCRIBED}").load(Path(name))
-        return program
+        return _described(Path(name))
+    if name not in names("engines"):
+        description = codes.descriptions().get(name)
+        if description is not None:
+            return _described(description)
     engine_object: Engine = _load("engines", "ENGINE", name)
     return engine_object
+
+
+def _described(path: Path) -> "Engine":
+    """The program that a refdem.toml describes."""
+    program: Engine = import_module(f"refdem.engines.{DESCRIBED}").load(path)
+    return program
 
 
 def truth_of(name: str, **given: str) -> "Truth":

@@ -78,6 +78,38 @@ def turned(q, vector):
     return product(product(q, (0.0, *vector)), conjugate(q))[1:]
 
 
+def quaternion(rotation):
+    """The unit quaternion (w, x, y, z), w >= 0, of a rotation matrix, by rows.
+
+    The largest of |w|, |x|, |y|, |z| comes from the diagonal, the others from it (Shepperd 1978).
+    """
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
+    squares = {
+        "w": 1 + r00 + r11 + r22,
+        "x": 1 + r00 - r11 - r22,
+        "y": 1 - r00 + r11 - r22,
+        "z": 1 - r00 - r11 + r22,
+    }
+    largest = max(squares, key=squares.get)
+    # Four times the product of the largest with each of the four.
+    products = {
+        "w": {"w": squares["w"], "x": r21 - r12, "y": r02 - r20, "z": r10 - r01},
+        "x": {"w": r21 - r12, "x": squares["x"], "y": r01 + r10, "z": r02 + r20},
+        "y": {"w": r02 - r20, "x": r01 + r10, "y": squares["y"], "z": r12 + r21},
+        "z": {"w": r10 - r01, "x": r02 + r20, "y": r12 + r21, "z": squares["z"]},
+    }[largest]
+    scale = 0.5 / squares[largest] ** 0.5
+    if products["w"] < 0:
+        scale = -scale
+    return tuple(scale * products[name] for name in "wxyz")
+
+
+def matrix(q):
+    """The rotation matrix of a unit quaternion (w, x, y, z), by rows."""
+    columns = [turned(q, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
 def tensor(body):
     """The inertia tensor in space axes, rows."""
     axes = [

@@ -8,10 +8,11 @@ from functools import cached_property
 from pathlib import Path
 
 from refdem.core import fingerprint
-from refdem.core.engine import Method, ProgramEngine, Stages
+from refdem.core.engine import Default, Method, ProgramEngine, Stages
+from refdem.core.outside import one_line
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.external.description import Description, EngineTable
+from refdem.engines.external.description import AuditTable, Description, EngineTable
 from refdem.engines.external.features import DIMENSIONS, IMPLIED
 from refdem.engines.external.program import Program
 from refdem.engines.external.sense import read
@@ -32,6 +33,7 @@ class External(ProgramEngine):
         self.time_limit = longest(table)
         self.budget = table.budget
         self.expected = tuple(self.description.expected)
+        self.audit = tuple(audited(line) for line in self.description.audit)
         self.may_refuse = frozenset(table.may_refuse)
         kind = Program
         if table.serve:
@@ -94,6 +96,16 @@ class External(ProgramEngine):
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run in an empty folder of its own."""
         return self.program.stages(request)
+
+
+def audited(line: AuditTable) -> Default:
+    """A line of the audit of defaults, of printable words."""
+    return Default(
+        setting=one_line(line.setting),
+        default=one_line(line.default),
+        used=one_line(line.used),
+        why=one_line(line.why),
+    )
 
 
 def longest(table: EngineTable) -> float:

@@ -91,6 +91,9 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """The program: its command (never a shell), what belongs to it, what it can do."""
 
     name: str
+    install: Annotated[str, said("what to do on a machine without the program, in a few words")] = (
+        ""
+    )
     command: Annotated[
         list[str],
         said(
@@ -164,9 +167,21 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     baseline: str = "refdem-baseline.jsonl"
 
 
+class AuditTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One setting of the program: what it comes with, what its driver sets, and why."""
+
+    setting: str
+    default: str
+    used: str
+    why: str
+
+
 class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The contents of a refdem.toml file."""
 
     engine: EngineTable
+    audit: Annotated[
+        list[AuditTable], said("settings of the program that its driver sets or leaves alone")
+    ] = []
     gate: GateTable = GateTable()
     expected: list[Deviation] = []

@@ -51,10 +51,8 @@ class Program:
         word = self.table.command[0]
         if shutil.which(self.placed(word)):
             return None
-        return (
-            f"{word} is not there or cannot be run (from {self.home}); build it, or correct"
-            " engine.command"
-        )
+        advice = one_line(self.table.install) or "build it, or correct engine.command"
+        return f"{word} is not there or cannot be run (from {self.home}); {advice}"
 
     def files(self) -> list[Path]:
         """Every file that the command names, and every file that `inputs` matches."""

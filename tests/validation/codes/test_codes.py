@@ -1,0 +1,142 @@
+"""What holds for every folder of validation/codes, whether its code is installed or not."""
+
+import ast
+import importlib
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from refdem.core import codes, discovery
+from refdem.core.parameters import labelled
+from refdem.engines.external.description import Description
+from refdem.engines.external.sense import read
+
+CODES = Path(__file__).resolve().parents[3] / "validation/codes"
+NAMES = sorted(path.parent.name for path in CODES.glob("*/refdem.toml"))
+FIELD = sorted(path.parent.name for path in CODES.glob("*/requirements.in"))
+"""Those with an environment of their own, which `make field` makes."""
+DEVIATIONS = sorted(CODES.glob("*/deviations/*.py"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_description_makes_sense_and_bears_the_name_of_its_folder(name):
+    description: Description = read(CODES / name / "refdem.toml")
+    assert description.engine.name == name
+    assert discovery.engine(name).name == name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_case_of_the_gate_can_be_asked(name):
+    cases = read(CODES / name / "refdem.toml").gate.cases
+    assert cases
+    for label in cases:
+        case, given = labelled(label)
+        assert discovery.case(case).at(**given).label
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_baseline_is_that_of_the_gate(name):
+    lines = (CODES / name / "refdem-baseline.jsonl").read_text().splitlines()
+    header, *findings = map(json.loads, lines)
+    assert header["engine"] == name
+    assert header["why"]
+    cases = {finding["id"].partition(f"/{name}/")[0] for finding in findings}
+    asked = {case.partition("[")[0] for case in read(CODES / name / "refdem.toml").gate.cases}
+    assert {case.partition("[")[0] for case in cases} == asked
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_expected_deviation_is_of_a_case_of_the_gate(name):
+    description = read(CODES / name / "refdem.toml")
+    cases = {case.partition("[")[0] for case in description.gate.cases}
+    methods = {method.name for method in description.engine.methods}
+    for deviation in description.expected:
+        assert deviation.case in cases
+        assert deviation.method in methods
+        assert deviation.link.startswith("https://")
+
+
+@pytest.mark.parametrize("path", sorted(CODES.rglob("*.py")), ids=str)
+def test_every_driver_and_script_compiles(path):
+    tree = ast.parse(path.read_text(), str(path))
+    assert ast.get_docstring(tree)
+
+
+@pytest.mark.parametrize("name", FIELD)
+def test_every_requirement_is_pinned_with_digests(name):
+    folder = CODES / name
+    asked = {
+        re.split(r"[=<>]", line)[0].lower().replace("_", "-")
+        for line in (folder / "requirements.in").read_text().splitlines()
+        if line and not line.startswith("#")
+    }
+    blocks = re.split(r"^(?=\w)", (folder / "requirements.txt").read_text(), flags=re.MULTILINE)
+    pinned = {block.partition("==")[0].lower(): block for block in blocks if "==" in block}
+    assert asked <= set(pinned)
+    assert all("--hash=sha256:" in block for block in pinned.values())
+
+
+@pytest.mark.parametrize("name", FIELD)
+def test_a_code_of_the_field_stays_alive_and_says_how_it_is_installed(name):
+    description = read(CODES / name / "refdem.toml")
+    assert description.engine.serve
+    assert description.engine.install == f"install it with: make field CODES={name}"
+    assert description.engine.command[0] == f"../../../.venv-field/{name}/bin/python"
+    assert description.audit
+    assert "../served.py" in description.engine.inputs
+
+
+@pytest.mark.parametrize("path", DEVIATIONS, ids=lambda path: f"{path.parts[-3]}/{path.stem}")
+def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path):
+    tree = ast.parse(path.read_text())
+    modules = {
+        name.name.partition(".")[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for name in node.names
+    }
+    modules |= {
+        str(node.module).partition(".")[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+    }
+    assert not modules & {"refdem", "served", "border", "hinges"}
+    told = (path.parents[1] / "refdem.toml").read_text()
+    assert f"deviations/{path.name}" in told
+
+
+@pytest.mark.parametrize("name", FIELD)
+def test_a_code_that_is_not_there_is_listed_as_not_installed(name, tmp_path, monkeypatch):
+    copy = tmp_path / "codes"
+    shutil.copytree(CODES / name, copy / name)
+    for shared in ("served.py", "border.py", "hinges.py"):
+        shutil.copy(CODES / shared, copy / shared)
+    monkeypatch.setenv(codes.VARIABLE, str(copy))
+    # Its environment would be three folders above the copy, where there is none.
+    missing = discovery.engine(name).missing()
+    assert missing is not None
+    assert missing.endswith(f"install it with: make field CODES={name}")
+
+
+def test_the_shared_quaternion_of_a_rotation_is_that_of_the_rotation(monkeypatch):
+    monkeypatch.syspath_prepend(CODES)
+    border = importlib.import_module("border")
+    # Unit quaternions in binary fractions, each with another largest component, and half turns.
+    for q in (
+        (0.5, 0.5, 0.5, 0.5),
+        (0.28, 0.96, 0.0, 0.0),
+        (0.0, 1.0, 0.0, 0.0),
+        (0.0, 0.6, 0.8, 0.0),
+        (0.1, -0.1, -0.7, 0.7),
+        (0.7, -0.7, 0.1, -0.1),
+        (0.2, 0.4, 0.4, -0.8),
+    ):
+        rows = border.matrix(q)
+        found = border.quaternion(rows)
+        assert found[0] >= 0
+        # q and -q are one rotation; ten times the few roundings of nine products.
+        overlap = abs(sum(a * b for a, b in zip(q, found, strict=True)))
+        assert abs(overlap - 1) < 1e-14

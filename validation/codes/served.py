@@ -1,0 +1,152 @@
+"""What the drivers that stay alive share: requests as lines, what a scene says, and trajectories.
+
+Import it before the code: what the code prints then goes to standard error.
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import border
+
+NOT_SUPPORTED = 77
+"""The exit status of a program that cannot run the scene that it was asked for."""
+
+
+class UnsupportedError(Exception):
+    """The code cannot run this scene; the text says why."""
+
+
+def cannot(condition, why):
+    """Raises UnsupportedError if the code cannot say what the scene says."""
+    if condition:
+        raise UnsupportedError(why)
+
+
+class Scene:
+    """A request, as drivers read it.
+
+    `bodies` are those of the scene, `step` [s] and `stride` (steps from sample to sample) those of
+    the request, `gravity` (3,) [m/s^2] the sum of all uniform fields.
+    """
+
+    def __init__(self, request, known):
+        self.method = request["method"]
+        self.bodies = request["scene"]["bodies"]
+        self.elements = request["scene"]["elements"]
+        self.times = request["times"]
+        self.step = request["step"]
+        self.stride = request["stride"]
+        self.rows = []
+        for element in self.elements:
+            cannot(element["kind"] not in known, f"element {element['kind']}")
+        cannot(any(body["fixed"] for body in self.bodies), "fixed bodies")
+        fields = self.of_kind("uniform_gravity")
+        self.gravity = [sum(field["g"][axis] for field in fields) for axis in range(3)]
+
+    def of_kind(self, kind):
+        """The elements of one kind."""
+        return [element for element in self.elements if element["kind"] == kind]
+
+    def rigid_contact(self):
+        """The rigid contact law, or None; raises UnsupportedError for another."""
+        laws = self.of_kind("contact")
+        cannot(any(law["law"] != "rigid" for law in laws), "contact laws other than the rigid one")
+        reversing = any(law.get("tangential_restitution", 0.0) for law in laws)
+        cannot(reversing, "a tangential restitution")
+        if laws:
+            return laws[0]
+        return None
+
+    def chain(self):
+        """The numbers of the bodies of a chain of rods, from that which is joined to the world on,
+        and the place (3) [m] of the pivot; raises UnsupportedError for rods of another kind.
+        """
+        rods = self.of_kind("rod")
+        held = [rod for rod in rods if rod["b"] == -1]
+        cannot(len(held) != 1, "rods without one that is held by the world")
+        cannot(any(any(rod["anchor_a"]) for rod in rods), "anchors off the centre")
+        cannot(any(any(rod["anchor_b"]) for rod in rods if rod["b"] >= 0), "anchors off the centre")
+        numbers = [held[0]["a"]]
+        joins = [(rod["a"], rod["b"]) for rod in rods if rod["b"] >= 0]
+        while joins:
+            last = numbers[-1]
+            following = [pair for pair in joins if last in pair]
+            cannot(len(following) != 1, "rods other than a chain")
+            joins.remove(following[0])
+            numbers.append(sum(following[0]) - last)
+        cannot(sorted(numbers) != list(range(len(self.bodies))), "rods other than a chain")
+        return numbers, held[0]["anchor_b"]
+
+    def moments(self, body, least=0.0):
+        """The principal moments of inertia (3) [kg m^2] of a body; those of a point, which are 0,
+        become `least` if the code takes no zero.
+        """
+        return [moment or least for moment in body["inertia"]]
+
+    def sampled(self, advance, states):
+        """Steps by `advance()`, `stride` of them from sample to sample, and keeps the rows of all
+        bodies at each: position, velocity, attitude and omega from `states()`.
+        """
+        for sample, t in enumerate(self.times):
+            if sample > 0:
+                for _ in range(self.stride):
+                    advance()
+            for number, state in enumerate(states()):
+                self.rows.append((t, number, *state))
+
+
+def half_sides(shape):
+    """The half sides (3) [m] of a polyhedron that is a box along the axes of its body."""
+    corners = {tuple(corner) for corner in shape["vertices"]}
+    half = [max(corner[axis] for corner in corners) for axis in range(3)]
+    signs = (-1.0, 1.0)
+    expected = {
+        (a * half[0], b * half[1], c * half[2]) for a in signs for b in signs for c in signs
+    }
+    cannot(corners != expected, "polyhedra other than boxes about their centre")
+    return half
+
+
+def answer(solve, known, request, trajectory):
+    """One run; raises UnsupportedError."""
+    asked = json.loads(Path(request).read_text())
+    scene = Scene(asked, known)
+    solve(scene)
+    border.write(trajectory, scene.rows)
+
+
+def run(solve, *known):
+    """Answers requests until standard input ends, or the one request of the command line.
+
+    `solve(scene)` fills `scene.rows`; scenes with elements of kinds other than `known` are refused.
+    """
+    if len(sys.argv) == 3:
+        try:
+            answer(solve, known, *sys.argv[1:])
+        except UnsupportedError as reason:
+            print(reason, file=sys.stderr)
+            sys.exit(NOT_SUPPORTED)
+        return
+    said({"ready": True})
+    for line in sys.stdin:
+        asked = json.loads(line)
+        outcome = {"done": True}
+        try:
+            answer(solve, known, asked["request"], asked["trajectory"])
+        except UnsupportedError as reason:
+            outcome = {"unsupported": str(reason)}
+        except Exception as error:
+            outcome = {"failed": f"{type(error).__name__}: {error}"}
+        said({"id": asked["id"]} | outcome)
+
+
+def said(line):
+    """Writes one line of JSON to whom asked."""
+    print(json.dumps(line), file=ANSWERS, flush=True)
+
+
+# Standard output is for answers alone: whatever a library prints goes to standard error.
+ANSWERS = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
