@@ -1,18 +1,34 @@
 """refdem report: makes the report again from records, on any machine."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from refdem.errors import UsageError
 
+if TYPE_CHECKING:
+    from refdem.core.store import Store
+
 
 def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jsonl.")]) -> None:
     """Makes index.html, validation.md and junit.xml again from records.jsonl.
 
+    A report that nothing has changed is left alone.
+
     Example: refdem report reports
     """
+    from refdem.core.store import Store, default_path
+    from refdem.report import is_as_left
+
+    store = Store(default_path())
+    if not is_as_left(folder, store):
+        _write(folder, store)
+    print(f"report: {folder / 'index.html'}")
+
+
+def _write(folder: Path, store: "Store") -> None:
+    """Makes the report of the records in a folder; raises UsageError if there are none."""
     from refdem.cli.outputs import refuse_unwritable
     from refdem.report import read_records, write_report
 
@@ -23,5 +39,4 @@ def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jso
             " `refdem run`"
         )
     refuse_unwritable(folder, "FOLDER")
-    write_report(folder, sheets)
-    print(f"report: {folder / 'index.html'}")
+    write_report(folder, sheets, store)

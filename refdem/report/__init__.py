@@ -49,6 +49,17 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
         unchanged.left(Path(folder), sheets, store)
 
 
+def is_as_left(folder: Path, store: "Store") -> bool:
+    """True if a report stands in a folder as it would be made of the records there.
+
+    What is compared is in the store: the records byte by byte, code and templates, and how every
+    file was left. No record is read for it.
+    """
+    from refdem.report import unchanged
+
+    return unchanged.is_as_left(Path(folder), store)
+
+
 def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -> None:
     """Writes the verification manual into `folder`/manual, Markdown and HTML; raises StoreError if
     it cannot be written.

@@ -32,10 +32,27 @@ def specification(data: ChartData) -> dict[str, Any]:
     }
     with debug_mode(False):
         chart = drawers[data.kind](data)
-        spec: dict[str, Any] = chart.to_dict(validate=False)
+        if isinstance(chart, list):
+            spec = _beside(chart)
+        else:
+            spec = chart.to_dict(validate=False)
         if data.kind in PICKED:  # Altair would copy the whole chart several times over for it
             spec["params"] = [_picked(data, PICKED[data.kind])]
     return spec
+
+
+def _beside(panels: list[Any]) -> dict[str, Any]:
+    """The specification of charts of the same rows beside each other, with one axis of errors.
+
+    What `altair.hconcat` gives, which copies every part of every chart several times over.
+    """
+    specs: list[dict[str, Any]] = [panel.to_dict(validate=False) for panel in panels]
+    shared = ("$schema", "config", "data", "datasets")
+    whole = {name: specs[0][name] for name in shared}
+    for spec in specs:
+        for name in shared:
+            del spec[name]
+    return {**whole, "hconcat": specs, "resolve": {"scale": {"y": "shared"}}, "spacing": 8}
 
 
 def _chart(data: ChartData, **types: str) -> Any:
@@ -131,8 +148,8 @@ def _curves(
     return alt.layer(bounds, lines, points, **more)
 
 
-def _errors(data: ChartData) -> Any:
-    """Panels for step, tolerance and exact methods, with one axis of errors."""
+def _errors(data: ChartData) -> list[Any]:
+    """Panels for step, tolerance and exact methods, to stand beside each other."""
     base = _chart(
         data, level="number", shown_error="number", shown_bound="number"
     ).transform_filter("datum.quantity == pick")
@@ -158,8 +175,7 @@ def _errors(data: ChartData) -> Any:
             width = 3 * SIDE // 2
         curves = _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
         panels.append(curves)
-    shared = alt.Resolve(scale=alt.ScaleResolveMap(y="shared"))
-    return alt.hconcat(*panels, spacing=8, resolve=shared)
+    return panels
 
 
 def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> Any:

@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from refdem.core.finding import (
     BROKEN,
@@ -32,7 +33,15 @@ class Contents:
 
     def of(self, label: str) -> list[Record]:
         """The records of one instance, in the order of the report."""
-        return [record for record in self.records if record.label == label]
+        return list(self._by_label.get(label, ()))
+
+    @cached_property
+    def _by_label(self) -> dict[str, list[Record]]:
+        """The records of each instance that has some."""
+        found: dict[str, list[Record]] = {}
+        for record in self.records:
+            found.setdefault(record.label, []).append(record)
+        return found
 
     def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
         """How many findings have each outcome, worst first, without zeros."""

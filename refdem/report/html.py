@@ -9,13 +9,14 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from refdem.core.finding import BROKEN, WORST_FIRST, EngineSheet, Finding, Record
+from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
 from refdem.core.outside import printable
-from refdem.report.contents import Contents, advice, anchor, page
+from refdem.report import index
+from refdem.report.contents import Contents, anchor, page
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
-from refdem.report.overview import WANTED, advice_text, advised, case_lines, shown_digits
-from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell
+from refdem.report.overview import advice_text, advised, shown_digits
+from refdem.report.tolerance import TARGETS, WORST, Row, best_errors
 
 MARKS = {
     "fail": "✗",
@@ -50,11 +51,21 @@ def pages(
     *,
     has_gallery: bool = False,
 ) -> Iterator[tuple[str, str]]:
-    """(file name, text) of every page: cases, engines, and at last the index, which has a link to a
-    gallery if there is one.
+    """(file name, text) of every page: cases, engines, and at last the index with its parts, which
+    has a link to a gallery if there is one.
     """
     templates = environment()
-    shared = {
+    shared = shared_by_all(contents)
+    yield from _case_pages(contents, rows, specs, templates, shared)
+    yield "engines.html", templates.get_template("engines.html").render(shared, root="")
+    yield from index.files(
+        contents, rows, specs[""].get("tolerance"), templates, shared, has_gallery=has_gallery
+    )
+
+
+def shared_by_all(contents: Contents) -> dict[str, Any]:
+    """The variables of all templates of pages."""
+    return {
         "contents": contents,
         "counts": contents.counts(),
         "marks": MARKS,
@@ -62,30 +73,6 @@ def pages(
         "targets": TARGETS,
         "advised": advised(contents),
     }
-    yield from _case_pages(contents, rows, specs, templates, shared)
-    yield "engines.html", templates.get_template("engines.html").render(shared, root="")
-    cells = {}
-    for sheet in contents.cases:
-        label = sheet.label
-        for engine in contents.engines:
-            cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
-    groups = {
-        outcome: grouped(contents, outcome) for outcome in contents.counts() if outcome != "pass"
-    }
-    text = templates.get_template("index.html").render(
-        shared,
-        root="",
-        rows=rows,
-        cells=cells,
-        lines=case_lines(contents, cells),
-        wanted=WANTED,
-        broken=[outcome for outcome in groups if outcome in BROKEN],
-        has_gallery=has_gallery,
-        advice=advice(contents.counts()),
-        groups=groups,
-        specs=specs[""],
-    )
-    yield "index.html", text
 
 
 def _case_pages(
@@ -101,7 +88,7 @@ def _case_pages(
     template = templates.get_template("case.html")
     labels = [sheet.label for sheet in contents.cases]
     neighbours = [None, *labels, None]
-    for index, sheet in enumerate(contents.cases):
+    for number, sheet in enumerate(contents.cases):
         label = sheet.label
         text = template.render(
             shared,
@@ -113,19 +100,10 @@ def _case_pages(
             equations=equations(sheet.latex),
             counts=contents.counts(contents.of(label)),
             distances=distances(rows[label]),
-            before=neighbours[index],
-            after=neighbours[index + 2],
+            before=neighbours[number],
+            after=neighbours[number + 2],
         )
         yield f"cases/{page(label)}.html", text
-
-
-def grouped(contents: Contents, outcome: str) -> dict[str, list[tuple[Record, Finding]]]:
-    """Findings of one outcome by sentence, so that a reason is read once."""
-    groups: dict[str, list[tuple[Record, Finding]]] = {}
-    for record, finding in contents.findings():
-        if finding.outcome == outcome:
-            groups.setdefault(finding.sentence, []).append((record, finding))
-    return groups
 
 
 def refusals(refused: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], dict[str, str]]]:

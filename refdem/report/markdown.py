@@ -3,10 +3,11 @@
 import math
 from collections.abc import Sequence
 
-from refdem.core.finding import WORST_FIRST, EngineSheet, Record
+from refdem.core.finding import EngineSheet, Record
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
-from refdem.report.html import MARKS, grouped, span, step, target
+from refdem.report.html import MARKS, span, step, target
+from refdem.report.index import grouped
 from refdem.report.numbers import ABSENT, two
 from refdem.report.overview import WANTED, advice_text, advised
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
@@ -164,15 +165,12 @@ def _digits(best: Cell) -> str:
 def _findings(contents: Contents) -> str:
     """Every finding that is not a pass, by outcome, then by sentence."""
     parts = []
-    for outcome in WORST_FIRST:
-        if outcome == "pass":
-            continue
+    for outcome, reasons in grouped(contents).items():
         lines = []
-        for sentence, findings in grouped(contents, outcome).items():
+        for sentence, findings in reasons.items():
             places = [record.id(finding) for record, finding in findings]
             lines.append(_group(sentence, places))
-        if lines:
-            parts.append(f"### {outcome}\n\n" + "\n".join(lines))
+        parts.append(f"### {outcome}\n\n" + "\n".join(lines))
     return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
 
 

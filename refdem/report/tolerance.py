@@ -76,7 +76,9 @@ def rows_of(contents: Contents, label: str) -> list[Row]:
         # A single quantity is the worst of all already.
         if len(each) > 1:
             rows += each
-    return [replace(row, apart=_apart(row, rows)) for row in rows]
+    quantities = {row.quantity for row in rows}
+    best = {quantity: best_errors(rows, quantity) for quantity in quantities}
+    return [replace(row, apart=_apart(row, best[row.quantity])) for row in rows]
 
 
 def worst_rows(rows: Iterable[Row]) -> list[Row]:
@@ -180,10 +182,12 @@ def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
     return best
 
 
-def _apart(row: Row, rows: list[Row]) -> tuple[str, float, float] | None:
-    """The engine that is farthest off, and bounds on the distance; None without other engines."""
-    others = best_errors(rows, row.quantity)
-    others.pop(row.record.engine, None)
+def _apart(row: Row, best: dict[str, float]) -> tuple[str, float, float] | None:
+    """The engine that is farthest off, and bounds on the distance; None without other engines.
+
+    `best` is the smallest error of each engine in the quantity of the row.
+    """
+    others = {engine: error for engine, error in best.items() if engine != row.record.engine}
     if not others:
         return None
     name = max(sorted(others), key=lambda other: abs(others[other] - row.error))

@@ -12,15 +12,20 @@ import msgspec
 from refdem.core import fingerprint
 from refdem.core.finding import CampaignSheet, Sheet
 from refdem.core.store import Store
+from refdem.report.jsonl import RECORDS
 
 Files = dict[str, tuple[int, int]]
 """Size [bytes] and time of change [ns] by place in the folder."""
 
 
 class _State(msgspec.Struct):
-    """How a report was left: a digest of what it was made of, and the state of its files."""
+    """How a report was left: digests of its sheets, of its file of records and of what made it, and
+    the state of its files.
+    """
 
-    made_of: str
+    sheets: str
+    records: str | None
+    maker: str
     files: Files
 
 
@@ -28,29 +33,67 @@ def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets (how long they took apart) and
     nobody has touched it since.
     """
-    state = store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
-    return (
-        state is not None
-        and state.made_of == _made_of(folder, sheets)
-        and state.files == _files(folder)
-    )
+    state = _left(folder, store)
+    return state is not None and state.sheets == _of_sheets(sheets) and _is_untouched(folder, state)
+
+
+def is_as_left(folder: Path, store: Store) -> bool:
+    """True if the report in the folder would be made of its own records again as it stands.
+
+    The records are compared byte by byte, and not read.
+    """
+    state = _left(folder, store)
+    if state is None or state.records is None:
+        return False
+    return state.records == _of_records(folder) and _is_untouched(folder, state)
 
 
 def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
     """Keeps how a report has just been written."""
-    state = _State(_made_of(folder, sheets), _files(folder))
+    state = _State(_of_sheets(sheets), _of_records(folder), _maker(folder), _files(folder))
     store.put("report", _text(folder.resolve()), msgspec.json.encode(state))
 
 
-def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
+def _left(folder: Path, store: Store) -> _State | None:
+    """How the report in a folder was left, None if nobody knows."""
+    return store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
+
+
+def _is_untouched(folder: Path, state: _State) -> bool:
+    """True if what makes reports is the same, and so are all files in the folder."""
+    return state.maker == _maker(folder) and state.files == _files(folder)
+
+
+def _of_sheets(sheets: Sequence[Sheet]) -> str:
+    """The digest of all sheets but the times of the campaign."""
     others = [sheet for sheet in sheets if not isinstance(sheet, CampaignSheet)]
     names = [sheet.name for sheet in sheets if isinstance(sheet, CampaignSheet)]
-    under = [
+    return hashlib.sha256(
+        msgspec.msgpack.encode([names, others], order="deterministic")
+    ).hexdigest()
+
+
+def _of_records(folder: Path) -> str | None:
+    """The digest of records.jsonl; None if it is empty or not there."""
+    try:
+        data = (folder / RECORDS).read_bytes()
+    except OSError:
+        data = b""
+    if not data:
+        return None
+    return hashlib.sha256(data).hexdigest()
+
+
+def _maker(folder: Path) -> str:
+    """The digest of code and templates, of the packages that draw, and of whether there is a
+    gallery to lead to.
+    """
+    parts = [
         fingerprint.of_refdem(),
         *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml")),
+        str((folder / "gallery" / "gallery.html").exists()),
     ]
-    parts = [names, others, under, (folder / "gallery" / "gallery.html").exists()]
-    return hashlib.sha256(msgspec.msgpack.encode(parts, order="deterministic")).hexdigest()
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
 def _text(path: Path) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from refdem.core.finding import CaseSheet, Record, Sheet
 from refdem.core.store import Store
 from refdem.errors import RefdemError
-from refdem.report import chart_data, figures, html, markdown, tables
+from refdem.report import chart_data, figures, html, index, markdown, tables
 from refdem.report.contents import Contents, contents_of, page
 from refdem.report.files import removed, written
 from refdem.report.jsonl import RECORDS, lines, sheets_in
@@ -33,8 +33,13 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
     has_gallery = (folder / "gallery" / "gallery.html").exists()
+    names = set()
     for name, text in html.pages(contents, rows, specs, has_gallery=has_gallery):
         written(folder / name, text)
+        names.add(name)
+    for path in (folder / "assets").iterdir():
+        if index.is_part(path.name) and f"assets/{path.name}" not in names:
+            removed(path)
 
 
 def _clear(folder: Path, labels: set[str]) -> None:

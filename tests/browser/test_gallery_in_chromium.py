@@ -6,6 +6,7 @@ import pytest
 
 from refdem.gallery.gallery import figure
 from refdem.report import write_gallery
+from tests.browser.test_report_in_chromium import PATIENCE, read_through
 from tests.report.test_gallery import FIGURE
 
 
@@ -27,10 +28,9 @@ def test_every_figure_is_drawn_and_nothing_is_wider_than_the_screen(browser, pag
     shown.on("pageerror", lambda error: wrong.append(str(error)))
     shown.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
     shown.on("requestfailed", lambda request: wrong.append(request.url))
+    shown.set_default_timeout(PATIENCE)
     shown.goto(page.as_uri())
-    shown.wait_for_function(
-        "[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)"
-    )
+    read_through(shown)
     assert shown.locator(".plot svg").count() >= 3
     assert shown.evaluate("document.documentElement.scrollWidth") <= width
     assert wrong == []

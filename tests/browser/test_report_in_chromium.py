@@ -6,6 +6,8 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 SCHEMES = ("light", "dark")
+PATIENCE = 60_000
+"""Milliseconds that anything in a page may take, whatever else the machine does."""
 
 CONTRAST = """
 selector => {
@@ -36,6 +38,17 @@ SAID = (
 )
 
 
+def read_through(page):
+    """Scrolls to every part and every chart of a page and waits until it is there."""
+    for kind, there in ((".part", "loaded"), (".plot", "drawn")):
+        for place in page.locator(kind).all():
+            place.scroll_into_view_if_needed()
+            page.wait_for_function(
+                f"place => place.dataset.{there} === 'yes'", arg=place.element_handle()
+            )
+    page.evaluate("scrollTo(0, 0)")
+
+
 @contextmanager
 def opened(browser, path, *, scheme="light", width=1280):
     """The page with its charts drawn; fails on any message, dialog or request that is not of a
@@ -56,10 +69,9 @@ def opened(browser, path, *, scheme="light", width=1280):
         ),
     )
     page.on("requestfailed", lambda request: wrong.append(request.url))
+    page.set_default_timeout(PATIENCE)
     page.goto(path.as_uri())
-    page.wait_for_function(
-        "[...document.querySelectorAll('.plot')].every(plot => plot.dataset.drawn === 'yes')"
-    )
+    read_through(page)
     yield page
     context.close()
     assert wrong == []
@@ -193,3 +205,51 @@ def test_without_scripts_the_page_has_its_pictures(browser, folder):
     picture.scroll_into_view_if_needed()
     assert picture.bounding_box()["height"] > 200
     context.close()
+
+
+def test_the_first_screen_needs_no_part_and_no_chart(browser, folder):
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.set_default_timeout(PATIENCE)
+    # Nothing of assets/ but the style arrives.
+    page.route("**/assets/*.js", lambda route: route.abort())
+    page.goto((folder / "index.html").as_uri())
+    assert page.locator(".verdict").is_visible()
+    assert page.locator("#broken").is_visible()
+    assert page.locator(".matrix.small td b").count() > 4
+    page.close()
+
+
+def test_words_leave_the_rows_that_have_them_and_say_how_many(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        rows = page.locator("#tolerance-rows tr.joined:visible")
+        groups = page.locator("#tolerance-rows tr.group:visible")
+        field = page.get_by_label("Show only rows with")
+        every = rows.count()
+        # A name of an engine, then one of a case, whose rows all stay, then both.
+        field.fill("alpha")
+        assert {text.split()[0] for text in rows.all_inner_texts()} == {"alpha"}
+        assert page.locator("[data-left=tolerance-rows]").inner_text() == f"{rows.count()} rows"
+        field.fill("theta0=3")
+        assert groups.count() == 1
+        assert 1 < rows.count() < every
+        field.fill("theta0=3 ADAPTIVE")
+        assert rows.count() == 1
+        assert page.locator("[data-left=tolerance-rows]").inner_text() == "1 row"
+        field.fill("nowhere")
+        assert rows.count() == groups.count() == 0
+        field.fill("")
+        assert rows.count() == every
+        page.get_by_label("Show only cases with").fill("theta0")
+        assert page.locator("#digits-rows tbody tr:visible").count() == 1
+
+
+def test_a_part_that_is_missing_is_said_to_be(browser, folder):
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE)
+    page.route("**/assets/index-digits.js", lambda route: route.abort())
+    page.goto((folder / "index.html").as_uri())
+    place = page.locator("[data-part=digits]")
+    place.scroll_into_view_if_needed()
+    page.get_by_text("could not be loaded").wait_for()
+    assert "assets/index-digits.js is missing" in place.inner_text()
+    page.close()

@@ -34,7 +34,7 @@ def test_a_bench_writes_its_record_and_its_pages(tmp_path: Path) -> None:
     record = read(tmp_path / "bench.json")
     assert [curve.method for curve in record.curves] == ["rk4"]
     assert "to 1e-3" in (tmp_path / "bench.md").read_text()
-    assert "assets/vega.js" in (tmp_path / "bench.html").read_text()
+    assert "assets/report.js" in (tmp_path / "bench.html").read_text()
     assert "vegaEmbed" in (tmp_path / "assets" / "vega.js").read_text()
     assert (tmp_path / "bench-1.svg").read_text().startswith("<svg")
 

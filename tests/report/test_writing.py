@@ -60,6 +60,22 @@ def pages(folder):
     return {path: Page(path.read_text()) for path in sorted(folder.rglob("*.html"))}
 
 
+@pytest.fixture(scope="session")
+def parts(folder):
+    """The parts of the index, as the page has them once they are loaded."""
+    return {path.name: Page(html_of(path)) for path in sorted(folder.glob("assets/index-*.js"))}
+
+
+def html_of(path):
+    """What a part hands over: a call with two strings and nothing else."""
+    call = path.read_text()
+    assert call.startswith("refdemPart(")
+    assert call.endswith(");\n")
+    name, html = json.loads("[" + call[len("refdemPart(") : -len(");\n")] + "]")
+    assert path.name == f"index-{name}.js"
+    return html
+
+
 def test_every_file_of_a_report_is_there(folder):
     names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     assert {
@@ -69,6 +85,7 @@ def test_every_file_of_a_report_is_there(folder):
         "assets/vega.js",
         "assets/report.js",
         "assets/report.css",
+        "assets/index-tolerance.js",
         "validation.md",
         "figures/tolerance.svg",
         "figures/pendulum.svg",
@@ -79,9 +96,10 @@ def test_every_file_of_a_report_is_there(folder):
     } <= names
 
 
-def test_every_link_and_anchor_resolves(pages):
+def test_every_link_and_anchor_resolves(folder, pages, parts):
     broken = []
-    for path, page in pages.items():
+    index = folder / "index.html"
+    for path, page in [*pages.items(), *((index, part) for part in parts.values())]:
         for link in page.links:
             parts = urlsplit(link)
             if parts.scheme == "data":
@@ -104,33 +122,48 @@ def test_no_id_is_used_twice_in_a_page(pages):
     assert [path.name for path, page in pages.items() if len(page.ids) != len(set(page.ids))] == []
 
 
-def test_names_from_strangers_are_text(pages):
+def test_names_from_strangers_are_text(pages, parts):
     for path, page in pages.items():
+        # The one script of a page is report.js.
+        assert page.tags.count("script") == len(page.specs) + (path.name != "engines.html")
+        assert path.parent.name != "cases" or page.specs
+    for part in parts.values():
+        assert part.tags.count("script") == len(part.specs)
+    for page in [*pages.values(), *parts.values()]:
         assert page.handlers == []
-        assert page.tags.count("script") == len(page.specs) + (
-            0 if path.name == "engines.html" else 2
-        )
         assert all(source.endswith(".svg") for source in page.images), (
             "an image of a chart, none of a stranger"
         )
         texts = [json.dumps(json.loads(spec)) for spec in page.specs.values()]
-        assert path.name == "engines.html" or any(synthetic.HOSTILE in text for text in texts), (
+        assert not texts or any(synthetic.HOSTILE in text for text in texts), (
             "the name is there, as it is"
         )
 
 
-def test_specifications_are_json_that_cannot_end_their_script(pages):
-    specs = [spec for page in pages.values() for spec in page.specs.values()]
+def test_a_part_is_one_call_that_nothing_in_it_can_end(folder, parts):
+    assert set(parts) == {"index-digits.js", "index-overview.js", "index-tolerance.js"}
+    for name in parts:
+        text = (folder / "assets" / name).read_text()
+        assert text.count("\n") == 1
+        for ending in ("</", "<!--", "\u2028", "\u2029"):
+            assert ending not in text
+    assert synthetic.HOSTILE.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") in (
+        html_of(folder / "assets/index-tolerance.js")
+    )
+
+
+def test_specifications_are_json_that_cannot_end_their_script(pages, parts):
+    specs = [spec for page in [*pages.values(), *parts.values()] for spec in page.specs.values()]
     assert len(specs) == 1 + 3 * 3
     for spec in specs:
         assert json.loads(spec)["$schema"].startswith("https://vega.github.io/schema/vega-lite/v6")
         assert "<" not in spec
 
 
-def test_specifications_satisfy_the_schema_of_vega_lite(pages):
+def test_specifications_satisfy_the_schema_of_vega_lite(pages, parts):
     import altair
 
-    for page in pages.values():
+    for page in [*pages.values(), *parts.values()]:
         for spec in page.specs.values():
             altair.Chart.from_dict(json.loads(spec), validate=True)
 

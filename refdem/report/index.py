@@ -1,0 +1,110 @@
+"""The index of a report: a first page that opens at once, and the parts of it that a reader's
+browser loads when they come into view.
+
+A part is a script beside the page, as a page that is opened from disk may load nothing else. It
+hands over its HTML as one string, made by the same templates, with the same escapes, as pages are.
+"""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from jinja2 import Environment
+from markupsafe import Markup
+
+from refdem.core.finding import BROKEN, WORST_FIRST, Finding, Outcome, Record
+from refdem.report.contents import Contents, advice
+from refdem.report.overview import WANTED, case_lines
+from refdem.report.tolerance import Row, cell
+
+Reasons = dict[str, list[tuple[Record, Finding]]]
+"""Findings by sentence."""
+
+FEW = 40
+"""Findings of one outcome that stand in the page itself; of more, the list is a part."""
+
+
+def files(
+    contents: Contents,
+    rows: dict[str, list[Row]],
+    chart: str | None,
+    templates: Environment,
+    shared: dict[str, Any],
+    *,
+    has_gallery: bool,
+) -> Iterator[tuple[str, str]]:
+    """(file name, text) of every part, and at last of index.html.
+
+    `chart` is the specification of the chart of every case, `shared` are the variables of all
+    templates.
+    """
+    cells = {}
+    for sheet in contents.cases:
+        label = sheet.label
+        for engine in contents.engines:
+            cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
+    found = grouped(contents)
+    reasons = {
+        outcome: Markup(
+            templates.get_template("index_reasons.html").render(
+                shared, root="", outcome=outcome, reasons=own
+            )
+        )
+        for outcome, own in found.items()
+    }
+    inline = {outcome: reasons[outcome] for outcome in found if _count(found[outcome]) <= FEW}
+    for outcome in found:
+        if outcome not in inline:
+            yield _part(f"reasons-{outcome}", reasons[outcome])
+    drawn: dict[str, dict[str, Any]] = {"tolerance": {"rows": rows}, "digits": {"cells": cells}}
+    if chart is not None:
+        drawn["overview"] = {"chart": chart}
+    for name, variables in drawn.items():
+        template = templates.get_template(f"index_{name}.html")
+        yield _part(name, template.render(shared, root="", **variables))
+    text = templates.get_template("index.html").render(
+        shared,
+        root="",
+        lines=case_lines(contents, cells),
+        wanted=WANTED,
+        broken=[outcome for outcome in found if outcome in BROKEN],
+        has_gallery=has_gallery,
+        has_chart=chart is not None,
+        advice=advice(contents.counts()),
+        groups=found,
+        inline=inline,
+    )
+    yield "index.html", text
+
+
+def is_part(name: str) -> bool:
+    """True for the name of a file in assets/ that is a part of an index."""
+    return name.startswith("index-") and name.endswith(".js")
+
+
+def _part(name: str, html: str) -> tuple[str, str]:
+    """(file name, text) of the script that hands a part over to report.js.
+
+    Nothing in the string can end it, or a script element that it may once stand in.
+    """
+    text = json.dumps(html, ensure_ascii=False)
+    for character in ("</", "<!--", "\u2028", "\u2029"):
+        text = text.replace(character, f"\\u{ord(character[0]):04x}{character[1:]}")
+    return f"assets/index-{name}.js", f'refdemPart("{name}", {text});\n'
+
+
+def grouped(contents: Contents) -> dict[Outcome, Reasons]:
+    """What is not a pass: the findings of each outcome, worst first, by sentence, so that a reason
+    is read once.
+    """
+    groups: dict[Outcome, Reasons] = {}
+    for record, finding in contents.findings():
+        if finding.outcome != "pass":
+            reasons = groups.setdefault(finding.outcome, {})
+            reasons.setdefault(finding.sentence, []).append((record, finding))
+    return {outcome: groups[outcome] for outcome in WORST_FIRST if outcome in groups}
+
+
+def _count(reasons: Reasons) -> int:
+    """The number of findings of all sentences."""
+    return sum(len(found) for found in reasons.values())
