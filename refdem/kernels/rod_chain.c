@@ -24,6 +24,9 @@ typedef struct {
                                    from which angles count */
     double load[MOST];          /* mu */
     double gravity[2], drive[2], frequency, phase;
+    double reach;      /* l_1 + ... + l_N [m] */
+    double outer_rate; /* sqrt(g/l) + drive Omega/l [1/s] of the shortest rod: what gravity and the
+                          pivot make of a chain at rest */
 } chain;
 
 /* Sine and cosine of the whole angle from those since the start: exact there, so that what stands
@@ -97,6 +100,23 @@ static void expand_pivot(const chain *p, dd time, series *g, series *velocity)
     }
 }
 
+/* Sizes of angles, rates and work, with which their last coefficients decide the step. Angles alone
+ * would not do: a pivot that shakes fast by a little moves them by a/l only, and its work goes at
+ * twice its frequency. */
+static void sizes(const chain *p, series *y, double *scale)
+{
+    double rate = 0.0;
+    for (int i = 0; i < p->n; i++)
+        rate = fmax(rate, fabs(y[p->n + i][0]));
+    rate += p->outer_rate;
+    double speed = p->reach * rate;
+    for (int i = 0; i < p->n; i++) {
+        scale[i] = 1.0;
+        scale[p->n + i] = rate;
+    }
+    scale[2 * p->n] = p->load[0] * speed * speed;
+}
+
 /* Coefficients 1 to TERMS of the state, order by order k: sines and cosines, A and B, the right
  * side, th'' by the factored A_0, the work. */
 static void expand(const void *system, dd time, series *y, double *scale)
@@ -166,11 +186,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
                            + cauchy(pivot_force[1], pivot_velocity[1], k))
                           / (k + 1);
     }
-    for (int i = 0; i < n; i++) {
-        scale[i] = 1.0;
-        scale[n + i] = 0.0;
-    }
-    scale[2 * n] = 0.0;
+    sizes(p, y, scale);
 }
 
 int refdem_rod_chain(int64_t rods, const double *length, const double *aim, const double *mass,
@@ -183,15 +199,21 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
         = {.n = (int)rods, .length = length, .aim = aim, .frequency = frequency, .phase = phase};
     series y[2 * MOST + 1];
     double load = 0.0;
+    double shortest = INFINITY;
     if (rods < 1 || rods > MOST) /* there is no room for them */
         return 1;
     for (int i = p.n - 1; i >= 0; i--) {
         load += mass[i];
         p.load[i] = load;
+        p.reach += length[i];
+        shortest = fmin(shortest, length[i]);
     }
     for (int axis = 0; axis < 2; axis++) {
         p.gravity[axis] = gravity[axis];
         p.drive[axis] = drive[axis];
     }
+    double pull = hypot(gravity[0], gravity[1]);
+    double pivot_speed = hypot(drive[0], drive[1]) * fabs(frequency);
+    p.outer_rate = sqrt(pull / shortest) + pivot_speed / shortest;
     return taylor_run(expand, &p, 2 * p.n + 1, y, samples, t, out);
 }

@@ -34,7 +34,20 @@ static void weight_in_body(const top *p, series *q, int k, double *restrict f)
            + 2.0 * (g[0] * (qq[1][3] + qq[0][2]) + g[1] * (qq[2][3] - qq[0][1]));
 }
 
-/* Coefficients 1 to TERMS of the state by these equations; the attitude decides the step. */
+/* The size of omega [1/s], sqrt(|w|^2 + |w'|): the second term counts where the top is at rest. */
+static double omega_size(series *w)
+{
+    double square = 0.0;
+    double rate_square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        square += w[i][0] * w[i][0];
+        rate_square += w[i][1] * w[i][1];
+    }
+    return sqrt(square + sqrt(rate_square));
+}
+
+/* Coefficients 1 to TERMS of the state by these equations. Attitude and omega decide the step: in
+ * body axes omega and the weight turn with the spin, the attitude with half of it. */
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const top *p = system;
@@ -60,8 +73,9 @@ static void expand(const void *system, dd time, series *y, double *scale)
     }
     for (int i = 0; i < 4; i++)
         scale[i] = 1.0;
+    double size = omega_size(w);
     for (int i = 4; i < 7; i++)
-        scale[i] = 0.0;
+        scale[i] = size; /* 0 at rest in balance, where omega stays 0 */
 }
 
 int refdem_spinning_top(const double *inertia, const double *arm, const double *weight,

@@ -117,6 +117,12 @@ static double step_size(const series *y, double first)
     return h;
 }
 
+/* Whether the last coefficients of all three series are numbers. */
+static int last_are_finite(const series *y)
+{
+    return isfinite(y->x[ORDER + 1]) && isfinite(y->v[ORDER]) && isfinite(y->work[ORDER]);
+}
+
 /* a(h) - a(0) = sum over n >= 1 of a_n h^n, by Horner's rule. */
 static double gained(const double *restrict a, int last, double h)
 {
@@ -162,7 +168,9 @@ int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, d
     for (int64_t row = 0; row < samples;) {
         expand(p, now, x.hi, v.hi, &y);
         h = step_size(&y, h);
-        if (!(h > 1e-15 * fabs(span)) && span != 0.0) /* the motion goes to infinity */
+        /* Near infinity the steps shrink until the clock no longer moves, or the last coefficients,
+         * which grow as distance^-ORDER, leave the range of binary64 before. */
+        if (!(h > 1e-15 * fabs(span)) || !last_are_finite(&y))
             return (int)(row + 1);
         for (; row < samples; row++, out += 3) {
             double since = dd_round(dd_sub(dd_of(t[row]), now));

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.problem import Problem, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.kernels import load, pointer, prepared, repeats, timed
 from refdem.solvers._scene_pattern import SceneSolver
@@ -109,6 +109,21 @@ class KernelRun(Solver):
 
 class KernelSolver(SceneSolver, KernelRun):
     """A method for scenes of one pattern that answers by one call of a kernel."""
+
+    def unsupported(self, problem: Motion) -> str | None:
+        """None if the scene has the pattern, fits the method, and the motion reaches its last
+        sample.
+        """
+        return super().unsupported(problem) or self.ends_early(problem)
+
+    def ends_early(self, problem: Motion) -> str | None:
+        """None if the motion goes on to its last sample, else what ends it.
+
+        Asked only of scenes that fit. Some motions end where the scene has no law for what follows,
+        which a trial shows: it belongs here, before the run, because the reference refuses before a
+        run or not at all.
+        """
+        return None
 
 
 class Elapsed:

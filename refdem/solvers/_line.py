@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.trajectory import Trajectory
-from refdem.errors import UnsupportedError
 from refdem.scene import Scene
 from refdem.scene.element import Link
 from refdem.scene.elements.dashpot import Dashpot
@@ -55,16 +54,7 @@ class Line:
     drives: Array
 
     def trajectory(self, t: Array, x: Array, v: Array, **more: Any) -> Trajectory:
-        """The motion in space from positions x (T,) and velocities v (T,) along the line.
-
-        Raises UnsupportedError if the point passed the anchor of a spring of natural length l > 0
-        (x <= -l): the spring's force changes direction there, which the series does not represent.
-        """
-        if self.spring.length > 0 and np.any(x <= -self.spring.length):
-            raise UnsupportedError(
-                "the point passes the anchor of its spring: the force turns round there, which no"
-                " series shows"
-            )
+        """The motion in space from positions x (T,) and velocities v (T,) along the line."""
         position = self.origin + x[:, None, None] * self.axis
         return Trajectory.of_points(t, position, v[:, None, None] * self.axis, **more)
 

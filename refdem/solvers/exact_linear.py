@@ -14,6 +14,7 @@ from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples_from_start
+from refdem.solvers._line_trial import ends_early
 
 
 class ExactLinear(KernelSolver):
@@ -28,7 +29,7 @@ class ExactLinear(KernelSolver):
         backward=True,
         cost_rank=1,
     )
-    kernels = ("linear_oscillator",)
+    kernels = ("linear_oscillator", "taylor_oscillator")
 
     pattern = _line.PATTERN
 
@@ -45,6 +46,12 @@ class ExactLinear(KernelSolver):
         if not {"dashpot", "force"} & scene.features:
             return "nothing damps or drives: the motion is harmonic"
         return _line.askew(scene)
+
+    def ends_early(self, problem: Motion) -> str | None:
+        """None if the point stays on its side of the spring's anchor, else the reason."""
+        if not problem.scene.all(Spring)[0].length > 0:
+            return None  # the force is linear on both sides
+        return ends_early(problem)
 
     def prepare(self, request: Request) -> KernelCall:
         """The law and the start along the line; rows for x and v."""

@@ -10,14 +10,14 @@ of the string.
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Trajectory
-from refdem.errors import UnsupportedError
 from refdem.scene import Scene
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
+from refdem.solvers._line_trial import lowest_between
 from refdem.solvers._scene_pattern import ANY, ONE, TWO, ScenePattern
 from refdem.solvers._single_point import Array
 
@@ -56,38 +56,60 @@ class StringWheel(KernelSolver):
             return "nothing pulls the string taut: there is no gravity"
         return _misfit(problem.scene)
 
+    def ends_early(self, problem: Motion) -> str | None:
+        """None if the pendulum stays off the wheel, else when it is drawn onto it: the scene has no
+        law for what follows.
+        """
+        t = problem.times
+        call = _call(problem)
+        status = call.made(self.kernels[0])
+        if status:
+            return _drawn_onto_wheel(t[status - 1])
+        r, _, u, rate = call.outputs[0].T
+        if rate.any():
+            return None  # the pendulum swings: at the wheel its rate would diverge
+        # A pendulum that hangs straight down may go past the wheel and come back between two
+        # samples. Its length is a parabola then, which the cubics follow exactly.
+        past = np.flatnonzero(lowest_between(t, r, u) <= 0.0)
+        if past.size:
+            return _drawn_onto_wheel(t[past[0] + 1])
+        return None
+
     def prepare(self, request: Request) -> KernelCall:
         """Masses, wheel and gravity; rows for r, theta, u and theta'."""
-        scene = request.problem.scene
-        t = request.problem.times
-        string, down, sideways = _frame(scene)
-        states = np.empty((len(t), 4))
-        states[0] = _start(scene, string, down, sideways)
-        pendulum, counter = scene.bodies.mass[[string.a, string.b]]
-        gravity = float(np.linalg.norm(single.gravity(scene)))
-        return KernelCall(
-            function="refdem_string_wheel",
-            inputs=(pendulum, counter, string.drag, string.radius, gravity),
-            clock=samples(t),
-            outputs=(states,),
-        )
+        return _call(request.problem)
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position and velocity at the samples.
-
-        Raises UnsupportedError where the pendulum is pulled onto the wheel: the scene has no law
-        for what follows.
-        """
+        """Position and velocity at the samples."""
         scene = request.problem.scene
         t = request.problem.times
-        if status:
-            raise UnsupportedError(
-                "contact with the wheel: the pendulum is drawn onto it before t ="
-                f" {t[status - 1]:.6g} s"
-            )
         (states,) = call.outputs
         position, velocity = _positions_and_velocities(scene, *_frame(scene), states)
         return Trajectory.of_points(t, position, velocity)
+
+
+def _call(problem: Problem) -> KernelCall:
+    """The kernel's call for a motion; its status is 0, or the sample (from 1) before which the
+    pendulum meets the wheel.
+    """
+    scene = problem.scene
+    t = problem.times
+    string, down, sideways = _frame(scene)
+    states = np.empty((len(t), 4))
+    states[0] = _start(scene, string, down, sideways)
+    pendulum, counter = scene.bodies.mass[[string.a, string.b]]
+    gravity = float(np.linalg.norm(single.gravity(scene)))
+    return KernelCall(
+        function="refdem_string_wheel",
+        inputs=(pendulum, counter, string.drag, string.radius, gravity),
+        clock=samples(t),
+        outputs=(states,),
+    )
+
+
+def _drawn_onto_wheel(t: float) -> str:
+    """The reason for a pendulum that meets its wheel before the time t [s]."""
+    return f"contact with the wheel: the pendulum is drawn onto it before t = {t:.6g} s"
 
 
 def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:

@@ -196,7 +196,7 @@ def test_motion_that_goes_to_infinity_or_past_its_anchor_is_not_supported(solved
     softening = Scene.of(
         [Body(mass=1.0, position=(2.0, 0.0, 0.0))], [Spring(a=0, stiffness=1.0, cubic=-1.0)]
     )
-    with pytest.raises(UnsupportedError, match="infinity before sample"):
+    with pytest.raises(UnsupportedError, match="goes to infinity before"):
         solved(softening, SHORT, "taylor-oscillator")
     passing = Scene.of(
         [Body(mass=1.0, position=(2.0, 0.0, 0.0))],
