@@ -578,7 +578,7 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
 def _floor(subject: Subject, level: float) -> float:
     """Round-off at a level, also of the clock, times the sensitivity S at the end."""
     assert subject.truth is not None
-    return subject.noise(level) * float(subject.truth.growth()[-1])
+    return subject.resolution(level) * float(subject.truth.growth()[-1])
 
 
 CHECK = Order()
