@@ -56,22 +56,22 @@ class Top(Check):
         return "the scene has no top"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, and the finest for what is held to the order only."""
-        return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
+        """The plain run of every level: what is held to the order must fall with it."""
+        return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Findings on the separation of the joint in position and velocity, and on the changes of
         L_z and L_3.
         """
-        coarsest = _changes(subject, runs[Variant(subject.levels[0])].trajectory)
-        finest = _changes(subject, runs[subject.finest].trajectory)
+        at_levels = [_changes(subject, runs[variant].trajectory) for variant in subject.plain]
         return [
-            self._constant(subject, name, coarse, finest[name]) for name, coarse in coarsest.items()
+            self._constant(subject, name, [changes[name] for changes in at_levels])
+            for name in at_levels[0]
         ]
 
-    def _constant(self, subject: Subject, name: str, coarse: Array, fine: Array) -> Finding:
-        """The finding that one quantity is constant, from its changes (T,) at the coarsest and the
-        finest level.
+    def _constant(self, subject: Subject, name: str, changes: list[Array]) -> Finding:
+        """The finding that one quantity is constant, from its changes (T,) at every level, coarse
+        to fine.
 
         The coarsest counts where the method claims the law. Elsewhere the change at the finest is
         also bounded by that at the coarsest, fallen with the claimed order.
@@ -79,15 +79,15 @@ class Top(Check):
         law = LAWS[name]
         if subject.keeps(law):
             level = subject.levels[0]
-            values = coarse
+            values = changes[0]
             allowed, basis = subject.kept(law, level)
         else:
             level = subject.levels[-1]
-            values = fine
+            values = changes[-1]
             allowed, basis = subject.kept(law, level)
             if len(subject.levels) > 2:
                 rounding = COUNTING_FLOOR * subject.round_off(level)
-                allowed = np.minimum(allowed, left_at_finest(subject, coarse) + rounding)
+                allowed = np.minimum(allowed, left_at_finest(subject, *changes) + rounding)
                 basis = (
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
