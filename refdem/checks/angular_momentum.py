@@ -45,7 +45,9 @@ class AngularMomentum(Check):
         """
         if _law_changes_total(subject):
             return (subject.finest,)
-        return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
+        if subject.keeps("angular-momentum"):
+            return (Variant(subject.levels[0]),)
+        return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for the total; where no element acts, also one each for orbital and spin
@@ -86,10 +88,10 @@ class AngularMomentum(Check):
             of_later_terms = (spread - 1.0) * rounding_at_start
             allowed = allowed + sweep_rounding + equal_roundings + of_later_terms
         if variant != Variant(subject.levels[0]) and len(subject.levels) > 2:
-            coarse = self._changes(subject, runs[Variant(subject.levels[0])], name)
+            changes = [self._changes(subject, runs[level], name) for level in subject.plain]
             rounding = subject.round_off(variant.level) + _equal_roundings(subject, variant.level)
             spread = _spread(subject, runs[variant].trajectory)
-            extrapolated = left_at_finest(subject, coarse) + COUNTING_FLOOR * rounding * spread
+            extrapolated = left_at_finest(subject, *changes) + COUNTING_FLOOR * rounding * spread
             if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"

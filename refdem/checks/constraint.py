@@ -33,10 +33,12 @@ class Constraint(Check):
         return "the scene has no constraint"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level; and the finest, where lengths are kept only to the order of the
+        """The coarsest level; all of them where lengths are kept only to the order of the
         method.
         """
-        return tuple(dict.fromkeys((Variant(subject.levels[0]), _judged_level(subject))))
+        if subject.keeps("constraint"):
+            return (Variant(subject.levels[0]),)
+        return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Two findings: the largest drift of length and of relative velocity along any rod."""
@@ -47,15 +49,13 @@ class Constraint(Check):
         rounding = subject.round_off(variant.level) * _position_scale(subject)
         allowed = allowed + rounding - subject.round_off(variant.level)
         drifts = _drifts(subject, runs[variant].trajectory)
-        coarse_drifts = _drifts(subject, runs[coarsest].trajectory)
+        at_levels = [_drifts(subject, runs[level].trajectory) for level in self.needs(subject)]
         findings = []
         for quantity, drift in drifts.items():
             bound = allowed
             if variant != coarsest and len(subject.levels) > 2:
-                bound = np.minimum(
-                    allowed,
-                    left_at_finest(subject, coarse_drifts[quantity]) + COUNTING_FLOOR * rounding,
-                )
+                extrapolated = left_at_finest(subject, *(found[quantity] for found in at_levels))
+                bound = np.minimum(allowed, extrapolated + COUNTING_FLOOR * rounding)
             drift_basis = basis
             if bound is not allowed:
                 drift_basis = (

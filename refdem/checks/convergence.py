@@ -79,7 +79,7 @@ class Convergence(Check):
             neighbour = runs[perturbed].trajectory
         growth = float(growth_shown(subject.instance, subject.method, neighbour, base)[-1])
         # Round-off of the finest run, grown to the end.
-        floor = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * growth
+        floor = COUNTING_FLOOR * subject.resolution(subject.levels[-1]) * growth
         if fine > HORIZON:
             why = (
                 f"the two finest levels differ by {fine:.2g} of the scale; smaller steps are needed"
@@ -125,7 +125,7 @@ class Convergence(Check):
         of both errors.
         """
         allowed = growth * sum(
-            float(subject.truncation(h)[-1]) + subject.noise(h) for h in subject.levels[-2:]
+            float(subject.truncation(h)[-1]) + subject.resolution(h) for h in subject.levels[-2:]
         )
         if fine <= allowed:
             return undecided(

@@ -131,14 +131,14 @@ class Energy(Check):
         rounding = of_places + _fall_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
-        coarse = self._imbalance(subject, runs[Variant(subject.levels[0])])
+        changes = self._changes(subject, runs)
         # A rise above an earlier value is often 0 by chance, and does not fall with the order.
         has_levels = variant == subject.finest and len(subject.levels) > 2
-        if has_levels and not measured.is_rise and not isinstance(coarse, str):
+        if has_levels and not measured.is_rise and changes:
             # Equal terms that are added up step by step, as in free flight, round alike.
             summation = flight(subject.instance, subject.method, variant.level)
             floor = TERMS * COUNTING_FLOOR * (rounding + of_rods + summation)
-            extrapolated = left_at_finest(subject, coarse.change) + floor
+            extrapolated = left_at_finest(subject, *changes) + floor
             if np.any(extrapolated < allowed):
                 basis = (
                     "truncation error extrapolated from the coarsest step with the claimed order"
@@ -155,6 +155,20 @@ class Energy(Check):
             basis=f"{basis}, times 2 for kinetic and potential energy{_of_samples(measured)}",
             what=f"{measured.what}, relative to the initial energy,",
         )
+
+    def _changes(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Array]:
+        """What should be constant and is not (T,) at every level, coarse to fine; at the coarsest
+        alone if not all of them ran; none where it is unknown.
+        """
+        found: list[Array] = []
+        for variant in subject.plain:
+            if variant not in runs:
+                return found[:1]
+            imbalance = self._imbalance(subject, runs[variant])
+            if isinstance(imbalance, str):
+                return found[:1]
+            found.append(imbalance.change)
+        return found
 
     def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:
         """The imbalance, or the reason why it is unknown.

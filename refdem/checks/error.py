@@ -226,7 +226,8 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     )
     earlier_change = _changes(instance, coarse, middle, count)
     last_change = _changes(instance, middle, fine, count)
-    rounding = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * subject.truth.growth()[:count]
+    floor = COUNTING_FLOOR * subject.resolution(subject.levels[-1])
+    rounding = floor * subject.truth.growth()[:count]
     safety = room_of(subject)
     # The force goes as |s|^exponent through the sharpest kink; infinite where it has none.
     exponent = min((limit.exponent for _, limit in singularities(instance.scene)), default=np.inf)
@@ -311,7 +312,7 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
     """How far the truth of every quantity has moved (until,), in units of its scale; 0 for one that
     stays within round-off.
     """
-    rounding = subject.noise(subject.levels[-1]) * truth.growth()
+    rounding = subject.resolution(subject.levels[-1]) * truth.growth()
     moved = movements(subject.instance, truth)
     signals = {}
     for name, movement in moved.items():
@@ -380,7 +381,7 @@ def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds
 def _floor(subject: Subject, level: float) -> float:
     """20 x round-off times the sensitivity S at the end: smaller errors show no truncation."""
     assert subject.truth is not None
-    return COUNTING_FLOOR * subject.noise(level) * float(subject.truth.growth()[-1])
+    return COUNTING_FLOOR * subject.resolution(level) * float(subject.truth.growth()[-1])
 
 
 def _order_seen(subject: Subject, levels: list[Level]) -> float | None:

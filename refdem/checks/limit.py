@@ -74,7 +74,7 @@ class Limit(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
-        floor = 3 * float(np.max(subject.noise(subject.levels[-1]) * truth.growth()[:count]))
+        floor = 3 * float(np.max(subject.resolution(subject.levels[-1]) * truth.growth()[:count]))
         largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if largest[1] > floor and observed_order(*largest[:2]) < order - SETTLED:
             why = f"errors do not yet fall with order {order}; see the check `order`"

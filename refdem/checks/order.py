@@ -374,7 +374,8 @@ class Order(Check):
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
         scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
         if _late_alike(subject, steps, largest):
-            scatter = max(scatter, claimed)
+            # The other errors let the mean order differ from 0, but not so much as growth does.
+            scatter = max(scatter, claimed + RISE)
         if 0.5 < deficit <= scatter:
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"
@@ -578,7 +579,7 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
 def _floor(subject: Subject, level: float) -> float:
     """Round-off at a level, also of the clock, times the sensitivity S at the end."""
     assert subject.truth is not None
-    return subject.noise(level) * float(subject.truth.growth()[-1])
+    return subject.resolution(level) * float(subject.truth.growth()[-1])
 
 
 CHECK = Order()

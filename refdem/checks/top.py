@@ -56,42 +56,48 @@ class Top(Check):
         return "the scene has no top"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, and the finest for what is held to the order only."""
-        return tuple(dict.fromkeys((Variant(subject.levels[0]), subject.finest)))
+        """The plain run of every level: what is held to the order must fall with it."""
+        return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """Findings on the separation of the joint in position and velocity, and on the changes of
         L_z and L_3.
         """
-        coarsest = _changes(subject, runs[Variant(subject.levels[0])].trajectory)
-        finest = _changes(subject, runs[subject.finest].trajectory)
+        at_levels = [_changes(subject, runs[variant].trajectory) for variant in subject.plain]
+        terms = _terms(subject, runs[subject.finest].trajectory)
         return [
-            self._constant(subject, name, coarse, finest[name]) for name, coarse in coarsest.items()
+            self._constant(subject, name, [changes[name] for changes in at_levels], terms)
+            for name in at_levels[0]
         ]
 
-    def _constant(self, subject: Subject, name: str, coarse: Array, fine: Array) -> Finding:
-        """The finding that one quantity is constant, from its changes (T,) at the coarsest and the
-        finest level.
+    def _constant(
+        self, subject: Subject, name: str, changes: list[Array], terms: dict[str, float]
+    ) -> Finding:
+        """The finding that one quantity is constant, from its changes (T,) at every level, coarse
+        to fine, and the size of the terms that are rounded, by name (`_terms`).
 
         The coarsest counts where the method claims the law. Elsewhere the change at the finest is
         also bounded by that at the coarsest, fallen with the claimed order.
         """
         law = LAWS[name]
+        # Round-off of terms that are larger than the scale of their sum.
+        of_terms = max(1.0, terms.get(name, 1.0))
         if subject.keeps(law):
             level = subject.levels[0]
-            values = coarse
+            values = changes[0]
             allowed, basis = subject.kept(law, level)
         else:
             level = subject.levels[-1]
-            values = fine
+            values = changes[-1]
             allowed, basis = subject.kept(law, level)
             if len(subject.levels) > 2:
-                rounding = COUNTING_FLOOR * subject.round_off(level)
-                allowed = np.minimum(allowed, left_at_finest(subject, coarse) + rounding)
+                rounding = COUNTING_FLOOR * subject.round_off(level) * of_terms
+                allowed = np.minimum(allowed, left_at_finest(subject, *changes) + rounding)
                 basis = (
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
                 )
+        allowed = allowed + (of_terms - 1.0) * subject.round_off(level)
         signal = None
         if name.startswith("L_"):
             signal = 1.0
@@ -122,12 +128,38 @@ def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
         place, speed = _opening(scene, run)
         changes = {"joint": place / scales.length, "joint velocity": speed / scales.speed}
     spins = _spins(scene, run)
-    # One scale for both: the larger of them; a top at rest has none and takes m L v.
-    momentum_scale = (
-        max(float(np.max(np.abs(spin))) for spin in spins.values())
-        or scales.mass * scales.length * scales.speed
-    )
-    return changes | {name: np.abs(spin - spin[0]) / momentum_scale for name, spin in spins.items()}
+    scale = _momentum_scale(subject, spins)
+    return changes | {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
+
+
+def _momentum_scale(subject: Subject, spins: dict[str, Array]) -> float:
+    """One scale for L_z and L_3 [kg m^2/s]: the larger of them; a top at rest has none and takes
+    m L v.
+    """
+    scales = subject.instance.scales
+    largest = max(float(np.max(np.abs(spin))) for spin in spins.values())
+    return largest or scales.mass * scales.length * scales.speed
+
+
+def _terms(subject: Subject, run: Trajectory) -> dict[str, float]:
+    """Sizes of the terms of L_z and L_3, in the scale of both.
+
+    The spin omega is rounded along every axis by u |omega|. Across the axis of a top this has the
+    larger moment of inertia before it, although the spin there may be small:
+
+        L_z = sum of J_i omega_i e_i + m arm x v   has terms of up to J_max |omega| + m |arm| |v|.
+    """
+    scene = subject.instance.scene
+    joint = scene.all(BallJoint)[0]
+    bodies = scene.bodies
+    omega = float(np.max(np.linalg.norm(run.omega[:, joint.a], axis=1)))
+    arm = np.linalg.norm(run.position[:, joint.a] - np.array(joint.anchor_b), axis=1)
+    speed = np.linalg.norm(run.velocity[:, joint.a], axis=1)
+    orbital = float(bodies.mass[joint.a] * np.max(arm * speed))
+    scale = _momentum_scale(subject, _spins(scene, run))
+    moments = bodies.inertia[joint.a]
+    of_spin = float(moments.max()) * omega
+    return {"L_z": (of_spin + orbital) / scale, "L_3": float(moments[2]) * omega / scale}
 
 
 def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:

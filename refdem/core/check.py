@@ -63,6 +63,14 @@ class Subject:
         flight = refinement.flight(self.instance, self.method, level)
         return self.round_off(level) + (clock + flight)
 
+    def resolution(self, level: float) -> float:
+        """`noise`, or the rounding of places far from the origin where that is more.
+
+        It is for quantities on the scale of the motion; what has far places on its own scale, as
+        the image of a shifted scene, takes `noise`.
+        """
+        return refinement.resolution(self.instance, self.method, level)
+
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)

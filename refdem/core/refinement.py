@@ -23,6 +23,7 @@ from refdem.core.problem import Motion
 from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
+from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 
 Array = NDArray[np.float64]
@@ -44,6 +45,8 @@ all of one sign.
 Measured: 0.8 a step for a sphere that spins about a tilted axis, turned in single precision about
 its three axes in five turns.
 """
+PLACE_ADDITIONS = 2.0
+"""Additions to a place in a step: a leapfrog drifts twice, others add once."""
 MOST_STEPS = 1e10
 """More steps than this are a slip of the caller's: no engine finishes them within a day."""
 CLOCK_STEPS = 4.0
@@ -85,15 +88,29 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), phase)
 
 
-def of_far_places(instance: Instance, method: Method) -> float:
+def of_far_places(instance: Instance, method: Method, level: float) -> float:
     """Relative round-off of places that are far from the origin compared with the scale L of their
-    motion: c u |r|/L, as of a large ball that bounces by a little.
+    motion, as of a large ball that bounces by a little.
+
+    An addition to a place r rounds it by up to u |r|, however little is added. A run without steps
+    shows c u |r|/L, as any number. Steps make PLACE_ADDITIONS additions each, and of n steps
+
+        three sigma of uniform roundings make   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
+        roundings of equal terms make           n u |r|/L, as in `flight`.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
         return 0.0
     farthest = float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
-    return ROUND_OFF_FACTOR * method.round_off * farthest / instance.scales.length
+    unit = method.round_off * farthest / instance.scales.length
+    if method.control != "step":
+        return ROUND_OFF_FACTOR * unit
+    steps = steps_at(instance, method, level)
+    scattered = 3.0 * math.sqrt(PLACE_ADDITIONS * steps / 3.0)
+    roundings = max(ROUND_OFF_FACTOR, scattered)
+    if _adds_equal_terms(instance.scene):
+        roundings = max(roundings, steps)
+    return roundings * unit
 
 
 def sweeping(instance: Instance, method: Method) -> float:
@@ -128,11 +145,15 @@ def flight(instance: Instance, method: Method, level: float) -> float:
     """
     if method.control != "step" or not isinstance(instance.problem, Motion):
         return 0.0
-    kinds = {element.kind for element in instance.scene.elements}
-    adds_equal_terms = kinds <= SOMETIMES or "slider" in kinds
-    if adds_equal_terms:
+    if _adds_equal_terms(instance.scene):
         return method.round_off * steps_at(instance, method, level)
     return 0.0
+
+
+def _adds_equal_terms(scene: Scene) -> bool:
+    """True if there are long stretches in which every step adds the same amount; see `flight`."""
+    kinds = {element.kind for element in scene.elements}
+    return kinds <= SOMETIMES or "slider" in kinds
 
 
 def turning(instance: Instance, method: Method, level: float) -> float:
@@ -252,13 +273,22 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     """Relative error (until,) allowed at every certified sample.
 
     bound = (truncation + round-off + clock + flight) max S, the largest S up to the sample.
+
+    Far places replace round-off and flight where they are rounded by more.
     """
     t = instance.times[: truth.until]
-    steps = steps_at(instance, method, level)
-    rounding = max(round_off(instance, method, steps), of_far_places(instance, method))
-    of_method = truncation(instance, method, level, t) + rounding
-    of_equal_terms = clock(instance, method, level) + flight(instance, method, level)
-    return (of_method + of_equal_terms) * truth.growth()
+    of_method = truncation(instance, method, level, t)
+    return (of_method + resolution(instance, method, level)) * truth.growth()
+
+
+def resolution(instance: Instance, method: Method, level: float) -> float:
+    """Relative error of positions that a smaller step does not remove: round-off and flight, or the
+    rounding of far places if that is more, and the clock.
+    """
+    rounding = round_off(instance, method, steps_at(instance, method, level))
+    of_places = of_far_places(instance, method, level)
+    near = rounding + flight(instance, method, level)
+    return max(near, of_places) + clock(instance, method, level)
 
 
 def scored(allowed: Array) -> int:

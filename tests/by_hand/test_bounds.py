@@ -59,8 +59,27 @@ def test_round_off_is_eight_roundings_at_least():
 
 
 def test_places_far_away_are_rounded_by_their_distance():
-    far = instance([POINT, Body(mass=1.0, position=(0.0, -12.0, 5.0))])
-    assert of_far_places(far, method()) == 8 * U * 3
+    bodies = [POINT, Body(mass=1.0, position=(0.0, -12.0, 5.0))]
+    free = instance(bodies)
+    sprung = instance(bodies, (SPRING,))
+    assert of_far_places(free, method("exact"), 0.0) == 8 * U * 3
+    assert of_far_places(free, method("tolerance"), 1e-6) == 8 * U * 3
+    # One step rounds as any number; of 512 steps roundings scatter, or are alike in free flight.
+    assert of_far_places(sprung, method(), 8.0) == 8 * U * 3
+    assert of_far_places(sprung, method(), 1 / 64) == near(sqrt(6 * 512) * U * 3, rel=1e-14)
+    assert of_far_places(free, method(), 1 / 64) == 512 * U * 3
+
+
+def test_a_run_resolves_no_more_than_far_places_show():
+    of = instance([Body(mass=1.0, position=(12.0, 0.0, 0.0))])
+    far = Subject(of, method(), (1 / 64,), None)
+    assert far.resolution(1 / 64) == 512 * U * 3
+    assert far.noise(1 / 64) == near(8 * U * sqrt(512) + 512 * U, rel=1e-14)
+    # As far as the scale, places are rounded by less than all that a step rounds.
+    near_by = Subject(
+        instance([Body(mass=1.0, position=(4.0, 0.0, 0.0))]), method(), (1 / 64,), None
+    )
+    assert near_by.resolution(1 / 64) == near_by.noise(1 / 64)
 
 
 @pytest.mark.parametrize(
@@ -154,8 +173,8 @@ def test_the_bound_adds_up_all_parts_and_grows_with_the_largest_growth_so_far():
     h = 2.0**-20
     steps = 8 / h
     known = truth([0, 2, 4], {"x": [0, 0, 0]}, growth=[1.0, 5.0, 3.0])
-    # Far places, 10 L away, are rounded by less than n steps are: 80 u against 8 u sqrt(2^23).
-    of_steps = 8 * U * sqrt(steps) + U * steps
+    # Far places, 10 L away, are rounded alike by n steps: 10 u n against 8 u sqrt(n) + u n.
+    of_steps = 10 * U * steps
     truncated = 2.0 * np.array([1.0, 5.0, 9.0]) * (2 * h) ** 2
     found = refinement.bound(free, stepped, h, known)
     np.testing.assert_allclose(found, (truncated + of_steps) * [1.0, 5.0, 5.0], rtol=1e-14)

@@ -128,8 +128,12 @@ def test_sound_programs_pass(engine: str, method: str, setting: str) -> None:
         assert found.pop("rigid-impact/restitution").outcome == "undecided"
         assert {f.outcome for f in found.values()} == {"pass"}
         return
-    assert {f.outcome for f in found.values()} == {"pass"}
     assert set(found) == due(setting, is_told=engine in ("reference", "transparent"))
+    if (method, setting) == ("verlet-single", "losing"):
+        # Balls lie 100 times as far from the origin as they move in the shortest time: single
+        # precision rounds their places by more than a time of impact can be told from.
+        assert found.pop("event-times/contact").outcome == "undecided"
+    assert {f.outcome for f in found.values()} == {"pass"}
 
 
 @pytest.mark.parametrize(

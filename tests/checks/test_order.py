@@ -143,7 +143,7 @@ def test_with_kinks_the_mean_over_all_levels_decides(judge, order, scatter, outc
 
 @pytest.mark.parametrize(
     ("order", "outcome"),
-    [(1, "pass"), (0, "undecided"), (0.2, "undecided"), (-0.5, "fail")],
+    [(1, "pass"), (0, "undecided"), (0.2, "undecided"), (-0.04, "undecided"), (-0.5, "fail")],
 )
 def test_an_impact_that_is_late_by_one_time_at_all_levels_is_no_lack_of_order(
     judge, order, outcome

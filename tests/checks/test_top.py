@@ -13,6 +13,9 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
+from refdem.scene import Body
+from refdem.scene.elements.ball_joint import BallJoint
+from tests.handmade import U, findings, instance, method, near, standing
 
 CHECK = discovery.check("top")
 METHOD = ENGINE.method("spinning-top")
@@ -84,3 +87,24 @@ def test_without_a_ball_joint_it_does_not_apply():
         CHECK.applies(Subject(instance, ENGINE.method("rattle"), (0.1,), None))
         == "the scene has no top"
     )
+
+
+def test_the_terms_of_a_momentum_are_rounded_and_not_their_sum():
+    # J omega = (6 3, 0, 1 4) and m arm x v = 2 (0, 0, 1) x (0, -3, 0) = (6, 0, 0): L_z = L_3 = 4.
+    # L_z has terms of 6 5 + 2 1 3 = 36, which is 9 of the scale 4, and L_3 of 1 5.
+    body = Body(
+        mass=2.0,
+        inertia=(6.0, 6.0, 1.0),
+        position=(0.0, 0.0, 1.0),
+        velocity=(0.0, -3.0, 0.0),
+        omega=(3.0, 0.0, 4.0),
+    )
+    of = instance([body], (BallJoint(a=0, b=-1, anchor_a=(0.0, 0.0, -1.0)),))
+    exact = method("exact", conserves=frozenset({"angular-momentum"}), derived={"ball_joint": ""})
+    found = findings(CHECK, Subject(of, exact, (0.0,), None), standing(of))
+    assert found.keys() == {"L_z", "L_3"}
+    round_off = 8 * U * 16
+    assert found["L_z"].bound == near(9 * round_off, rel=1e-14)
+    # Of L_3 no method claims more than its order, and an exact one has no truncation error.
+    assert found["L_3"].bound == near(round_off * 5 / 4, rel=1e-14)
+    assert (found["L_z"].value, found["L_3"].value) == (0.0, 0.0)

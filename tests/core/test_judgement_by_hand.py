@@ -279,6 +279,30 @@ def test_errors_fall_from_the_coarsest_to_the_finest_step_with_the_order():
     assert left_at_finest(stepped, np.array([0.0, nan])) == inf
 
 
+@pytest.mark.parametrize(
+    ("sizes", "bound"),
+    [
+        # Pairs show the order 2: the coarsest level predicts, 4 x 1.6e-3/16 is 4 x 0.4e-3/4.
+        ((1.6e-3, 0.4e-3, 0.1e-3), 4e-4),
+        # Orders 0.2 and 1.6, as terms cancel at the coarsest level: the middle one predicts.
+        ((1e-3, 2**-0.2 * 1e-3, 2**-1.8 * 1e-3), 2**-0.2 * 1e-3),
+        # Deficits of 1.4 and 0.8, of 1.4 and 0.71, and of 1 and 1: the coarsest predicts.
+        ((1e-3, 2**-0.6 * 1e-3, 2**-1.8 * 1e-3), 2.5e-4),
+        ((1e-3, 2**-0.6 * 1e-3, 2**-1.89 * 1e-3), 2.5e-4),
+        ((1e-3, 0.5e-3, 0.25e-3), 2.5e-4),
+        # Errors that rise, or stay, show no order; none at all has none.
+        ((1e-3, 2e-3, 4e-3), 2.5e-4),
+        ((1e-3, 2e-3, 0.0), 2.5e-4),
+        # The last pair alone shows nothing.
+        ((1e-3, 1e-3), 2.5e-4),
+    ],
+)
+def test_where_terms_cancel_at_the_coarsest_level_a_later_one_predicts(sizes, bound):
+    of = Subject(instance([POINT]), method(), (0.5, 0.25, 0.125), None)
+    changes = [np.array([0.0, size]) for size in sizes]
+    assert left_at_finest(of, *changes) == pytest.approx(bound, rel=1e-12)
+
+
 def test_two_runs_are_as_far_apart_as_their_largest_difference_in_any_scale():
     # L = 4 m, L/tau = 8 m/s; the largest omega at the start is 2 rad/s.
     spinning = Body(mass=1.0, inertia=(0.1, 0.1, 0.1), omega=(0.0, 0.0, 2.0))
