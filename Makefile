@@ -2,7 +2,7 @@
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
 .PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
-.PHONY: kernel-lines coverage manual lint
+.PHONY: kernel-lines coverage manual docs lint
 .PHONY: develop codes lock clean help
 
 PYTHON ?= python3
@@ -35,8 +35,9 @@ help:
 	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
+	@echo 'make docs       build the site, tutorial, reference and results in one, into reports/site'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
-	@echo 'make lint       ruff, clang-format, mypy, import-linter'
+	@echo 'make lint       ruff, clang-format, mypy, import-linter, codespell'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
 	@echo 'make lock       pin the newest versions in requirements.lock, with the digests of their files'
 
@@ -46,7 +47,7 @@ validate: .venv/refdem
 test: .venv/refdem .venv/for-tests
 	$(BIN)/pytest tests validation -n $(JOBS) $(TIMES) $(ELSEWHERE:%=--ignore=%) --ignore=$(MATRIX)
 
-test-all: lint sanitized certify-sample test-elsewhere test-touched
+test-all: lint docs sanitized certify-sample test-elsewhere test-touched
 
 sanitized: .venv/refdem .venv/for-all
 	ci/sanitized $(BIN)/python $(JOBS)
@@ -98,6 +99,11 @@ certify: .venv/refdem
 manual: .venv/refdem
 	$(BIN)/refdem manual reports
 
+# Without the sources beside it, so that Sphinx reads the refdem that is installed.
+docs: .venv/refdem .venv/for-docs
+	$(BIN)/python -P -m sphinx --quiet --fail-on-warning --keep-going --nitpicky \
+		--conf-dir docs --doctree-dir build/site . reports/site
+
 codes: .venv-codes/made
 
 lint: .venv/for-all
@@ -106,6 +112,7 @@ lint: .venv/for-all
 	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/codespell $$(git ls-files '*.md' '*.ipynb')
 	$(BIN)/python ci/density.py
 
 develop: .venv/for-all
@@ -138,6 +145,11 @@ clean:
 
 .venv/for-all: .venv/for-tests
 	$(BIN)/python ci/dependencies.py --locked browser lint >.venv/wanted.txt
+	$(HASHED) .venv/wanted.txt
+	touch $@
+
+.venv/for-docs: .venv/for-all
+	$(BIN)/python ci/dependencies.py --locked docs >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 

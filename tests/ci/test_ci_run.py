@@ -16,6 +16,7 @@ STAGES = {
     "test-elsewhere",
     "sanitized",
     "fuzz",
+    "docs",
     "lint",
     "certify-sample",
     "test-touched",

@@ -114,8 +114,10 @@ def test_what_a_page_says_to_run_is_run_by_every_engine_that_it_names(words: lis
     wanted = Specification(
         name="printed", case=specification.case, engines=list(found["engine"] or ["reference"])
     )  # type: ignore[call-overload]
-    engines, _ = plan.engines(wanted)
+    # By name, so that an engine that is missing fails.
+    engines = [discovery.engine(name) for name in wanted.engines]
     assert engines
+    assert not [engine.name for engine in engines if engine.missing()]
     for instance, only in plan.instances(wanted):
         for engine in engines:
             tasks = plan.tasks(wanted, instance, only, engine, None)

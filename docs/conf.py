@@ -1,0 +1,71 @@
+"""Settings of the site that `make docs` builds with Sphinx from docs/ and reports/.
+
+Sphinx reads from the root of the repository, so that links between pages are those that work in a
+listing of the files, too.
+"""
+
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+
+import refdem  # noqa: E402
+
+project = "refdem"
+author = "The refdem developers"
+version = refdem.__version__
+release = version
+root_doc = "docs/index"
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "extension.pages",
+    "extension.formulas",
+    "extension.reference",
+]
+include_patterns = [
+    "docs/*.md",
+    "docs/**/*.md",
+    "docs/**/*.ipynb",
+    "reports/manual/*.md",
+    "reports/gallery/gallery.md",
+    "reports/bench.md",
+    "reports/findings.md",
+    "reports/mutants.md",
+    "reports/stress.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "SECURITY.md",
+    "CODE_OF_CONDUCT.md",
+]
+# Folders that are not walked through.
+exclude_patterns = [".*", "build", "dist", "refdem", "tests", "validation", "reports/site"]
+source_suffix = {".md": "markdown", ".ipynb": "notebook"}
+
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 4
+# Tables and figures of generated pages begin at the level that suits them.
+suppress_warnings = ["myst.header"]
+
+html_theme = "furo"
+html_title = "refdem"
+html_show_sourcelink = False
+html_copy_source = False
+html_show_sphinx = False
+templates_path = ["templates"]
+html_additional_pages = {"index": "to_docs.html"}
+# What the search shows beside a page would be fetched, which a browser refuses to a page from disk.
+html_show_search_summary = False
+pygments_style = "tango"
+
+# Single backticks of docstrings are code.
+default_role = "code"
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
+# Names in annotations: those of other packages, and those of refdem that have no page of their own.
+nitpick_ignore_regex = [("py:.*", ".*")]
