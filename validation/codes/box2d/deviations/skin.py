@@ -1,6 +1,6 @@
-"""Box2D's polygons and edges have a skin: a disc rests 0.005 units above the edge that it lies on.
+"""Box2D's edges have a skin: a disc rests almost 0.01 units above the edge that it lies on.
 
-`b2_polygonRadius` is twice `b2_linearSlop` = 0.005 units, and an overlap of one slop is left alone;
+`b2_polygonRadius` is twice `b2_linearSlop` = 0.005 units, and small overlaps are left alone;
 both are compiled in. The manual says that Box2D is tuned for bodies of 0.1 to 10 m.
 """
 
