@@ -221,7 +221,7 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
             levels = refinement.levels(
                 instance,
                 method,
-                specification.levels,
+                specification.levels_of(instance),
                 specification.most_steps,
                 first_step(specification, instance),
             )

@@ -7,6 +7,7 @@ from pathlib import Path
 import msgspec
 
 from refdem.core import discovery
+from refdem.core.case import Instance
 from refdem.core.outside import one_line
 from refdem.core.parameters import nearest
 from refdem.core.reading import is_file, toml_as
@@ -18,11 +19,32 @@ YEAR = 366 * 86400.0
 _HERE = Path(__file__).resolve().parents[1]
 
 
+MOST_LEVELS = 10
+"""Refinement levels at most: a step a thousandth of the first."""
+
+
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One case at one set of parameters, each as text."""
+    """One case at one set of parameters, each as text.
+
+    `levels` overrules the levels of its campaign for this case: more where an order shows late,
+    fewer where a run is dear.
+    """
 
     id: str
     set: dict[str, str] = {}
+    levels: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuses a number of levels without sense."""
+        if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
+            given = one_line(str(self.levels), 40)
+            raise OutOfRangeError(
+                f"levels of {self.id} is {given}; expected a whole number from 1 to {MOST_LEVELS}"
+            )
+
+    def asks_the_same_as(self, other: "Entry") -> bool:
+        """True for the same case at the same parameters, whatever their levels."""
+        return self.id == other.id and self.set == other.set
 
     @property
     def label(self) -> str:
@@ -44,7 +66,8 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     none; `is_part` says that only some of its cases were asked for.
     `every_case` adds those of refdem's own cases that no entry names, each at its defaults.
     `as_shipped` takes the methods that leave an engine's defaults alone beside the tuned ones.
-    `include` names campaigns, in the same folder, whose cases come before its own.
+    `include` names campaigns, in the same folder, whose cases come before its own; an entry of its
+    own replaces one of theirs that asks the same.
     """
 
     name: str
@@ -69,7 +92,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         place of it.
         """
         ranges = {
-            "levels": (self.levels, 1, 10),
+            "levels": (self.levels, 1, MOST_LEVELS),
             "most_steps": (self.most_steps, 1, 1e12),
             "timeout": (self.timeout, 1e-3, YEAR),
             "step": (self.step, 1e-300, 1e300),
@@ -91,9 +114,21 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             raise OutOfRangeError(
                 "step and steps_per_tau are both there; expected at most one of them"
             )
-        twice = [entry.label for n, entry in enumerate(self.case) if entry in self.case[:n]]
-        if twice:
-            raise OutOfRangeError(f"{twice[0]} is listed twice; take one away")
+        for number, entry in enumerate(self.case):
+            if any(entry.asks_the_same_as(earlier) for earlier in self.case[:number]):
+                raise OutOfRangeError(f"{entry.label} is listed twice; take one away")
+
+    def levels_of(self, instance: Instance) -> int:
+        """The number of levels for an instance: that of its entry, if it says one, else that of the
+        campaign.
+        """
+        case = instance.case
+        for entry in self.case:
+            if entry.levels is None or entry.id != case.id:
+                continue
+            if case.at(**entry.set).label == instance.label:
+                return entry.levels
+        return self.levels
 
 
 def validation_folder() -> Path:
@@ -111,6 +146,20 @@ def unnamed_cases(entries: list[Entry]) -> list[Entry]:
     named_ids = {entry.id for entry in entries}
     others = [name for name in discovery.own_names("cases") if name not in named_ids]
     return [Entry(name) for name in others if not isinstance(discovery.case(name), Selection)]
+
+
+def _joined(included: list[Entry], own: list[Entry]) -> list[Entry]:
+    """Included entries, and then own ones; an own entry takes the place of one that asks the
+    same.
+    """
+    joined = list(included)
+    for entry in own:
+        places = [n for n, other in enumerate(joined) if entry.asks_the_same_as(other)]
+        if places:
+            joined[places[0]] = entry
+        else:
+            joined.append(entry)
+    return joined
 
 
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
@@ -137,7 +186,7 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
     for other in specification.include:
         other_path = path.with_name(f"{other}.toml")
         included += named(str(other_path), above=(*above, path)).case
-    entries = included + [entry for entry in specification.case if entry not in included]
+    entries = _joined(included, specification.case)
     if specification.every_case:
         entries += unnamed_cases(entries)
     if not entries:
