@@ -49,9 +49,10 @@ def pages(
     specs: dict[str, dict[str, str]],
     *,
     has_gallery: bool = False,
+    has_site: bool = False,
 ) -> Iterator[tuple[str, str]]:
-    """(file name, text) of every page: cases, engines, and at last the index, which has a link to a
-    gallery if there is one.
+    """(file name, text) of every page: cases, engines, and at last the index, which has links to a
+    gallery and to the site of `make docs` if there are such.
     """
     templates = environment()
     shared = {
@@ -81,6 +82,7 @@ def pages(
         wanted=WANTED,
         broken=[outcome for outcome in groups if outcome in BROKEN],
         has_gallery=has_gallery,
+        has_site=has_site,
         advice=advice(contents.counts()),
         groups=groups,
         specs=specs[""],
