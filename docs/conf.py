@@ -55,6 +55,9 @@ html_title = "refdem"
 html_show_sourcelink = False
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
+# Two hyphens are an option.
+smartquotes = False
 templates_path = ["templates"]
 html_additional_pages = {"index": "to_docs.html"}
 # What the search shows beside a page would be fetched, which a browser refuses to a page from disk.

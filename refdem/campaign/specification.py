@@ -23,7 +23,7 @@ MOST_LEVELS = 10
 """Refinement levels at most: a step a thousandth of the first."""
 
 
-class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """One case at one set of parameters, each as text.
 
     `levels` overrules the levels of its campaign for this case: more where an order shows late,

@@ -50,17 +50,18 @@ def pages(
     specs: dict[str, dict[str, str]],
     *,
     has_gallery: bool = False,
+    has_site: bool = False,
 ) -> Iterator[tuple[str, str]]:
     """(file name, text) of every page: cases, engines, and at last the index with its parts, which
-    has a link to a gallery if there is one.
+    has links to a gallery and to the site of `make docs` if there are such.
     """
     templates = environment()
     shared = shared_by_all(contents)
     yield from _case_pages(contents, rows, specs, templates, shared)
     yield "engines.html", templates.get_template("engines.html").render(shared, root="")
-    yield from index.files(
-        contents, rows, specs[""].get("tolerance"), templates, shared, has_gallery=has_gallery
-    )
+    beside = {"has_gallery": has_gallery, "has_site": has_site}
+    chart = specs[""].get("tolerance")
+    yield from index.files(contents, rows, chart, templates, shared | beside)
 
 
 def shared_by_all(contents: Contents) -> dict[str, Any]:

@@ -30,8 +30,6 @@ def files(
     chart: str | None,
     templates: Environment,
     shared: dict[str, Any],
-    *,
-    has_gallery: bool,
 ) -> Iterator[tuple[str, str]]:
     """(file name, text) of every part, and at last of index.html.
 
@@ -68,7 +66,6 @@ def files(
         lines=case_lines(contents, cells),
         wanted=WANTED,
         broken=[outcome for outcome in found if outcome in BROKEN],
-        has_gallery=has_gallery,
         has_chart=chart is not None,
         advice=advice(contents.counts()),
         groups=found,

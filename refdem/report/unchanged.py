@@ -85,13 +85,14 @@ def _of_records(folder: Path) -> str | None:
 
 
 def _maker(folder: Path) -> str:
-    """The digest of code and templates, of the packages that draw, and of whether there is a
-    gallery to lead to.
+    """The digest of code and templates, of the packages that draw, and of whether there are a
+    gallery and a site to lead to.
     """
     parts = [
         fingerprint.of_refdem(),
         *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml")),
         str((folder / "gallery" / "gallery.html").exists()),
+        str((folder / "site" / "index.html").exists()),
     ]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 

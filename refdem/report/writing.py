@@ -33,8 +33,9 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
     has_gallery = (folder / "gallery" / "gallery.html").exists()
+    has_site = (folder / "site" / "index.html").exists()
     names = set()
-    for name, text in html.pages(contents, rows, specs, has_gallery=has_gallery):
+    for name, text in html.pages(contents, rows, specs, has_gallery=has_gallery, has_site=has_site):
         written(folder / name, text)
         names.add(name)
     for path in (folder / "assets").iterdir():

@@ -28,9 +28,11 @@ PLACEHOLDER = re.compile(r"\b[A-Z]{3,}\b|\.toml\b|\.\.\.")
 
 
 def cleaned(text: str) -> str:
-    """A command without its prompt, its folder and the comment behind it."""
-    without_comment = re.sub(r"\s+# .*", "", text.strip())
-    return re.sub(r"^(\$ )?(\.venv/bin/)?", "", without_comment)
+    """A command without its prompt, its folder, the comment behind it, and what is done if it
+    fails.
+    """
+    alone = re.sub(r"\s+(# |\|\| ).*", "", text.strip())
+    return re.sub(r"^(\$ )?(\.venv/bin/)?", "", alone)
 
 
 def of_page(text: str) -> Iterator[str]:

@@ -376,3 +376,14 @@ def contrast(one, other):
 
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
+
+
+def test_a_report_links_to_the_site_if_there_is_one(tmp_path):
+    from refdem.report import write_report
+
+    write_report(tmp_path, [])
+    assert "site/index.html" not in (tmp_path / "index.html").read_text()
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "index.html").write_text("")
+    write_report(tmp_path, [])
+    assert '<a href="site/index.html">' in (tmp_path / "index.html").read_text()
