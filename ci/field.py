@@ -49,10 +49,10 @@ def install(name: str) -> bool:
     """
     home = ENVIRONMENTS / name
     lock = CODES / name / "requirements.txt"
-    pip = [str(home / "bin" / "pip"), "--disable-pip-version-check", "install", "--quiet"]
+    pip = [str(home / "bin" / "pip"), "install", "--require-hashes", "--only-binary", ":all:"]
     commands = [
         [sys.executable, "-m", "venv", "--clear", str(home)],
-        [*pip, "--only-binary", ":all:", "--require-hashes", "--requirement", str(lock)],
+        [*pip, "--disable-pip-version-check", "--quiet", "--requirement", str(lock)],
     ]
     for command in commands:
         if subprocess.run(command, check=False).returncode != 0:
