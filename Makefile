@@ -3,7 +3,7 @@
 .DELETE_ON_ERROR:
 .PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
 .PHONY: kernel-lines coverage manual docs lint
-.PHONY: develop codes lock clean help
+.PHONY: develop codes field lock clean help
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -37,6 +37,7 @@ help:
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make docs       build the site, tutorial, reference and results in one, into reports/site'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
+	@echo 'make field      widely used codes, each in .venv-field, under their gates; CODES=name for some; reports/field'
 	@echo 'make lint       ruff, clang-format, mypy, import-linter, codespell'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
 	@echo 'make lock       pin the newest versions in requirements.lock, with the digests of their files'
@@ -74,6 +75,7 @@ nightly: test test-all
 	$(MAKE) coverage
 	$(MAKE) fuzz MINUTES=60
 	$(MAKE) mutants
+	$(MAKE) field
 
 mutants: .venv/refdem .venv/for-mutants
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants.py --jobs $(JOBS)
@@ -106,6 +108,10 @@ docs: .venv/refdem .venv/for-docs
 
 codes: .venv-codes/made
 
+# At night: an environment of its own for each code, and a gate each.
+field: .venv/refdem
+	$(BIN)/python ci/field.py $(CODES)
+
 lint: .venv/for-all
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -125,7 +131,7 @@ lock:
 	ci/lock $(PYTHON) --upgrade
 
 clean:
-	rm -rf .venv .venv-codes build dist
+	rm -rf .venv .venv-codes .venv-field build dist
 
 # Stamps: each says that its step was done with the files it depends on.
 .venv/made:

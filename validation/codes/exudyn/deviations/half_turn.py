@@ -30,6 +30,5 @@ def error(angle, kind):
 for offset in (1.0, 1e-1, 1e-2, 1e-4, 1e-6, 1e-8):
     vector = error(np.pi - offset, exudyn.NodeType.RotationRotationVector)
     parameters = error(np.pi - offset, exudyn.NodeType.RotationEulerParameters)
-    print(
-        f"{offset:.0e} rad before half a turn: rotation vector {vector:.0e}, Euler parameters {parameters:.0e}"
-    )
+    before = f"{offset:.0e} rad before half a turn"
+    print(f"{before}: rotation vector {vector:.0e}, Euler parameters {parameters:.0e}")

@@ -1,0 +1,81 @@
+"""The page of `make field` says what each code did, and what is not there."""
+
+import field
+import pytest
+
+from refdem.core.finding import Finding, Level, Record
+
+
+def record(case, engine, *findings):
+    """A record of one method."""
+    return Record(
+        case=case,
+        label=case,
+        parameters={},
+        engine=engine,
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=findings,
+    )
+
+
+def errors(quantity, *pairs):
+    """A finding of check `error` on levels, each half the step, of these errors and seconds."""
+    levels = tuple(
+        Level(level=0.5**n, error=error, bound=1.0, seconds=seconds, counts=True)
+        for n, (error, seconds) in enumerate(pairs)
+    )
+    return Finding(check="error", quantity=quantity, outcome="pass", sentence="", levels=levels)
+
+
+def test_a_cell_has_the_digits_of_the_best_run_and_the_least_time_to_the_accuracy():
+    x = errors("x", (1e-2, 0.001), (1e-3, 0.002), (1e-5, 0.004))
+    y = errors("y", (1e-3, 0.001), (1e-4, 0.002), (1e-6, 0.004))
+    assert field.cell([record("pendulum", "drake", x, y)]) == "5.0 digits, 2 ms"
+
+
+def test_the_worst_quantity_counts():
+    x = errors("x", (1e-5, 0.001))
+    y = errors("y", (1e-2, 0.001))
+    assert field.cell([record("pendulum", "drake", x, y)]) == "2.0 digits"
+
+
+def test_a_cell_counts_what_failed_and_what_deviates():
+    failed = Finding(check="error", quantity="x", outcome="fail", sentence="")
+    deviating = Finding(check="error", quantity="y", outcome="expected", sentence="")
+    assert field.cell([record("pendulum", "drake", failed, deviating)]) == "1 deviations, 1 failed"
+    assert field.cell([]) == ""
+
+
+def test_a_code_without_its_environment_is_told_of(tmp_path, monkeypatch):
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    assert field.state("pybullet", may_install=False) == field.NOT_INSTALLED
+    page = field.page({}, {"pybullet": field.NOT_INSTALLED})
+    assert "| pybullet | not installed |" in page
+    assert "validation/codes/pybullet/deviations/threshold.py" in page
+
+
+def test_an_environment_of_other_requirements_is_made_anew(tmp_path, monkeypatch):
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    (tmp_path / "pybullet").mkdir()
+    stamp = tmp_path / "pybullet" / "made"
+    stamp.write_text("pybullet==0.1\n")
+    assert not field.is_installed("pybullet")
+    stamp.write_text((field.CODES / "pybullet" / "requirements.txt").read_text())
+    assert field.is_installed("pybullet")
+
+
+@pytest.mark.parametrize(
+    ("states", "status"),
+    [(["open", "open"], 0), (["open", "not installed"], 2), (["closed, exit status 1"] * 2, 1)],
+)
+def test_what_is_not_there_is_no_silent_green(states, status, tmp_path, monkeypatch):
+    ended = dict(zip(("drake", "pybullet"), states, strict=True))
+    monkeypatch.setattr(field, "OUT", tmp_path)
+    monkeypatch.setattr(field, "state", lambda name, may_install: ended[name])
+    monkeypatch.setattr(field, "records_of", lambda name: [])
+    monkeypatch.setattr("sys.argv", ["field.py", *ended])
+    assert field.main() == status
+    assert (tmp_path / "index.md").is_file()
