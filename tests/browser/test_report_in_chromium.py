@@ -21,12 +21,14 @@ selector => {
       behind = behind.parentElement;
       back = parts(getComputedStyle(behind).backgroundColor);
     }
-    const front = parts(getComputedStyle(element).color);
+    const style = getComputedStyle(element);
+    const front = parts(element instanceof SVGElement ? style.fill : style.color);
     const [low, high] = [light(front), light(back)].sort((a, b) => a - b);
     return (high + 0.05) / (low + 0.05);
   };
+  const words = element => (element.innerText ?? element.textContent).trim();
   const seen = [...document.querySelectorAll(selector)]
-    .filter(element => element.checkVisibility() && element.innerText.trim());
+    .filter(element => element.checkVisibility() && words(element));
   return seen.map(element => [contrast(element), element.outerHTML.slice(0, 200)]);
 }
 """
