@@ -129,7 +129,10 @@ def _cloud(series: Series, panel: Panel, x: Any, y: Any) -> Any:
     """The picture of a cloud's density, laid over the whole panel."""
     width, height = panel.size
     blank = alt.Chart(alt.InlineData(values=[{}]))
-    picture = blank.mark_image(url=density(series, panel), width=width, height=height, aspect=False)
+    # The caption of the figure says what is seen; a picture of dots has nothing to read out.
+    picture = blank.mark_image(
+        url=density(series, panel), width=width, height=height, aspect=False, aria=False
+    )
     centred = picture.encode(x=alt.value(width / 2), y=alt.value(height / 2))
     return centred + _frame(panel, x, y)
 

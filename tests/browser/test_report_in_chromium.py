@@ -3,7 +3,11 @@
 from contextlib import contextmanager
 from urllib.parse import unquote, urlsplit
 
+import msgspec
 import pytest
+
+from refdem.report import write_report
+from tests.report import synthetic
 
 SCHEMES = ("light", "dark")
 PATIENCE = 60_000
@@ -21,12 +25,14 @@ selector => {
       behind = behind.parentElement;
       back = parts(getComputedStyle(behind).backgroundColor);
     }
-    const front = parts(getComputedStyle(element).color);
+    const style = getComputedStyle(element);
+    const front = parts(element instanceof SVGElement ? style.fill : style.color);
     const [low, high] = [light(front), light(back)].sort((a, b) => a - b);
     return (high + 0.05) / (low + 0.05);
   };
+  const words = element => (element.innerText ?? element.textContent).trim();
   const seen = [...document.querySelectorAll(selector)]
-    .filter(element => element.checkVisibility() && element.innerText.trim());
+    .filter(element => element.checkVisibility() && words(element));
   return seen.map(element => [contrast(element), element.outerHTML.slice(0, 200)]);
 }
 """
@@ -253,3 +259,21 @@ def test_a_part_that_is_missing_is_said_to_be(browser, folder):
     page.get_by_text("could not be loaded").wait_for()
     assert "assets/index-digits.js is missing" in place.inner_text()
     page.close()
+
+
+def test_a_case_with_many_passes_and_values_is_printed_on_four_sheets(browser, tmp_path):
+    sheet = synthetic.case_sheet("long", "long", "A long case", r"\ddot x=0")
+    scalars = {f"impact_{number}": ("1.25", "1e-16") for number in range(200)}
+    sheets = [msgspec.structs.replace(sheet, truth_scalars=scalars)]
+    for number in range(20):
+        passes = [synthetic.error(f"x{k}", 1e-3, 2) for k in range(12)]
+        undecided = synthetic.said("order", "undecided", "Not decided: 2 levels count.")
+        sheets.append(synthetic.record("long", "long", "alpha", f"m{number}", *passes, undecided))
+    write_report(tmp_path, sheets)
+    with opened(browser, tmp_path / "cases/long.html") as page:
+        sheets_of_paper = page.pdf(format="A4").count(b"/Type /Page\n")
+        assert 1 < sheets_of_paper <= 4
+        page.emulate_media(media="print")
+        assert not page.locator("tr.pass:visible").count()
+        assert page.locator("tr.undecided:visible").count() == 20
+        assert page.get_by_text("What passed is counted above").is_visible()

@@ -43,7 +43,11 @@
 
   function draw(place) {
     return script("vega.js").then(function () { return embed(place); }).then(
-      function () { place.dataset.drawn = "yes"; },
+      function () {
+        // The button of the menu has no text, and a title that nobody hears.
+        place.querySelectorAll("summary").forEach(function (button) { button.setAttribute("aria-label", "Save this chart"); });
+        place.dataset.drawn = "yes";
+      },
       function (error) { place.textContent = "This chart could not be drawn: " + error; console.error(error); }
     );
   }
