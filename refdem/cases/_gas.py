@@ -62,6 +62,13 @@ PARAMETERS = (
         whole=True,
     ),
     Parameter(name="t0", default="1", unit="J", doc="temperature at the start", above=0),
+    Parameter(
+        name="gravity",
+        default="0",
+        unit="m/s^2",
+        doc="along -z; with rigid contacts in a periodic box, where the whole gas falls freely",
+        at_least=0,
+    ),
 )
 
 
@@ -72,13 +79,20 @@ def edge(p: Parameters) -> float:
 
 def refuse(p: Parameters) -> None:
     """Raises UsageError for a box too full for a gas, or so small that a sphere would touch two
-    periodic images of another one.
+    periodic images of another one, and for gravity on a gas that something holds up.
     """
     edge_in_diameters = edge(p) / p.diameter
     if p.density * p.diameter**3 > 0.3 or edge(p) < 2.6 * p.diameter:
         raise UsageError(
             f"parameter density: got {p.density:g} 1/m^3, {edge_in_diameters:.3g} diameters an"
             " edge; expected density diameter^3 <= 0.3, and an edge of at least 2.6 diameters"
+        )
+    falls_freely = p.contact == "rigid" and p.boundary == "periodic"
+    if p.gravity and not falls_freely:
+        raise UsageError(
+            f"parameter gravity: got {p.gravity:g} m/s^2 with contact={p.contact} and"
+            f" boundary={p.boundary}; expected contact=rigid and boundary=periodic, where the gas"
+            " falls freely and its temperature is that without gravity"
         )
 
 

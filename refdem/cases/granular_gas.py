@@ -14,6 +14,7 @@ from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
 from refdem.scene import Scene
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
 
@@ -46,9 +47,10 @@ class GranularGas(Case):
         " dashpot, or a rigid impact, give back the same part e of the normal velocity. An elastic"
         " gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before"
         " clusters form, it cools as Haff's law says. Friction, by a tangential spring where"
-        " contacts are soft, makes them spin. Momentum is kept in a periodic box. The temperature"
-        " is that of flight and counts 3 (n - 1) degrees of freedom, for the centre of mass is at"
-        " rest; Boltzmann's constant is 1. The start follows from the seed by numpy's PCG64."
+        " contacts are soft, makes them spin. Momentum is kept in a periodic box, and a gas that"
+        " falls freely in one cools as without gravity. The temperature is that of flight and"
+        " counts 3 (n - 1) degrees of freedom, for the centre of mass is at rest or falls;"
+        " Boltzmann's constant is 1. The start follows from the seed by numpy's PCG64."
     )
     latex = (
         r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},"
@@ -85,7 +87,10 @@ class GranularGas(Case):
         else:
             contact_time = np.pi * self.scales(p).tau
             law = _gas.law(MASS, contact_time, p.restitution, p.friction)
-        return Scene(bodies, (*_gas.bounds(edge, periodic=periodic), law))
+        elements = [*_gas.bounds(edge, periodic=periodic), law]
+        if p.gravity:
+            elements.append(UniformGravity(g=(0.0, 0.0, -p.gravity)))
+        return Scene(bodies, tuple(elements))
 
     def scales(self, p: Parameters) -> Scales:
         """tau = contact duration/pi; L is the way at thermal speed in tau.

@@ -60,7 +60,7 @@ CATALOGUE = {
         ["theta", "phi", "psi", "thetadot"],
     ),
     "granular-gas": (
-        "n diameter contact restitution friction density boundary seed t0",
+        "n diameter contact restitution friction density boundary seed t0 gravity",
         ["temperature"],
     ),
     "captured-mass": ("mass speed radius", ["x", "y", "vx", "vy"]),
