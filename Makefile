@@ -2,11 +2,12 @@
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
 .PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
-.PHONY: kernel-lines coverage manual docs lint
+.PHONY: kernel-lines coverage alarms manual docs lint
 .PHONY: develop codes field lock clean help
 
 PYTHON ?= python3
 JOBS ?= 2
+SEEDS ?= 0:7
 BIN := .venv/bin
 PIP := $(BIN)/pip --disable-pip-version-check install --quiet
 # Nothing is installed of which requirements.lock does not have the digest.
@@ -32,6 +33,7 @@ help:
 	@echo 'make mutants    plant small errors in the code and count those that no test sees'
 	@echo 'make kernel-lines  the lines of the kernels that campaign main runs'
 	@echo 'make coverage   the lines of Python that the tests run, file by file, the least first'
+	@echo 'make alarms     every engine at settings drawn at random: what fails there is a finding, or a false alarm'
 	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
@@ -73,6 +75,7 @@ nightly: test test-all
 	$(MAKE) test-machines
 	$(MAKE) kernel-lines
 	$(MAKE) coverage
+	$(MAKE) alarms
 	$(MAKE) fuzz MINUTES=60
 	$(MAKE) mutants
 	$(MAKE) field
@@ -89,6 +92,10 @@ coverage: .venv/refdem .venv/for-mutants
 	$(BIN)/coverage run -m pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%) --ignore=$(MATRIX)
 	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report
+
+# Every engine at settings drawn up to threefold from the defaults; `make alarms SEEDS=8:15` draws others.
+alarms: .venv/refdem .venv/for-tests
+	REFDEM_SEEDS=$(SEEDS) $(BIN)/pytest tests/properties/test_every_row.py -k drawn -n $(JOBS) $(TIMES)
 
 # Inputs that are wrong: `make fuzz MINUTES=10` for so long from the seed of the day, and what it learns goes
 # into tests/corpus; without MINUTES the same so many every time, as in CI.

@@ -148,10 +148,10 @@ class AngularMomentum(Check):
     def _against_truth(self, subject: Subject, run: Trajectory) -> Finding:
         """The finding that total angular momentum follows truth, where the contact law changes it.
 
-        Lever arms R - d of two spheres do not add up to the centre distance, so the total changes
-        by the time integral of overlap times friction. An error E of the state, in units of the
-        scales of r, v and omega, changes it by at most E times sum m (|r| v_scale + |v| r_scale) +
-        J omega_scale.
+        Lever arms R - d of two spheres that touch do not add up to the centre distance, so the
+        total changes by the time integral of overlap times friction. An error E of the state, in
+        units of the scales of r, v and omega, changes it by at most E times sum m (|r| v_scale +
+        |v| r_scale) + J omega_scale.
         """
         truth = certified(subject)
         scene = subject.instance.scene
@@ -159,7 +159,7 @@ class AngularMomentum(Check):
         if truth is None:
             return undecided(self.name, "law", no_truth(subject))
         measured = angular(scene, run)["total"][: truth.until]
-        expected = angular(scene, _as_trajectory(truth))["total"]
+        expected = angular(scene, _as_trajectory(truth, len(scene.bodies)))["total"]
         scales = {name: subject.instance.quantities[f"{name}1.x"].scale for name in KINDS}
         distance = np.linalg.norm(scene.bodies.position, axis=1)
         speed = np.linalg.norm(scene.bodies.velocity, axis=1)
@@ -259,8 +259,8 @@ def _judged_level(subject: Subject) -> Variant:
 
 
 def _law_changes_total(subject: Subject) -> bool:
-    """True for two spheres whose contact law changes total angular momentum, in a case that has
-    truth for r, v, omega of both.
+    """True for spheres whose contact law changes total angular momentum, in a case that has truth
+    for r, v, omega of all of them.
 
     Friction acts on lever arms that add up to the centre distance only for the branch R - d/2.
     """
@@ -268,7 +268,7 @@ def _law_changes_total(subject: Subject) -> bool:
     known = all(
         f"{kind}{body}.{axis}" in subject.instance.quantities
         for kind in KINDS
-        for body in (1, 2)
+        for body in range(1, len(subject.instance.scene.bodies) + 1)
         for axis in "xyz"
     )
     return (
@@ -278,18 +278,19 @@ def _law_changes_total(subject: Subject) -> bool:
     )
 
 
-def _as_trajectory(truth: SampledTruth) -> Trajectory:
-    """The certified states of two spheres as a trajectory; attitudes, which L does not depend on,
-    are 1.
+def _as_trajectory(truth: SampledTruth, count: int) -> Trajectory:
+    """The certified states of `count` spheres as a trajectory; attitudes, which L does not depend
+    on, are 1.
     """
 
     def vector(kind: str, body: int) -> Array:
         components = [truth.value(f"{kind}{body}.{axis}") for axis in "xyz"]
         return np.stack(components, axis=-1)
 
-    # Columns (T, 2, 3), as trajectories have them.
-    r, v, omega = (np.stack([vector(kind, 1), vector(kind, 2)], axis=1) for kind in KINDS)
-    attitude = np.zeros((truth.until, 2, 4))
+    # Columns (T, N, 3), as trajectories have them.
+    numbers = range(1, count + 1)
+    r, v, omega = (np.stack([vector(kind, body) for body in numbers], axis=1) for kind in KINDS)
+    attitude = np.zeros((truth.until, count, 4))
     attitude[..., 0] = 1.0
     return Trajectory(
         t=np.array(truth.t[: truth.until]), position=r, velocity=v, attitude=attitude, omega=omega

@@ -20,7 +20,7 @@ from refdem.core.judgement import (
     perturbation,
     undecided,
 )
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
+from refdem.core.refinement import HORIZON, kinked
 from refdem.core.variant import Variant
 
 ORDER_TOLERANCE_FACTOR = 2.0
@@ -79,7 +79,7 @@ class Convergence(Check):
             neighbour = runs[perturbed].trajectory
         growth = float(growth_shown(subject.instance, subject.method, neighbour, base)[-1])
         # Round-off of the finest run, grown to the end.
-        floor = COUNTING_FLOOR * subject.resolution(subject.levels[-1]) * growth
+        floor = subject.floor(subject.levels[-1]) * growth
         if fine > HORIZON:
             why = (
                 f"the two finest levels differ by {fine:.2g} of the scale; smaller steps are needed"

@@ -27,7 +27,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.problem import Problem
-from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
+from refdem.core.refinement import kinked, scored
 from refdem.core.smoothness import KINK, singularities
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
@@ -226,7 +226,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     )
     earlier_change = _changes(instance, coarse, middle, count)
     last_change = _changes(instance, middle, fine, count)
-    floor = COUNTING_FLOOR * subject.resolution(subject.levels[-1])
+    floor = subject.floor(subject.levels[-1])
     rounding = floor * subject.truth.growth()[:count]
     safety = room_of(subject)
     # The force goes as |s|^exponent through the sharpest kink; infinite where it has none.
@@ -381,7 +381,7 @@ def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds
 def _floor(subject: Subject, level: float) -> float:
     """20 x round-off times the sensitivity S at the end: smaller errors show no truncation."""
     assert subject.truth is not None
-    return COUNTING_FLOOR * subject.resolution(level) * float(subject.truth.growth()[-1])
+    return subject.floor(level) * float(subject.truth.growth()[-1])
 
 
 def _order_seen(subject: Subject, levels: list[Level]) -> float | None:

@@ -18,7 +18,7 @@ from refdem.core.judgement import (
     room_of,
     undecided,
 )
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON, ROUND_OFF_FACTOR, scored, steps_at
+from refdem.core.refinement import HORIZON, ROUND_OFF_FACTOR, scored, steps_at
 from refdem.core.trajectory import Event, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -299,7 +299,7 @@ def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     (COUNTING_FLOOR) and the growth S(t) of errors made earlier (`SampledTruth.growth`).
     """
     level = subject.levels[-1]
-    rounding: Array = COUNTING_FLOOR * subject.resolution(level) * truth.growth()
+    rounding: Array = subject.floor(level) * truth.growth()
     return room_of(subject) * largest_so_far(subject, level, run, truth) + rounding
 
 

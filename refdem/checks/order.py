@@ -30,7 +30,6 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import (
-    COUNTING_FLOOR,
     SCATTER,
     bound,
     kinked,
@@ -165,7 +164,7 @@ class Order(Check):
                 " between 20 x round-off and 0.1 of the scale); 3 are needed"
             )
             return undecided(self.name, "state", why)
-        floor = [COUNTING_FLOOR * _floor(subject, h) for h in counting]
+        floor = [_floor(subject, h) for h in counting]
         largest = [_largest(errors_at[h], common) for h in counting]
         if all(error <= low for error, low in zip(largest[1:], floor[1:], strict=True)):
             return self._nothing_left(largest, floor)
@@ -180,7 +179,11 @@ class Order(Check):
         ][-3:]
         # An error b that is rounded by a part r of itself shifts its logarithm by r/ln 2 octaves,
         # and the error before it shifts by less: the order is off by 2 r/ln 2 at most.
-        rounded = max(low / COUNTING_FLOOR / b for (_, b), low in pairs if b > low)
+        rounded = max(
+            _rounding(subject, h) / b
+            for h, (_, b), low in zip(counting[1:], pairwise(largest), floor[1:], strict=True)
+            if b > low
+        )
         # Orders of the levels too coarse to count, which show how fast the deficit falls.
         coarser = [_largest(errors_at[h], common) for h in subject.levels if h > counting[0]]
         coarser_orders = [
@@ -208,7 +211,7 @@ class Order(Check):
             return []
         largest = [_largest(errors_at[h], common) for h in levels]
         all_resolved = all(
-            error > COUNTING_FLOOR * _floor(subject, h)
+            error > _floor(subject, h)
             for h, error in zip(levels[-3:], largest[-3:], strict=True)
         )
         if not all_resolved:
@@ -571,13 +574,21 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     counting = [
         h
         for h in levels
-        if scored_samples[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(subject, h)
+        if scored_samples[h] >= common and allowed[h][-1] >= _floor(subject, h)
     ]
     return counting, common
 
 
 def _floor(subject: Subject, level: float) -> float:
-    """Round-off at a level, also of the clock, times the sensitivity S at the end."""
+    """Error at a level below which no order shows, times the sensitivity S at the end."""
+    assert subject.truth is not None
+    return subject.floor(level) * float(subject.truth.growth()[-1])
+
+
+def _rounding(subject: Subject, level: float) -> float:
+    """Round-off at a level, also of the clock and of far places, times the sensitivity S at the
+    end.
+    """
     assert subject.truth is not None
     return subject.resolution(level) * float(subject.truth.growth()[-1])
 

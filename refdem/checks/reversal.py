@@ -22,7 +22,7 @@ from refdem.core.judgement import (
     room_of,
     undecided,
 )
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, flight, kinked
+from refdem.core.refinement import HORIZON, clock, flight, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -135,7 +135,7 @@ class Reversal(Check):
             / scales.tau
             * (subject.levels[-1] / scales.tau) ** (expected + 1)
         )
-        floor = max(next_term, COUNTING_FLOOR * subject.resolution(subject.levels[-1]) * growth**2)
+        floor = max(next_term, subject.floor(subject.levels[-1]) * growth**2)
         # Below round-off or the next term of the error the leading term cannot be observed.
         if not floor < fine <= coarse < HORIZON:
             return []
@@ -200,7 +200,7 @@ def _extrapolated_defect(
     order = subject.order
     octaves = math.log2(subject.levels[-2] / level)
     of_order: float = PREDICTION_FACTOR * coarse / 2.0 ** (order * octaves)
-    return of_order + COUNTING_FLOOR * subject.resolution(level) * growth
+    return of_order + subject.floor(level) * growth
 
 
 def _is_exact(subject: Subject) -> bool:
@@ -283,7 +283,7 @@ def _defect_from_observed_error(
         safety = room_of(subject)
     run = runs[Variant(compared_level)].trajectory
     observed = safety * float(largest_so_far(subject, compared_level, run, truth)[-1])
-    reached = observed + COUNTING_FLOOR * subject.resolution(level)
+    reached = observed + subject.floor(level)
     # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])

@@ -71,6 +71,13 @@ class Subject:
         """
         return refinement.resolution(self.instance, self.method, level)
 
+    def floor(self, level: float) -> float:
+        """Relative error below which a difference says nothing: COUNTING_FLOOR times `noise`, or
+        the rounding of far places where that is more. The latter is a limit already, as it adds up
+        every rounding of a place.
+        """
+        return max(refinement.COUNTING_FLOOR * self.noise(level), self.resolution(level))
+
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)

@@ -139,3 +139,14 @@ def test_a_law_that_changes_the_total_says_so_and_one_that_does_not_is_silent():
     assert all("a property of the law" in sentence for sentence in changed.values())
     assert not any("property of the law" in sentence for sentence in kept.values())
     assert not any("No torque" in sentence for sentence in kept.values())
+
+
+def test_all_spheres_of_a_law_that_changes_the_total_are_compared_with_truth():
+    """Three of them, where the check knew of two and broke."""
+    given = {"member": "three-spheres", "branch": "R", "friction": "3/10", "samples": "8"}
+    instance = discovery.case("impact-benchmarks").at(**given)
+    reference = discovery.engine("reference")
+    truth = truth_of(instance)
+    task = task_of(reference, "velocity-verlet", instance, truth, 1, ["angular-momentum"])
+    (found,) = record_of(task).findings
+    assert (found.quantity, found.outcome) == ("law", "pass"), found.sentence

@@ -1,27 +1,35 @@
-"""Every case holds in the reference at settings drawn at random, and at the defaults of each case
-and member that main lacks.
+"""Every case holds in the reference and in every other engine at settings drawn at random, and in
+the reference at the defaults of each case and member that main lacks.
 
-A draw moves each number of a case by up to half an octave, keeps three digits, and may turn what is
-0 on; motions are short.
+A draw multiplies or divides each number of a case by up to REFDEM_SPREAD (3), keeps three digits,
+and may turn what is 0 on; motions are short. An engine that fails there is wrong, or the check is:
+`make alarms` looks at many seeds, REFDEM_SEEDS="first:last", and a test here at one.
 """
 
+import os
 import zlib
 from collections.abc import Mapping
 
+import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign import in_process, plan
+from refdem.campaign import deviations, in_process, plan
 from refdem.campaign.specification import Specification, named
 from refdem.core import discovery
 from refdem.core.case import Canonical, Case, Instance
+from refdem.core.engine import Engine
+from refdem.core.finding import Finding, Record
 from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
 from refdem.errors import UsageError
 
 REFERENCE = discovery.engine("reference")
 SHORT = Specification(name="every row", case=[], levels=3, most_steps=1e4)
-SEEDS = range(3)
+FIRST_SEED, LAST_SEED = (int(number) for number in os.environ.get("REFDEM_SEEDS", "0:0").split(":"))
+SEEDS = range(FIRST_SEED, LAST_SEED + 1)
+SPREAD = float(os.environ.get("REFDEM_SPREAD", "3"))
+"""Largest factor between a number that is drawn and its default."""
 DRAWS = 64
 """Sets that are drawn until one is of numbers that go together."""
 TURNS = 4
@@ -38,6 +46,16 @@ of minutes)."""
 ENDING = {"pendulum-wheel-mass": "contact with the wheel"}
 """Cases whose motion may end where they have no law for what follows, with the words in which the
 reference refuses it: such a set is drawn again."""
+KNOWN = {
+    # A body that nearly stops on the belt: whether it sticks is decided within a step.
+    ("stick-slip", "pymunk", "semi-implicit-euler", "error"),
+    # Two runs of ias15 differ by up to 1.2e-13 of the scale, twice the round-off of these motions.
+    ("quadratic-response", "rebound", "ias15", "symmetry"),
+    ("viscous-oscillator", "rebound", "ias15", "symmetry"),
+}
+"""Case, engine, method and check of limits that the settings of campaigns do not show, so that
+validation/expected has no row for them.
+"""
 DEAR = 1000
 """Spheres of a gas: rows with more are the business of main and of a whole run of full."""
 CASES = [
@@ -45,23 +63,37 @@ CASES = [
 ]
 
 
-def judged(instance: Instance) -> list[str]:
-    """The sentences of all that the reference does wrong there; raises AssertionError if it decides
-    nothing.
+ENGINES = [name for name in discovery.names("engines") if discovery.engine(name).missing() is None]
+
+
+def judged(instance: Instance, engine: Engine = REFERENCE) -> list[str]:
+    """The sentences of all that an engine does wrong there; raises AssertionError if the reference
+    decides nothing.
     """
     truth = in_process.truth_of(instance)
-    tasks = plan.tasks(SHORT, instance, (), REFERENCE, truth, truth.reason)
+    tasks = plan.tasks(SHORT, instance, (), engine, truth, truth.reason)
     records = [in_process.record_of(task) for task in tasks if task.unsupported is None]
     findings = [(record, finding) for record in records for finding in record.findings]
     wrong = [
         f"{record.id(finding)}: {finding.sentence}"
         for record, finding in findings
-        if finding.outcome in ("fail", "error")
+        if finding.outcome in ("fail", "error") and not is_known(engine, record, finding)
     ]
-    assert wrong or any(finding.outcome == "pass" for _, finding in findings), (
-        f"{instance.label}: nothing was decided"
-    )
+    is_decided = any(finding.outcome == "pass" for _, finding in findings)
+    assert wrong or is_decided or not engine.is_reference, f"{instance.label}: nothing was decided"
     return wrong
+
+
+def is_known(engine: Engine, record: Record, finding: Finding) -> bool:
+    """True if the engine is expected to fail in this quantity of the case at some parameters, or if
+    its limit there is known and has no row, because the settings of campaigns do not show it.
+    """
+    if (record.case, engine.name, record.method, finding.check) in KNOWN:
+        return True
+    return any(
+        msgspec.structs.replace(deviation, parameters="*").covers(record, finding)
+        for deviation in deviations.of_engine(engine)
+    )
 
 
 def drawn(parameter: Parameter, rng: np.random.Generator) -> str:
@@ -75,7 +107,7 @@ def drawn(parameter: Parameter, rng: np.random.Generator) -> str:
     numbers = np.array(
         [float(number) for number in np.atleast_1d(parameter.parsed(parameter.default))]
     )
-    factor = 2.0 ** rng.uniform(-0.5, 0.5, numbers.shape)
+    factor = SPREAD ** rng.uniform(-1.0, 1.0, numbers.shape)
     turned_on = np.where(
         rng.random(numbers.shape) < 0.25, rng.uniform(0.0, 0.5, numbers.shape), 0.0
     )
@@ -133,8 +165,10 @@ def rows() -> list[str]:
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("case", CASES)
-def test_the_reference_holds_a_case_at_a_setting_drawn_at_random(case: str, seed: int) -> None:
-    assert judged(drawn_instance(discovery.case(case), seed)) == []
+def test_every_engine_holds_a_case_at_a_setting_drawn_at_random(case: str, seed: int) -> None:
+    instance = drawn_instance(discovery.case(case), seed)
+    wrong = {name: judged(instance, discovery.engine(name)) for name in ENGINES}
+    assert wrong == {name: [] for name in ENGINES}
 
 
 @pytest.mark.parametrize("label", rows())
