@@ -294,9 +294,9 @@ def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
 def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     """Bound (until,) on the error of the run by what it shows itself, at every certified sample.
 
-    bound(t) = room max(error up to t) + floor resolution S(t): the largest error so far with a
-    factor of safety (`room_of`), plus the `resolution` of the run times a factor for its counting
-    (COUNTING_FLOOR) and the growth S(t) of errors made earlier (`SampledTruth.growth`).
+    bound(t) = room max(error up to t) + floor S(t): the largest error so far with a factor of
+    safety (`room_of`), plus the `floor` of the run times the growth S(t) of errors made earlier
+    (`SampledTruth.growth`).
     """
     level = subject.levels[-1]
     rounding: Array = subject.floor(level) * truth.growth()

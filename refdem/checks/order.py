@@ -211,8 +211,7 @@ class Order(Check):
             return []
         largest = [_largest(errors_at[h], common) for h in levels]
         all_resolved = all(
-            error > _floor(subject, h)
-            for h, error in zip(levels[-3:], largest[-3:], strict=True)
+            error > _floor(subject, h) for h, error in zip(levels[-3:], largest[-3:], strict=True)
         )
         if not all_resolved:
             return []
@@ -572,9 +571,7 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
         return [], 0
     allowed: dict[float, Array] = {h: subject.bound(h)[:common] for h in levels}
     counting = [
-        h
-        for h in levels
-        if scored_samples[h] >= common and allowed[h][-1] >= _floor(subject, h)
+        h for h in levels if scored_samples[h] >= common and allowed[h][-1] >= _floor(subject, h)
     ]
     return counting, common
 
