@@ -14,12 +14,21 @@ from refdem.core import discovery
 from refdem.pytest_plugin import campaign_records
 from refdem.report.margins import groups, margins_by_check
 
-GROUPS = groups(campaign_records("main"))
+RECORDS = campaign_records("main")
+GROUPS = groups(RECORDS)
 MOST = 1.5
 """Decades: the median margin of bounds above round-off is less."""
 NEARLY = 2.5
 """Decades: a reason is needed while a group that it is for is this far inside its bounds; on
 another processor it may be more.
+"""
+LOOSE_AT_ROUND_OFF = 3.5
+"""Decades: a group at round-off needs a reason from here on, half a decade later than others. What
+is measured there is the sum of a few roundings, which another processor makes in another order.
+"""
+NEARLY_AT_ROUND_OFF = 1.0
+"""Decades: the same for a reason of round-off. Seen for one group on two processors: 1.7 and more
+than 2.5.
 """
 
 TABLES = Path(__file__).with_name("margins")
@@ -50,10 +59,18 @@ LOOSE = rows_of("loose")
 
 
 def has_reason(group):
-    rows = LOOSE
+    """True if a row of either kind is for the group.
+
+    Which kind a group is of is decided by the finding that came nearest to its bound. Where a group
+    has bounds of both kinds, roundings decide which that is.
+    """
+    return any(_matches(group, row) for row in (*AT_ROUND_OFF, *LOOSE))
+
+
+def needs_reason(group):
     if group.is_at_round_off:
-        rows = AT_ROUND_OFF
-    return any(_matches(group, row) for row in rows)
+        return min(group.margins) >= LOOSE_AT_ROUND_OFF
+    return group.is_loose
 
 
 def _matches(group, row):
@@ -66,7 +83,8 @@ def _matches(group, row):
 
 
 def test_no_group_is_far_inside_its_bounds_without_a_reason():
-    assert [group.line for group in GROUPS if group.is_loose and not has_reason(group)] == []
+    without = [group for group in GROUPS if needs_reason(group) and not has_reason(group)]
+    assert [group.line for group in without] == []
 
 
 ROWS = [(row, True) for row in AT_ROUND_OFF] + [(row, False) for row in LOOSE]
@@ -78,10 +96,11 @@ ROWS = [(row, True) for row in AT_ROUND_OFF] + [(row, False) for row in LOOSE]
     ids=lambda value: "/".join(value[:3]) if isinstance(value, tuple) else "",
 )
 def test_a_reason_belongs_to_a_group_that_needs_it(row, at_round_off):
-    ours = [
-        group for group in GROUPS if _matches(group, row) and group.is_at_round_off == at_round_off
-    ]
-    assert max((min(group.margins) for group in ours), default=0.0) > NEARLY
+    needed = NEARLY
+    if at_round_off:
+        needed = NEARLY_AT_ROUND_OFF
+    ours = [group for group in GROUPS if _matches(group, row)]
+    assert max((min(group.margins) for group in ours), default=0.0) > needed
 
 
 @pytest.mark.parametrize("row", [*AT_ROUND_OFF, *LOOSE], ids=lambda row: "/".join(row[:3]))
@@ -94,10 +113,16 @@ def test_a_reason_is_for_groups_of_one_case(row):
     assert case in discovery.names("cases")
 
 
+def makes_steps(record):
+    """False for an exact method: its bounds are round-off, however much a motion enlarges it."""
+    return discovery.engine(record.engine).method(record.method).control != "exact"
+
+
 def test_bounds_above_round_off_are_near_what_is_measured():
+    of_steps = groups(record for record in RECORDS if makes_steps(record))
     margins = [
         margin
-        for margins in margins_by_check(GROUPS, at_round_off=False).values()
+        for margins in margins_by_check(of_steps, at_round_off=False).values()
         for margin in margins
     ]
     assert median(margins) < MOST
