@@ -187,6 +187,18 @@ def test_a_symplectic_method_keeps_the_mean_energy_of_quarters():
     assert "drift" not in judged(of, run, method())
 
 
+def test_the_energy_of_a_fall_without_end_drifts_with_the_velocity():
+    of = instance([POINT], (UniformGravity(g=(0, -1, 0)),), times=tuple(float(t) for t in range(9)))
+    run = standing(of, velocity=[[[0, v, 0]] for v in (8, 4, 0, -4, -8, -12, -16, -20, -24)])
+    claims = method(symplectic=True, constant=3.0)
+    found = judged(of, run, claims)["drift"]
+    # The fall ends at 24 m/s, three times the scale of 8 m/s.
+    truncation = 2 * 3 * (1 / 16) ** 2
+    assert found.bound == near(3 * truncation, rel=1e-9)
+    slow = standing(of, velocity=[[[0, 2, 0]]] * 9)
+    assert judged(of, slow, claims)["drift"].bound == near(truncation, rel=1e-9)
+
+
 def test_rods_of_methods_with_a_tolerance_stretch_by_rounding_in_time():
     of = instance([POINT], (Rod(a=0, b=-1, length=3.0),))
     claims = method("tolerance")
