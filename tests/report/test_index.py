@@ -48,7 +48,8 @@ def test_the_index_is_small_and_its_parts_have_the_rest(outcome):
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
     templates = html.environment()
     shared = html.shared_by_all(contents)
-    made = dict(index.files(contents, rows, "{}", templates, shared))
+    beside = {"has_gallery": False, "has_site": False}
+    made = dict(index.files(contents, rows, "{}", templates, shared | beside))
     assert len(made["index.html"].encode()) <= MOST
     assert {name.removeprefix("assets/index-").removesuffix(".js") for name in made} == {
         "digits",
