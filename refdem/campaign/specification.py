@@ -23,7 +23,7 @@ MOST_LEVELS = 10
 """Refinement levels at most: a step a thousandth of the first."""
 
 
-class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One case at one set of parameters, each as text.
 
     `levels` overrules the levels of its campaign for this case: more where an order shows late,
@@ -32,11 +32,11 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
 
     id: str
     set: dict[str, str] = {}
-    levels: int | None = None
+    levels: int | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         """Refuses a number of levels without sense."""
-        if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
+        if self.levels is not msgspec.UNSET and not 1 <= self.levels <= MOST_LEVELS:
             given = one_line(str(self.levels), 40)
             raise OutOfRangeError(
                 f"levels of {self.id} is {given}; expected a whole number from 1 to {MOST_LEVELS}"
@@ -124,7 +124,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         """
         case = instance.case
         for entry in self.case:
-            if entry.levels is None or entry.id != case.id:
+            if entry.levels is msgspec.UNSET or entry.id != case.id:
                 continue
             if case.at(**entry.set).label == instance.label:
                 return entry.levels
