@@ -1,6 +1,7 @@
 """Rows of a campaign with levels of their own, rows that ask the same twice, what is refused."""
 
 import pytest
+from msgspec import UNSET
 
 from refdem.campaign import plan
 from refdem.campaign.specification import Entry, Specification, named
@@ -87,8 +88,8 @@ def test_levels_hold_however_the_parameters_are_written():
     [
         ("levels = 0", "levels of pendulum is 0; expected a whole number from 1 to 10"),
         ("levels = 11", "levels of pendulum is 11; expected a whole number from 1 to 10"),
-        ("levels = 2.5", "Expected `int | null`, got `float`"),
-        ('levels = "4"', "Expected `int | null`, got `str`"),
+        ("levels = 2.5", "Expected `int`, got `float`"),
+        ('levels = "4"', "Expected `int`, got `str`"),
         ("level = 4", "unknown field `level`"),
     ],
 )
@@ -108,5 +109,5 @@ def test_campaign_full_refines_breaks_further_than_the_rest():
     full = named("full")
     levels = {entry.levels for entry in full.case if entry.id == "billiard-break"}
     assert levels == {9}
-    assert {entry.levels for entry in full.case if entry.id != "billiard-break"} == {None}
-    assert {entry.levels for entry in named("main").case} == {None}
+    assert {entry.levels for entry in full.case if entry.id != "billiard-break"} == {UNSET}
+    assert {entry.levels for entry in named("main").case} == {UNSET}
