@@ -78,6 +78,7 @@ ERRORS = {
     "forks": "left 3 of its processes running",
     "breeds": r"left \d+ of its processes running",
     "becomes-a-daemon": "left 1 of its processes running",
+    "hands-itself-on": r"left \d+ of its processes running",
     "leaves-one-that-writes": "left 1 of its processes running",
 }
 """One error each."""

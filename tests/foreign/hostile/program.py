@@ -673,6 +673,16 @@ def breeds(*_):
 
 
 @after
+def hands_itself_on(*_):
+    """Each process starts the next and ends: none is there for long."""
+    if os.fork() == 0:
+        until = time.monotonic() + 60
+        while time.monotonic() < until and os.fork() == 0:
+            os.setsid()
+        os._exit(0)
+
+
+@after
 def becomes_a_daemon(*_):
     if os.fork() == 0:
         os.setsid()
