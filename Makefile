@@ -152,7 +152,7 @@ clean:
 	touch $@
 
 .venv/for-tests: .venv/for-runs
-	$(BIN)/python ci/dependencies.py --locked test bench >.venv/wanted.txt
+	$(BIN)/python ci/dependencies.py --locked test bench distributed >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 

@@ -40,6 +40,10 @@ class StoreError(RefdemError):
     """The store or an output folder cannot be read or written."""
 
 
+class ClusterError(RefdemError):
+    """A cluster does not answer, or its workers are not fit to run what is asked."""
+
+
 class EngineError(RefdemError):
     """An engine crashed, hung or broke the contract of its adapter."""
 

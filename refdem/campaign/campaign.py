@@ -8,10 +8,11 @@ import time
 from dataclasses import dataclass
 
 import refdem
-from refdem.campaign import plan, required, runs, sheets, unchanged
+from refdem.campaign import plan, remote, required, runs, sheets, unchanged
+from refdem.campaign.cluster import Cluster
 from refdem.campaign.records import records
 from refdem.campaign.runs import Hangs, Runner
-from refdem.campaign.schedule import InProcess, Progress, Schedule
+from refdem.campaign.schedule import InProcess, Progress, Schedule, Scheduler
 from refdem.campaign.specification import Specification
 from refdem.campaign.truths import is_lasting, sampled_truths
 from refdem.core.engine import Engine
@@ -25,7 +26,8 @@ from refdem.errors import UsageError
 class Campaign:
     """One campaign, in `jobs` worker processes, or in this one if that is 0.
 
-    `use_store` False runs everything anew (truth is proved once all the same).
+    `use_store` False runs everything anew (truth is proved once all the same). `scheduler`, if any,
+    is the address of a Dask scheduler, whose workers make the runs; truths are proved here.
     """
 
     specification: Specification
@@ -33,6 +35,7 @@ class Campaign:
     jobs: int = 2
     use_store: bool = True
     progress: Progress = lambda stage, done, total: None
+    scheduler: str = ""
 
     def sheets(self) -> list[Sheet]:
         """All sheets of the campaign.
@@ -72,7 +75,7 @@ class Campaign:
         }
         rows = plan.rows(self.specification, engines)
         judged = {row.instance.label for row in rows if row.is_judged}
-        with self._schedule() as schedule:
+        with self._schedule(engines) as schedule:
             truths = sampled_truths(
                 schedule,
                 self.store,
@@ -104,11 +107,15 @@ class Campaign:
             is_lasting=runs_of_tasks.is_lasting and all(map(is_lasting, truths)),
         )
 
-    def _schedule(self) -> Schedule | InProcess:
-        """The schedule of proofs and runs: worker processes, or this process."""
-        if self.jobs:
-            return Schedule(self.jobs, self.specification.timeout)
-        return InProcess()
+    def _schedule(self, engines: list[Engine]) -> Scheduler:
+        """The schedule of proofs and runs: a cluster, worker processes, or this process."""
+        if not self.jobs:
+            return InProcess()
+        timeout = self.specification.timeout
+        here = Schedule(self.jobs, timeout)
+        if self.scheduler:
+            return Cluster(self.scheduler, remote.code_state(engines), timeout, here)
+        return here
 
     def _campaign_sheet(self, start: float, ended: "Ended") -> CampaignSheet:
         """The sheet of the campaign itself, which began at `start` [s] of the clock."""

@@ -12,7 +12,7 @@ import msgspec
 
 from refdem.campaign import plan, worker
 from refdem.campaign.plan import Task
-from refdem.campaign.schedule import InProcess, Job, Progress, Schedule, counted
+from refdem.campaign.schedule import Job, Progress, Scheduler, counted
 from refdem.core.answer_csv import most_rows
 from refdem.core.engine import ProgramEngine
 from refdem.core.problem import Request
@@ -123,7 +123,7 @@ class Runner:
     clock after which nothing more is run in an engine.
     """
 
-    schedule: Schedule | InProcess
+    schedule: Scheduler
     store: Store
     use_store: bool
     timeout: float

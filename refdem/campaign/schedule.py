@@ -18,7 +18,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from refdem.core.engine import Stages, Waiting
 from refdem.core.outside import one_line
@@ -79,6 +79,18 @@ class Job:
     rows: int = 0
     given_up: Callable[[], Failure | None] = lambda: None
     """Asked just before it begins: why it is not run any more, or None."""
+
+
+class Scheduler(Protocol):
+    """Whatever makes jobs: this process, processes of this machine, or a cluster."""
+
+    def __enter__(self) -> Any: ...
+
+    def __exit__(self, *error: object) -> None: ...
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job once with its bytes or its Failure, in the order in which they end."""
+        ...
 
 
 class InProcess:

@@ -14,7 +14,7 @@ import msgspec
 
 from refdem.campaign import worker
 from refdem.campaign.kept_truth import kept_truth
-from refdem.campaign.schedule import InProcess, Job, Progress, Schedule, counted
+from refdem.campaign.schedule import Job, Progress, Scheduler, counted
 from refdem.core import discovery, fingerprint
 from refdem.core.case import Instance
 from refdem.core.run import Failure
@@ -40,7 +40,7 @@ def is_lasting(truth: SampledTruth) -> bool:
 
 
 def sampled_truths(
-    schedule: Schedule | InProcess,
+    schedule: Scheduler,
     store: Store,
     instances: Sequence[Asked],
     progress: Progress,
@@ -117,7 +117,7 @@ def _job(
 
 
 def _partial_truths(
-    schedule: Schedule | InProcess,
+    schedule: Scheduler,
     missing: Mapping[str, Asked],
     certified: Mapping[str, int],
     truths: Mapping[str, SampledTruth],

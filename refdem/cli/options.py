@@ -17,3 +17,13 @@ Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases
 Jobs = Annotated[
     int | None, typer.Option(help="Number of worker processes; default: one per core.")
 ]
+Scheduler = Annotated[
+    str,
+    typer.Option(
+        metavar="ADDRESS",
+        help=(
+            "Make the runs in the workers of the Dask scheduler at this address, as"
+            " tcp://HOST:PORT. --jobs is then the number of processes that prove truths here."
+        ),
+    ),
+]

@@ -54,6 +54,7 @@ def command(
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     jobs: options.Jobs = None,
+    scheduler: options.Scheduler = "",
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print the outcome as JSON in place of the summary.")
@@ -91,7 +92,8 @@ def command(
     store = Store(default_path())
     if bless:
         specification = msgspec.structs.replace(specification, required="")
-    sheets = Campaign(specification, store, count, not no_cache, Progress()).sheets()
+    progress = Progress()
+    sheets = Campaign(specification, store, count, not no_cache, progress, scheduler).sheets()
     write_report(out, sheets, store)
     changes = []
     if bless:

@@ -19,6 +19,7 @@ HEAVY = (
     "typer",
     "rich",
     "pebble",
+    "distributed",
 )
 
 
