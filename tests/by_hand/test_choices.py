@@ -108,6 +108,7 @@ def test_one_collision_is_two_bodies_with_a_smooth_contact_and_nothing_else(
         ({"velocity_time": "minus-half-step"}, LEVELS, "lag"),
         ({"control": "tolerance"}, LEVELS, "not a fixed step"),
         ({}, LEVELS[:2], "three steps"),
+        ({}, LEVELS[:1], "three steps"),
     ],
 )
 def test_a_limit_is_drawn_from_three_steps_with_velocities_of_their_samples(claims, levels, word):

@@ -269,8 +269,8 @@ def test_a_run_of_too_many_impacts_says_which_sample_it_did_not_reach():
         clock=(),
         outputs=(np.empty(1), np.empty((1, 3)), np.zeros(4), *rows),
     )
-    with pytest.raises(EngineError, match=r"impacts did not lead to t = 2 s"):
-        solver.finish(request, call, -2)
+    with pytest.raises(EngineError, match=r"impacts did not lead to t = 1 s"):
+        solver.finish(request, call, -1)
     with pytest.raises(EngineError, match=r"between t = 1 s and 2 s spheres come to rest"):
         solver.finish(request, call, -6)
 
