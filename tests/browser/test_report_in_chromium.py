@@ -249,6 +249,70 @@ def test_words_leave_the_rows_that_have_them_and_say_how_many(browser, folder):
         assert page.locator("#digits-rows tbody tr:visible").count() == 1
 
 
+def column(page, table, number):
+    """The texts of a column in the rows that are seen, without the names of groups."""
+    cells = page.locator(f"{table} tbody tr:not(.group):visible > :nth-child({number})")
+    return [text.strip() for text in cells.all_inner_texts()]
+
+
+def test_a_click_on_a_header_sorts_numbers_as_numbers_and_a_third_one_ends_it(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        table = "table.tolerance"
+        header = page.locator(f"{table} thead th").nth(3)
+        button = header.get_by_role("button")
+        before = column(page, table, 4)
+        button.focus()
+        page.keyboard.press("Enter")
+        assert header.get_attribute("aria-sort") == "ascending"
+        held = column(page, table, 4)
+        numbers = [float(text) for text in held if text != "none"]
+        assert len(numbers) > 3
+        assert numbers == sorted(numbers)
+        # As words, "0.8" would come before "2e-8".
+        assert held[: len(numbers)] != sorted(held[: len(numbers)])
+        assert sorted(held) == sorted(before)
+        page.keyboard.press("Space")
+        assert header.get_attribute("aria-sort") == "descending"
+        falling = column(page, table, 4)
+        assert [float(text) for text in falling if text != "none"] == numbers[::-1]
+        # What is absent comes last in both directions.
+        absent = len(held) - len(numbers)
+        assert held[len(numbers) :] == falling[len(numbers) :] == ["none"] * absent
+        button.click()
+        assert header.get_attribute("aria-sort") is None
+        assert column(page, table, 4) == before
+        # A header that is clicked later takes the mark from the first one.
+        button.click()
+        page.locator(f"{table} thead th").first.get_by_role("button").click()
+        assert page.locator(f"{table} [aria-sort]").count() == 1
+        assert column(page, table, 1) == sorted(column(page, table, 1))
+
+
+def test_groups_stay_together_and_follow_their_first_row(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        groups = page.locator("#tolerance-rows tbody")
+        before = groups.all_inner_texts()
+        page.get_by_label("Show only rows with").fill("reference")
+        page.locator("#tolerance-rows thead button").nth(3).click()
+        firsts = [
+            group.locator("tr.joined:visible td").nth(3).inner_text()
+            for group in groups.all()
+            if group.is_visible()
+        ]
+        assert [float(text) for text in firsts] == sorted(map(float, firsts))
+        for group in groups.all():
+            assert group.locator("tr").first.get_attribute("class") == "group"
+        for _ in range(2):
+            page.locator("#tolerance-rows thead button").nth(3).click()
+        page.get_by_label("Show only rows with").fill("")
+        assert groups.all_inner_texts() == before
+        # A header that has a link keeps it, and gets a button beside it.
+        engine = page.locator("#digits-rows thead th").nth(1)
+        engine.get_by_role("button", name="Sort by").click()
+        assert engine.get_attribute("aria-sort") == "ascending"
+        assert engine.locator("a").count() == 1
+
+
 def test_a_part_that_is_missing_is_said_to_be(browser, folder):
     page = browser.new_page()
     page.set_default_timeout(PATIENCE)
