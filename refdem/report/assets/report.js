@@ -12,7 +12,7 @@
     if (!scripts.has(name)) {
       scripts.set(name, new Promise(function (done, failed) {
         const element = document.createElement("script");
-        element.src = assets + name;
+        element.src = assets + encodeURIComponent(name);
         element.onload = done;
         element.onerror = function () { failed(new Error("assets/" + name + " is missing")); };
         document.head.append(element);
@@ -176,6 +176,16 @@
     else told.textContent = left === 1 ? "1 row" : left + " rows";
   }
 
+  // A replay arrives when its reader opens it: the script that plays it first. The event does not rise, so it is caught on its way down.
+  document.addEventListener("toggle", function (event) {
+    const place = event.target;
+    if (!place.matches("details[data-replay]") || !place.open || place.dataset.asked) return;
+    place.dataset.asked = "yes";
+    script("replay.js").then(function () { return script("replay-" + place.dataset.replay + ".js"); }).catch(function (error) {
+      place.querySelector(".waiting").textContent = "The replay could not be loaded: " + error.message;
+      console.error(error);
+    });
+  }, true);
   document.addEventListener("click", function (event) {
     const button = event.target.closest("button.sort");
     if (button) sort(button.closest("th"));
