@@ -2,12 +2,16 @@
 cases and codes, with digits and the time to accuracy, and the deviations with their scripts.
 
 usage: ci/field.py [--no-install] [NAME...]; without names all folders of validation/codes that have
-requirements of their own. A code whose packages cannot be installed is told of, and the others run.
+requirements of their own, of Python (requirements.in) or of Node.js (package.json). A code whose
+packages cannot be installed is told of, and the others run.
 """
 
 import argparse
 import math
 import os
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -31,16 +35,25 @@ TOLD: dict[Outcome, str] = {"expected": "deviations", "fail": "failed", "error":
 """Outcomes of findings that a cell counts, and the words for them."""
 
 
+LOCKS = {"requirements.in": "requirements.txt", "package.json": "package-lock.json"}
+"""What a code asks for, of Python or of Node.js, and the lock that pins it with digests."""
+
+
 def known() -> list[str]:
     """The codes that have an environment of their own."""
-    return sorted(path.parent.name for path in CODES.glob("*/requirements.in"))
+    return sorted(path.parent.name for asked in LOCKS for path in CODES.glob(f"*/{asked}"))
+
+
+def lock_of(name: str) -> Path:
+    """The lock of a code: every package that is installed, with its version and digest."""
+    folder = CODES / name
+    return next(folder / lock for asked, lock in LOCKS.items() if (folder / asked).is_file())
 
 
 def is_installed(name: str) -> bool:
     """True if the environment of a code was made of the requirements that are there now."""
     stamp = ENVIRONMENTS / name / "made"
-    wanted = (CODES / name / "requirements.txt").read_text()
-    return stamp.is_file() and stamp.read_text() == wanted
+    return stamp.is_file() and stamp.read_text() == lock_of(name).read_text()
 
 
 def install(name: str) -> bool:
@@ -48,16 +61,45 @@ def install(name: str) -> bool:
     fails.
     """
     home = ENVIRONMENTS / name
-    lock = CODES / name / "requirements.txt"
+    lock = lock_of(name)
+    installed = {"requirements.txt": installed_by_pip, "package-lock.json": installed_by_npm}
+    if not installed[lock.name](home, lock):
+        return False
+    (home / "made").write_text(lock.read_text())
+    return True
+
+
+def installed_by_pip(home: Path, lock: Path) -> bool:
+    """Whether a virtual environment with the packages of a lock could be made."""
     pip = [str(home / "bin" / "pip"), "install", "--require-hashes", "--only-binary", ":all:"]
     commands = [
         [sys.executable, "-m", "venv", "--clear", str(home)],
         [*pip, "--disable-pip-version-check", "--quiet", "--requirement", str(lock)],
     ]
-    for command in commands:
-        if subprocess.run(command, check=False).returncode != 0:
-            return False
-    (home / "made").write_text(lock.read_text())
+    return all(subprocess.run(command, check=False).returncode == 0 for command in commands)
+
+
+def installed_by_npm(home: Path, lock: Path) -> bool:
+    """Whether the packages of a lock could be put beside a `bin/node` that finds them.
+
+    `npm ci` takes no file whose digest differs from that of the lock; no script of a package runs.
+    """
+    node = shutil.which("node")
+    npm = shutil.which("npm")
+    if node is None or npm is None:
+        print(f"{home.name}: node and npm are not on PATH; install Node.js", file=sys.stderr)
+        return False
+    shutil.rmtree(home, ignore_errors=True)
+    (home / "bin").mkdir(parents=True)
+    shutil.copy(lock, home)
+    shutil.copy(lock.with_name("package.json"), home)
+    command = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"]
+    if subprocess.run(command, check=False, cwd=home).returncode != 0:
+        return False
+    started = home / "bin" / "node"
+    modules = shlex.quote(str(home / "node_modules"))
+    started.write_text(f'#!/bin/sh\nNODE_PATH={modules} exec {shlex.quote(node)} "$@"\n')
+    started.chmod(0o755)
     return True
 
 
@@ -123,11 +165,18 @@ def deviations(name: str) -> list[str]:
         f"- {deviation.case}, {deviation.check}/{deviation.quantity}: {deviation.reason}"
         for deviation in expected
     ]
-    for script in sorted((folder / "deviations").glob("*.py")):
-        title = script.read_text().split('"""')[1].strip().splitlines()[0]
+    for script in sorted((folder / "deviations").glob("*.*")):
         path = os.path.relpath(script, OUT)
-        lines.append(f"- [{script.name}]({path}): {title}")
+        lines.append(f"- [{script.name}]({path}): {title_of(script)}")
     return lines
+
+
+def title_of(script: Path) -> str:
+    """The first line of what a script, in Python or in JavaScript, says of itself."""
+    said = re.match(r'("""|// )(.+)', script.read_text())
+    if said is None:
+        raise ValueError(f"{script} has no title: expected a docstring or a comment at its start")
+    return said[2].removesuffix('"""')
 
 
 def page(found: dict[str, list[Record]], statuses: dict[str, str]) -> str:

@@ -11,6 +11,7 @@ import refdem
 from refdem.campaign import plan, remote, required, runs, sheets, unchanged
 from refdem.campaign.cluster import Cluster
 from refdem.campaign.records import records
+from refdem.campaign.replays import replays
 from refdem.campaign.runs import Hangs, Runner
 from refdem.campaign.schedule import InProcess, Progress, Schedule, Scheduler
 from refdem.campaign.specification import Specification
@@ -101,7 +102,12 @@ class Campaign:
         for row, truth in zip(rows, truths, strict=True):
             cases[row.instance.label] = sheets.case_sheet(row.instance, truth)
         return Ended(
-            sheets=[*map(sheets.engine_sheet, engines), *cases.values(), *judged_records],
+            sheets=[
+                *map(sheets.engine_sheet, engines),
+                *cases.values(),
+                *judged_records,
+                *replays(tasks, runs_of_tasks, judged_records),
+            ],
             made=runs_of_tasks.made,
             read=runs_of_tasks.read,
             is_lasting=runs_of_tasks.is_lasting and all(map(is_lasting, truths)),

@@ -9,6 +9,8 @@ from typing import Literal
 
 import msgspec
 
+from refdem.core.replay import Replay
+
 Outcome = Literal[
     "pass",
     "fail",
@@ -174,7 +176,7 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
     seconds: float
 
 
-Sheet = Record | CaseSheet | EngineSheet | CampaignSheet
+Sheet = Record | CaseSheet | EngineSheet | CampaignSheet | Replay
 
 
 def findings_of(sheets: Iterable[Sheet]) -> Iterator[tuple[Record, Finding]]:

@@ -4,7 +4,7 @@ import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from refdem.core.finding import (
@@ -19,6 +19,7 @@ from refdem.core.finding import (
     Record,
     Sheet,
 )
+from refdem.core.replay import Replay
 from refdem.report.jsonl import finite
 
 
@@ -30,6 +31,7 @@ class Contents:
     cases: tuple[CaseSheet, ...]
     engines: tuple[EngineSheet, ...]
     records: tuple[Record, ...]
+    replays: dict[str, Replay] = field(default_factory=dict)
 
     def of(self, label: str) -> list[Record]:
         """The records of one instance, in the order of the report."""
@@ -67,6 +69,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
     cases: dict[str, CaseSheet] = {}
     engines: dict[str, EngineSheet] = {}
     records = []
+    replays: dict[str, Replay] = {}
     for sheet in map(finite, sheets):
         match sheet:
             case CaseSheet():
@@ -77,6 +80,8 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
                 campaign = sheet
             case Record():
                 records.append(sheet)
+            case Replay():
+                replays[sheet.label] = sheet
     for record in records:
         cases.setdefault(record.label, _bare_case(record))
         engines.setdefault(record.engine, _bare_engine(record))
@@ -85,6 +90,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
         cases=tuple(cases[label] for label in sorted(cases)),
         engines=tuple(sorted(engines.values(), key=_engine_order)),
         records=tuple(sorted(records, key=_record_order)),
+        replays=replays,
     )
 
 

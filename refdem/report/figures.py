@@ -42,8 +42,8 @@ report.js.
 
 
 def equip(folder: Path, store: Store | None) -> None:
-    """Writes what pages with charts need into folder/assets: the style and both scripts."""
-    for name in ("report.css", "report.js"):
+    """Writes what pages with charts need into folder/assets: the style and the scripts."""
+    for name in ("report.css", "report.js", "replay.js"):
         written(folder / "assets" / name, (ASSETS / name).read_bytes())
     written(folder / "assets" / "vega.js", script(store))
 

@@ -5,7 +5,6 @@ A part is a script beside the page, as a page that is opened from disk may load 
 hands over its HTML as one string, made by the same templates, with the same escapes, as pages are.
 """
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,6 +14,7 @@ from markupsafe import Markup
 from refdem.core.finding import BROKEN, WORST_FIRST, Finding, Outcome, Record
 from refdem.report.contents import Contents, advice
 from refdem.report.overview import WANTED, case_lines
+from refdem.report.replays import handed_over
 from refdem.report.tolerance import Row, cell
 
 Reasons = dict[str, list[tuple[Record, Finding]]]
@@ -80,14 +80,8 @@ def is_part(name: str) -> bool:
 
 
 def _part(name: str, html: str) -> tuple[str, str]:
-    """(file name, text) of the script that hands a part over to report.js.
-
-    Nothing in the string can end it, or a script element that it may once stand in.
-    """
-    text = json.dumps(html, ensure_ascii=False)
-    for character in ("</", "<!--", "\u2028", "\u2029"):
-        text = text.replace(character, f"\\u{ord(character[0]):04x}{character[1:]}")
-    return f"assets/index-{name}.js", f'refdemPart("{name}", {text});\n'
+    """(file name, text) of the script that hands a part over to report.js."""
+    return f"assets/index-{name}.js", handed_over("refdemPart", name, html)
 
 
 def grouped(contents: Contents) -> dict[Outcome, Reasons]:

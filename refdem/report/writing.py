@@ -7,7 +7,7 @@ from pathlib import Path
 from refdem.core.finding import CaseSheet, Record, Sheet
 from refdem.core.store import Store
 from refdem.errors import RefdemError
-from refdem.report import chart_data, figures, html, index, markdown, tables
+from refdem.report import chart_data, figures, html, index, markdown, replays, tables
 from refdem.report.contents import Contents, contents_of, page
 from refdem.report.files import removed, written
 from refdem.report.jsonl import RECORDS, lines, sheets_in
@@ -35,11 +35,15 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     has_gallery = (folder / "gallery" / "gallery.html").exists()
     has_site = (folder / "site" / "index.html").exists()
     names = set()
+    for name, text in replays.files(contents):
+        written(folder / name, text)
+        names.add(name)
     for name, text in html.pages(contents, rows, specs, has_gallery=has_gallery, has_site=has_site):
         written(folder / name, text)
         names.add(name)
     for path in (folder / "assets").iterdir():
-        if index.is_part(path.name) and f"assets/{path.name}" not in names:
+        is_ours = index.is_part(path.name) or replays.is_replay(path.name)
+        if is_ours and f"assets/{path.name}" not in names:
             removed(path)
 
 

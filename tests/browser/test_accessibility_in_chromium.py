@@ -70,6 +70,9 @@ def test_no_rule_is_broken(browser, pages, rules, kind, scheme):
     read_through(shown)
     # What is folded away is read too.
     shown.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
+    for replay in shown.locator("details[data-replay]").all():
+        shown.wait_for_selector("details[data-replay][data-loaded]")
+        assert replay.locator("canvas").is_visible()
     shown.evaluate(rules)
     for width in WIDTHS:
         shown.set_viewport_size({"width": width, "height": 900})

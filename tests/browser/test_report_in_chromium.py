@@ -249,6 +249,191 @@ def test_words_leave_the_rows_that_have_them_and_say_how_many(browser, folder):
         assert page.locator("#digits-rows tbody tr:visible").count() == 1
 
 
+def opened_replay(page):
+    """The replay of a page, opened by its reader."""
+    replay = page.locator("details.replay")
+    replay.locator("summary").click()
+    page.wait_for_selector("details.replay[data-loaded]")
+    return replay
+
+
+def ink(canvas):
+    """The pixels of a canvas, as one text."""
+    return canvas.evaluate("canvas => canvas.toDataURL()")
+
+
+def test_a_replay_comes_when_it_is_opened_and_stands_still_until_play_is_pressed(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        loaded = "[...document.scripts].filter(x => x.src.includes('replay')).length"
+        assert page.evaluate(loaded) == 0
+        replay = opened_replay(page)
+        assert page.evaluate(loaded) == 2
+        assert "frame 1 of 9" in replay.locator(".now").inner_text()
+        canvas = replay.locator("canvas")
+        before = ink(canvas)
+        # Longer than a frame takes: nothing moves by itself.
+        page.wait_for_timeout(300)
+        assert ink(canvas) == before
+        replay.get_by_role("button", name="Play").click()
+        page.wait_for_function(
+            "document.querySelector('.replay .now').innerText.includes('frame 9 of 9')"
+        )
+        assert ink(canvas) != before
+        assert replay.get_by_role("button", name="Play").is_visible()
+
+
+def test_a_replay_is_stepped_and_searched_by_keys_and_tells_what_is_seen(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        replay = opened_replay(page)
+        now = replay.locator(".now")
+        onward = replay.get_by_role("button", name="Step on")
+        onward.focus()
+        page.keyboard.press("Enter")
+        page.keyboard.press("Space")
+        # Errors grow evenly to 1e-4 m at frame 9.
+        assert "t = 1 s, frame 3 of 9. Distance from truth 2.5e-5 m" in now.inner_text()
+        assert "largest 1e-4 m" in now.inner_text()
+        assert "Body 1 has just met something" in now.inner_text()
+        assert "Body 1 touches the plane" in now.inner_text()
+        assert "frame 3 of 9" in replay.locator("canvas").get_attribute("aria-label")
+        replay.get_by_role("button", name="Step back").click()
+        assert "frame 2 of 9" in now.inner_text()
+        slider = replay.get_by_label("Time")
+        slider.focus()
+        page.keyboard.press("End")
+        assert "frame 9 of 9" in now.inner_text()
+        assert slider.get_attribute("aria-valuetext") == "t = 4 s"
+        page.keyboard.press("Home")
+        assert "frame 1 of 9" in now.inner_text()
+
+
+def test_a_replay_says_by_how_much_errors_are_enlarged_and_of_which_method(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        replay = opened_replay(page)
+        # The tip of the upper spoke is 1e-3 rad * 0.5 m + 1e-4 m too far left. A fifth of 4.3 m,
+        # from the left end of the box to the right end of the ball, is 1433 times that.
+        assert "enlarged by a factor of 1000." in replay.inner_text()
+        assert "Certified values of x, alpha are drawn" in replay.inner_text()
+        before = ink(replay.locator("canvas"))
+        replay.get_by_label("Method").select_option("reference exact")
+        assert "reference exact" in replay.locator("canvas").get_attribute("aria-label")
+        assert ink(replay.locator("canvas")) != before
+
+
+def test_a_replay_takes_the_colours_of_the_page_and_its_width(browser, folder):
+    seen = set()
+    for scheme in SCHEMES:
+        with opened(browser, folder / "cases/pendulum.html", scheme=scheme, width=390) as page:
+            replay = opened_replay(page)
+            seen.add(ink(replay.locator("canvas")))
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert len(seen) == 2
+
+
+def test_a_reader_who_asks_for_less_motion_gets_a_frame_a_second(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        page.emulate_media(reduced_motion="reduce")
+        page.clock.install()
+        replay = opened_replay(page)
+        assert "a frame a second" in replay.inner_text()
+        replay.get_by_role("button", name="Play").click()
+        page.clock.run_for(2500)
+        now = replay.locator(".now")
+        assert "frame 4 of 9" in now.inner_text()
+        replay.get_by_role("button", name="Pause").click()
+        page.clock.run_for(5000)
+        assert "frame 4 of 9" in now.inner_text()
+
+
+def test_a_replay_with_names_from_a_stranger_shows_them_as_text(browser, folder):
+    (path,) = [p for p in pages(folder) if "script" in p.name]
+    with opened(browser, path) as page:
+        replay = opened_replay(page)
+        assert replay.locator("script, img").count() == 0
+        assert "<script>alert(1)</script>" in replay.locator("select").first.inner_text()
+
+
+def test_a_replay_that_is_missing_or_broken_is_said_to_be(browser, folder):
+    def missing(route):
+        route.abort()
+
+    def broken(route):
+        route.fulfill(body='refdemReplay("pendulum", {});', content_type="text/javascript")
+
+    for answer, words in ((missing, "could not be loaded"), (broken, "cannot be drawn")):
+        page = browser.new_page()
+        page.set_default_timeout(PATIENCE)
+        page.route("**/assets/replay-pendulum.js", answer)
+        page.goto((folder / "cases/pendulum.html").as_uri())
+        page.locator("details.replay summary").click()
+        page.get_by_text(words).wait_for()
+        page.close()
+
+
+def column(page, table, number):
+    """The texts of a column in the rows that are seen, without the names of groups."""
+    cells = page.locator(f"{table} tbody tr:not(.group):visible > :nth-child({number})")
+    return [text.strip() for text in cells.all_inner_texts()]
+
+
+def test_a_click_on_a_header_sorts_numbers_as_numbers_and_a_third_one_ends_it(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        table = "table.tolerance"
+        header = page.locator(f"{table} thead th").nth(3)
+        button = header.get_by_role("button")
+        before = column(page, table, 4)
+        button.focus()
+        page.keyboard.press("Enter")
+        assert header.get_attribute("aria-sort") == "ascending"
+        held = column(page, table, 4)
+        numbers = [float(text) for text in held if text != "none"]
+        assert len(numbers) > 3
+        assert numbers == sorted(numbers)
+        # As words, "0.8" would come before "2e-8".
+        assert held[: len(numbers)] != sorted(held[: len(numbers)])
+        assert sorted(held) == sorted(before)
+        page.keyboard.press("Space")
+        assert header.get_attribute("aria-sort") == "descending"
+        falling = column(page, table, 4)
+        assert [float(text) for text in falling if text != "none"] == numbers[::-1]
+        # What is absent comes last in both directions.
+        absent = len(held) - len(numbers)
+        assert held[len(numbers) :] == falling[len(numbers) :] == ["none"] * absent
+        button.click()
+        assert header.get_attribute("aria-sort") is None
+        assert column(page, table, 4) == before
+        # A header that is clicked later takes the mark from the first one.
+        button.click()
+        page.locator(f"{table} thead th").first.get_by_role("button").click()
+        assert page.locator(f"{table} [aria-sort]").count() == 1
+        assert column(page, table, 1) == sorted(column(page, table, 1))
+
+
+def test_groups_stay_together_and_follow_their_first_row(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        groups = page.locator("#tolerance-rows tbody")
+        before = groups.all_inner_texts()
+        page.get_by_label("Show only rows with").fill("reference")
+        page.locator("#tolerance-rows thead button").nth(3).click()
+        firsts = [
+            group.locator("tr.joined:visible td").nth(3).inner_text()
+            for group in groups.all()
+            if group.is_visible()
+        ]
+        assert [float(text) for text in firsts] == sorted(map(float, firsts))
+        for group in groups.all():
+            assert group.locator("tr").first.get_attribute("class") == "group"
+        for _ in range(2):
+            page.locator("#tolerance-rows thead button").nth(3).click()
+        page.get_by_label("Show only rows with").fill("")
+        assert groups.all_inner_texts() == before
+        # A header that has a link keeps it, and gets a button beside it.
+        engine = page.locator("#digits-rows thead th").nth(1)
+        engine.get_by_role("button", name="Sort by").click()
+        assert engine.get_attribute("aria-sort") == "ascending"
+        assert engine.locator("a").count() == 1
+
+
 def test_a_part_that_is_missing_is_said_to_be(browser, folder):
     page = browser.new_page()
     page.set_default_timeout(PATIENCE)

@@ -1,5 +1,8 @@
 """The page of `make field` says what each code did, and what is not there."""
 
+import os
+import subprocess
+
 import field
 import pytest
 
@@ -65,6 +68,30 @@ def test_an_environment_of_other_requirements_is_made_anew(tmp_path, monkeypatch
     assert not field.is_installed("pybullet")
     stamp.write_text((field.CODES / "pybullet" / "requirements.txt").read_text())
     assert field.is_installed("pybullet")
+
+
+def test_a_machine_without_node_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert field.state("rapier", may_install=True) == field.NOT_INSTALLED
+    assert capsys.readouterr().err.startswith("rapier: node and npm are not on PATH")
+
+
+def test_an_environment_of_node_finds_its_packages(tmp_path, monkeypatch):
+    # Programs that say what they were asked, in the place of node and npm.
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    for name, text in (("node", 'echo "$NODE_PATH|$1"'), ("npm", "mkdir node_modules")):
+        (programs / name).write_text(f"#!/bin/sh\n{text}\n")
+        (programs / name).chmod(0o755)
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setenv("PATH", f"{programs}:{os.environ['PATH']}")
+    assert field.install("rapier")
+    assert field.is_installed("rapier")
+    home = tmp_path / "rapier"
+    command = [home / "bin" / "node", "driver.js"]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said == f"{home / 'node_modules'}|driver.js\n"
 
 
 @pytest.mark.parametrize(

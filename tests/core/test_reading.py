@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from refdem.campaign.exchange import Manifest
 from refdem.campaign.exchange import read as manifest_in
 from refdem.campaign.specification import Specification, named
-from refdem.core.reading import json_as, toml_as
+from refdem.core.reading import MOST_BYTES, content, json_as, toml_as
 from refdem.engines.external.description import Description
 from refdem.engines.external.sense import read
 from refdem.errors import UsageError
@@ -211,3 +211,21 @@ def test_whole_files_are_read(tmp_path: Path) -> None:
     assert json_as(Manifest, MANIFEST, "m").levels == 4
     path.write_bytes(BASELINE)
     assert len(baseline.read(path)[1]) == 1
+
+
+def test_a_path_that_no_system_has_says_why(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"null byte; expected a list"):
+        content(tmp_path / "a\0b", "a list")
+    with pytest.raises(UsageError, match=r"No such file or directory; expected a list"):
+        content(tmp_path / "absent", "a list")
+
+
+def test_a_file_may_have_so_many_bytes_and_no_more(tmp_path: Path) -> None:
+    path = tmp_path / "long"
+    with path.open("wb") as file:
+        file.truncate(MOST_BYTES)
+    assert len(content(path, "a list")) == MOST_BYTES
+    with path.open("wb") as file:
+        file.truncate(MOST_BYTES + 1)
+    with pytest.raises(UsageError, match=f"more than {MOST_BYTES} bytes; expected a list"):
+        content(path, "a list")

@@ -6,7 +6,9 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.problem import Request
+from refdem.core.request_comments import commented
 from refdem.core.request_text import request_text
+from refdem.scene import Body
 
 
 def request(case: str, **given: str) -> Request:
@@ -64,3 +66,19 @@ def test_a_method_controlled_by_tolerance_has_no_step() -> None:
     asked = Request(problem=request("pendulum").problem, method="dopri", tolerance=1e-6)
     assert "\nstep " not in request_text(asked)
     assert "\ntolerance 9.9999999999999995e-07\n" in request_text(asked)
+
+
+def test_a_comment_comes_before_the_first_line_of_what_it_explains_and_once() -> None:
+    asked = request("two-spheres")
+    lines = list(commented(asked))
+    assert [line for line in lines if not line.startswith("# ")] == request_text(asked).splitlines()
+    comments = "\n".join(line for line in lines if line.startswith("# "))
+    bodies = " ".join((Body.__doc__ or "").split())
+    assert comments.replace("\n# ", " ").count(bodies[:60]) == 1
+    first_of_body = next(n for n, line in enumerate(lines) if line.startswith("scene.bodies.0."))
+    assert lines[first_of_body - 1].startswith("# ")
+    second_of_body = next(n for n, line in enumerate(lines) if line.startswith("scene.bodies.1."))
+    assert not lines[second_of_body - 1].startswith("# ")
+    for name in ("scene.elements.count", "scene.elements.0."):
+        place = next(n for n, line in enumerate(lines) if line.startswith(name))
+        assert lines[place - 1].startswith("# "), name

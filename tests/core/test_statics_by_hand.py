@@ -2,12 +2,14 @@
 may move.
 """
 
+import msgspec
 import numpy as np
 import pytest
 
 from refdem.core.algebra import SIZES
 from refdem.core.statics import (
     Cuboid,
+    Ellipsoid,
     Identity,
     IdentityDocument,
     Operation,
@@ -132,3 +134,15 @@ def test_a_solid_needs_its_shape_and_what_is_done_with_it(more, features):
     asked = Solid(SolidDocument(solids=[piece]))
     assert asked.features == features
     assert (asked.times.tolist(), asked.interval, asked.when(0.0)) == ([0.0], 1.0, "once")
+
+
+@pytest.mark.parametrize("length", [1e-9, 0.5, 1.0, 2.0])
+def test_a_half_axis_is_any_length_above_zero(length):
+    given = {"kind": "ellipsoid", "half_axes": [length, 1.0, 1.0]}
+    assert msgspec.convert(given, Ellipsoid).half_axes == (length, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("length", [0.0, -1.0])
+def test_a_half_axis_of_no_length_is_refused(length):
+    with pytest.raises(msgspec.ValidationError, match="`float` > 0"):
+        msgspec.convert({"kind": "ellipsoid", "half_axes": [length, 1.0, 1.0]}, Ellipsoid)

@@ -31,6 +31,20 @@ def test_a_file_that_is_no_database_is_moved_aside_and_made_anew(tmp_path, capfd
     assert capfd.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize("suffix", ["-wal", "-shm"])
+def test_what_lay_beside_a_damaged_file_is_taken_away_with_it(tmp_path, capfd, suffix):
+    path = tmp_path / "s.sqlite"
+    path.write_bytes(b"not a database" * 100)
+    beside = tmp_path / f"s.sqlite{suffix}"
+    beside.write_bytes(b"of the damaged one" * 1000)
+    store = Store(path)
+    store.put("run", "k", b"data")
+    assert store.get("run", "k") == b"data"
+    store.close()
+    assert not beside.exists() or b"of the damaged one" not in beside.read_bytes()
+    assert capfd.readouterr().err.count("\n") == 1
+
+
 def test_a_store_of_a_newer_format_is_left_as_it_is(tmp_path, capfd):
     path = tmp_path / "s.sqlite"
     with closing(sqlite3.connect(path)) as connection:

@@ -1,5 +1,8 @@
 """Synthetic sheets with every outcome, every control and names from a stranger who means harm."""
 
+import msgspec
+import numpy as np
+
 from refdem.core.finding import (
     CampaignSheet,
     CaseSheet,
@@ -10,6 +13,7 @@ from refdem.core.finding import (
     Series,
     Sheet,
 )
+from refdem.core.replay import DrawnBody, DrawnLink, DrawnPlane, Grid, Replay, Track
 
 HOSTILE = "<script>alert(1)</script>|`x`|</script><img src=x onerror=alert(2)>"
 STEPS = (0.1, 0.05, 0.025, 0.0125)
@@ -126,6 +130,49 @@ def engine_sheet(engine: str) -> EngineSheet:
     )
 
 
+def replay(label: str, engine: str, method: str) -> Replay:
+    """A ball and a box that move along x, and a run that lags behind them and turns too far; it
+    tells a contact in its third frame.
+    """
+    frames = 9
+    along = np.linspace(0.0, 2.0, frames)[:, None] * np.array([1.0, 0, 0, 1, 0, 0])
+    behind = np.linspace(0.0, 1e-4, frames)[:, None] * np.array([-1.0, 0, 0, -1, 0, 0])
+    twist = np.linspace(0.0, 1e-3, frames)[:, None] * np.array([0.0, 0, 1, 0, 0, 0])
+    corners = tuple((x, y, z) for x in (-0.3, 0.3) for y in (-0.2, 0.2) for z in (-0.1, 0.1))
+    faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    upright = (1.0, 0.0, 0.0, 0.0)
+    track = Track(
+        engine=engine,
+        method=method,
+        control="step",
+        level=0.1,
+        place=Grid.of(behind),
+        turn=Grid.of(twist),
+        largest=1e-4,
+        largest_turn=1e-3,
+        contacts=((2, 0),),
+    )
+    return Replay(
+        label=label,
+        t=tuple(0.5 * k for k in range(frames)),
+        bodies=(
+            DrawnBody(position=(0.0, 0.5, 0.0), attitude=upright, radius=0.5),
+            DrawnBody(position=(-1.5, 0.2, 0.0), attitude=upright, vertices=corners, faces=faces),
+        ),
+        links=(DrawnLink(kind=method, a=0, b=1, anchor_a=(0, 0, 0), anchor_b=(0, 0, 0)),),
+        planes=(DrawnPlane(point=(0.0, 0.0, 0.0), normal=(0.0, 1.0, 0.0)),),
+        touches=True,
+        view=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        place=Grid.of(along),
+        turn=Grid.of(np.zeros((frames, 8))),
+        certified=("x", engine),
+        anchor="exact",
+        anchor_error=1e-15,
+        contacts=(),
+        tracks=(track, msgspec.structs.replace(track, engine="reference", method="exact")),
+    )
+
+
 def sheets() -> list[Sheet]:
     """A campaign of three instances and five engines."""
     found: list[Sheet] = [
@@ -158,6 +205,7 @@ def sheets() -> list[Sheet]:
             error("y", 0.0, 0, steps=(0.0,)),
         )
     )
+    found += [replay("pendulum", "alpha", "rk4"), replay(label, HOSTILE, HOSTILE)]
     return found
 
 

@@ -169,3 +169,13 @@ STILL = hanging()
 def test_what_does_not_fit_the_string_is_refused(scene, reason):
     unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("string-wheel"))
     assert unsupported is None if reason is None else reason in str(unsupported)
+
+
+@pytest.mark.parametrize(("share", "fits"), [(0.9e-9, True), (1.2e-9, False)])
+def test_a_start_may_be_off_by_a_billionth_of_the_lengths_of_the_string(share, fits):
+    # From the wheel to the pendulum 2 m, the radius 1/2 m, and from the axis to the counterweight.
+    extent = 2.0 + 0.5 + np.hypot(0.5, 1.0)
+    off = [(0.0, 0.0, 0.0), (share * extent, 0.0, 0.0)]
+    scene = changed(STILL, position=np.add(STILL.bodies.position, off))
+    unsupported = ENGINE.unsupported_motion(Motion(scene, T), ENGINE.method("string-wheel"))
+    assert (unsupported is None) == fits

@@ -6,6 +6,7 @@ Import it before the code: what the code prints then goes to standard error.
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 
 import border
@@ -27,11 +28,13 @@ def cannot(condition, why):
 class Scene:
     """A request, as drivers read it.
 
+    `warm()` says that what had to be compiled is compiled, so that stepping is timed from there;
     `bodies` are those of the scene, `step` [s] and `stride` (steps from sample to sample) those of
     the request, `gravity` (3,) [m/s^2] the sum of all uniform fields.
     """
 
-    def __init__(self, request, known):
+    def __init__(self, request, known, warm=lambda: None):
+        self.warm = warm
         self.method = request["method"]
         self.bodies = request["scene"]["bodies"]
         self.elements = request["scene"]["elements"]
@@ -109,10 +112,10 @@ def half_sides(shape):
     return half
 
 
-def answer(solve, known, request, trajectory):
-    """One run; raises UnsupportedError."""
-    asked = json.loads(Path(request).read_text())
-    scene = Scene(asked, known)
+def answer(solve, known, asked, warm=lambda: None):
+    """One run of a request, whose files are `asked`; raises UnsupportedError."""
+    request, trajectory = asked
+    scene = Scene(json.loads(Path(request).read_text()), known, warm)
     solve(scene)
     border.write(trajectory, scene.rows)
 
@@ -124,7 +127,7 @@ def run(solve, *known):
     """
     if len(sys.argv) == 3:
         try:
-            answer(solve, known, *sys.argv[1:])
+            answer(solve, known, sys.argv[1:])
         except UnsupportedError as reason:
             print(reason, file=sys.stderr)
             sys.exit(NOT_SUPPORTED)
@@ -132,14 +135,16 @@ def run(solve, *known):
     said({"ready": True})
     for line in sys.stdin:
         asked = json.loads(line)
+        number = asked["id"]
         outcome = {"done": True}
         try:
-            answer(solve, known, asked["request"], asked["trajectory"])
+            files = (asked["request"], asked["trajectory"])
+            answer(solve, known, files, partial(said, {"id": number, "warm": True}))
         except UnsupportedError as reason:
             outcome = {"unsupported": str(reason)}
         except Exception as error:
             outcome = {"failed": f"{type(error).__name__}: {error}"}
-        said({"id": asked["id"]} | outcome)
+        said({"id": number} | outcome)
 
 
 def said(line):

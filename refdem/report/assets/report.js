@@ -1,4 +1,4 @@
-// Draws the charts of a page, loads its parts and hides rows of its tables, each when a reader comes to it; no request leaves the disk.
+// Draws the charts of a page, loads its parts and replays, hides and sorts rows of its tables, each when a reader comes to it; no request leaves the disk.
 "use strict";
 (function () {
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
@@ -12,7 +12,7 @@
     if (!scripts.has(name)) {
       scripts.set(name, new Promise(function (done, failed) {
         const element = document.createElement("script");
-        element.src = assets + name;
+        element.src = assets + encodeURIComponent(name);
         element.onload = done;
         element.onerror = function () { failed(new Error("assets/" + name + " is missing")); };
         document.head.append(element);
@@ -78,6 +78,72 @@
 
   function watch(root) {
     root.querySelectorAll(".plot[data-spec], .part[data-part]").forEach(function (place) { coming.observe(place); });
+    root.querySelectorAll("table[data-sorts]").forEach(sortable);
+  }
+
+  // Every header becomes a button, or gets one if it has a link, as a button must not contain links.
+  function sortable(table) {
+    for (const header of table.tHead.rows[0].cells) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "sort";
+      if (header.querySelector("a")) {
+        button.setAttribute("aria-label", "Sort by " + header.textContent.trim());
+        header.append(" ", button);
+      } else {
+        button.append(...header.childNodes);
+        header.append(button);
+      }
+    }
+    // The order in which the rows came, to which the third click returns.
+    Array.from(table.tBodies).forEach(function (body, place) {
+      body.dataset.place = place;
+      Array.from(body.rows).forEach(function (row, index) { row.dataset.place = index; });
+    });
+  }
+
+  // What a cell is sorted by: null if it says that there is nothing, a number if it starts with one, else its words.
+  function sortKey(row, column) {
+    const cell = row && row.cells[column];
+    const text = cell ? cell.textContent.trim().toLowerCase() : "";
+    if (/^(|none|[·–—-])$/.test(text)) return null;
+    const number = /^[≥≤~<>]?\s*([-+−]?\d+(\.\d+)?(e[+-]?\d+)?)(?![\w.])/.exec(text);
+    return number ? Number(number[1].replace("−", "-")) : text;
+  }
+
+  // Numbers before words, each in its order; what is absent comes last in either direction.
+  function compared(one, other, sense) {
+    if (one === null || other === null) return (one === null) - (other === null);
+    if (typeof one !== typeof other) return typeof one === "number" ? -sense : sense;
+    if (typeof one === "number") return sense * (one - other);
+    return sense * one.localeCompare(other, "en", { numeric: true });
+  }
+
+  // The rows of each group in their order, and the groups by the first row of each.
+  function sort(header) {
+    const table = header.closest("table");
+    const column = header.cellIndex;
+    const next = { none: "ascending", ascending: "descending", descending: "none" };
+    const order = next[header.getAttribute("aria-sort") || "none"];
+    for (const other of header.parentNode.cells) other.removeAttribute("aria-sort");
+    if (order !== "none") header.setAttribute("aria-sort", order);
+    const sense = order === "descending" ? -1 : 1;
+    // Rows or groups in their order, `shown` tells the row that stands for each.
+    const ordered = function (items, shown) {
+      const keys = new Map(items.map(function (item) { return [item, order === "none" ? null : sortKey(shown(item), column)]; }));
+      return items.sort(function (one, other) {
+        return compared(keys.get(one), keys.get(other), sense) || Number(one.dataset.place) - Number(other.dataset.place);
+      });
+    };
+    for (const body of table.tBodies) {
+      const rows = Array.from(body.rows).filter(function (row) { return !row.classList.contains("group"); });
+      body.append(...ordered(rows, function (row) { return row; }));
+    }
+    const first = function (body) {
+      return Array.from(body.rows).find(function (row) { return !row.classList.contains("group") && row.checkVisibility(); });
+    };
+    const bodies = ordered(Array.from(table.tBodies), first);
+    table.append(...bodies);
   }
 
   // What a row is found by: its first cells, as many as its table says.
@@ -110,6 +176,20 @@
     else told.textContent = left === 1 ? "1 row" : left + " rows";
   }
 
+  // A replay arrives when its reader opens it: the script that plays it first. The event does not rise, so it is caught on its way down.
+  document.addEventListener("toggle", function (event) {
+    const place = event.target;
+    if (!place.matches("details[data-replay]") || !place.open || place.dataset.asked) return;
+    place.dataset.asked = "yes";
+    script("replay.js").then(function () { return script("replay-" + place.dataset.replay + ".js"); }).catch(function (error) {
+      place.querySelector(".waiting").textContent = "The replay could not be loaded: " + error.message;
+      console.error(error);
+    });
+  }, true);
+  document.addEventListener("click", function (event) {
+    const button = event.target.closest("button.sort");
+    if (button) sort(button.closest("th"));
+  });
   document.addEventListener("input", function (event) {
     if (event.target.matches("[data-filter]")) filter(event.target);
   });

@@ -180,10 +180,10 @@ def test_what_lingers_is_waited_for_and_then_counted(monkeypatch: pytest.MonkeyP
         nonlocal now
         now += seconds
 
-    monkeypatch.setattr(supervisor, "reaped", dict)
+    monkeypatch.setattr(supervisor, "has_children", lambda: now < ends)
     monkeypatch.setattr(supervisor.time, "monotonic", lambda: now)
     monkeypatch.setattr(supervisor.time, "sleep", slept)
-    monkeypatch.setattr(supervisor, "descendants", lambda: [7, 8] if now < ends else [])
+    monkeypatch.setattr(supervisor, "descendants", lambda: [7, 8])
     for part, left, waits in ((0.0, 0, 0.0), (0.5, 0, 0.5), (2.0, 2, 1.0)):
         now = 0.0
         ends = part * supervisor.GRACE

@@ -16,9 +16,11 @@ from refdem.engines.external.sense import read
 
 CODES = Path(__file__).resolve().parents[3] / "validation/codes"
 NAMES = sorted(path.parent.name for path in CODES.glob("*/refdem.toml"))
-FIELD = sorted(path.parent.name for path in CODES.glob("*/requirements.in"))
+IN_PYTHON = sorted(path.parent.name for path in CODES.glob("*/requirements.in"))
+IN_JAVASCRIPT = sorted(path.parent.name for path in CODES.glob("*/package.json"))
+FIELD = sorted(IN_PYTHON + IN_JAVASCRIPT)
 """Those with an environment of their own, which `make field` makes."""
-DEVIATIONS = sorted(CODES.glob("*/deviations/*.py"))
+DEVIATIONS = sorted(CODES.glob("*/deviations/*.*"))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -65,7 +67,7 @@ def test_every_driver_and_script_compiles(path):
     assert ast.get_docstring(tree)
 
 
-@pytest.mark.parametrize("name", FIELD)
+@pytest.mark.parametrize("name", IN_PYTHON)
 def test_every_requirement_is_pinned_with_digests(name):
     folder = CODES / name
     asked = {
@@ -79,18 +81,33 @@ def test_every_requirement_is_pinned_with_digests(name):
     assert all("--hash=sha256:" in block for block in pinned.values())
 
 
+@pytest.mark.parametrize("name", IN_JAVASCRIPT)
+def test_every_package_of_node_is_pinned_with_a_digest(name):
+    asked = json.loads((CODES / name / "package.json").read_text())["dependencies"]
+    locked = json.loads((CODES / name / "package-lock.json").read_text())["packages"]
+    assert locked.pop("")["dependencies"] == asked
+    assert all(package["integrity"].startswith("sha512-") for package in locked.values())
+    versions = {path.removeprefix("node_modules/"): p["version"] for path, p in locked.items()}
+    assert {package: versions[package] for package in asked} == asked
+
+
 @pytest.mark.parametrize("name", FIELD)
 def test_a_code_of_the_field_stays_alive_and_says_how_it_is_installed(name):
     description = read(CODES / name / "refdem.toml")
     assert description.engine.serve
     assert description.engine.install == f"install it with: make field CODES={name}"
-    assert description.engine.command[0] == f"../../../.venv-field/{name}/bin/python"
+    program, helper = ("python", "../served.py")
+    if name in IN_JAVASCRIPT:
+        program, helper = ("node", "../served.js")
+    assert description.engine.command[0] == f"../../../.venv-field/{name}/bin/{program}"
     assert description.audit
-    assert "../served.py" in description.engine.inputs
+    assert helper in description.engine.inputs
 
 
-@pytest.mark.parametrize("path", DEVIATIONS, ids=lambda path: f"{path.parts[-3]}/{path.stem}")
-def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path):
+def modules_of(path):
+    """The first words of the modules that a script in Python or in JavaScript imports."""
+    if path.suffix == ".js":
+        return set(re.findall(r"""require\(["'][./]*([^."']+)""", path.read_text()))
     tree = ast.parse(path.read_text())
     modules = {
         name.name.partition(".")[0]
@@ -103,7 +120,12 @@ def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
     }
-    assert not modules & {"refdem", "served", "border", "hinges"}
+    return modules
+
+
+@pytest.mark.parametrize("path", DEVIATIONS, ids=lambda path: f"{path.parts[-3]}/{path.stem}")
+def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path):
+    assert not modules_of(path) & {"refdem", "served", "border", "hinges"}
     told = (path.parents[1] / "refdem.toml").read_text()
     assert f"deviations/{path.name}" in told
 
@@ -112,7 +134,7 @@ def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path
 def test_a_code_that_is_not_there_is_listed_as_not_installed(name, tmp_path, monkeypatch):
     copy = tmp_path / "codes"
     shutil.copytree(CODES / name, copy / name)
-    for shared in ("served.py", "border.py", "hinges.py"):
+    for shared in ("served.py", "served.js", "border.py", "hinges.py"):
         shutil.copy(CODES / shared, copy / shared)
     monkeypatch.setenv(codes.VARIABLE, str(copy))
     # Its environment would be three folders above the copy, where there is none.
