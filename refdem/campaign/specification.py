@@ -44,7 +44,12 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def asks_the_same_as(self, other: "Entry") -> bool:
         """True for the same case at the same parameters, whatever their levels."""
-        return self.id == other.id and self.set == other.set
+        return self.question == other.question
+
+    @property
+    def question(self) -> tuple[str, frozenset[tuple[str, str]]]:
+        """What is asked, whatever its levels: the case and its parameters."""
+        return self.id, frozenset(self.set.items())
 
     @property
     def label(self) -> str:
@@ -114,9 +119,11 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             raise OutOfRangeError(
                 "step and steps_per_tau are both there; expected at most one of them"
             )
-        for number, entry in enumerate(self.case):
-            if any(entry.asks_the_same_as(earlier) for earlier in self.case[:number]):
+        asked = set()
+        for entry in self.case:
+            if entry.question in asked:
                 raise OutOfRangeError(f"{entry.label} is listed twice; take one away")
+            asked.add(entry.question)
 
     def levels_of(self, instance: Instance) -> int:
         """The number of levels for an instance: that of its entry, if it says one, else that of the
