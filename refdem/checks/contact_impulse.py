@@ -1,15 +1,23 @@
 """Impulses between samples of two spheres, or of a sphere and a wall: inside the friction cone, and
 of the size that the contact law gives.
 
-Each step adds forces that obey the law at some state near the step. So the impulse J = m dv of an
-interval between two samples is a positive sum of such forces, whatever the method; J_n is its part
+Each step adds forces that obey the law at states near the step. So the impulse J = m dv of an
+interval between two samples is a weighted sum of such forces, whatever the method; J_n is its part
 along the mean normal, J_t the part across.
+
+A scheme chooses these states: x and v may be of the start, the middle or the end of a step, and of
+different instants, as in velocity Verlet whose dashpot sees the velocity of the half step. Weights
+sum to 1 and are positive, but for those of multistep and high-order rules (Adams and Bashforth
+-1/2, Dormand and Prince -0.32 in all), which matters where forces jump within a step.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -19,6 +27,8 @@ from refdem.core.variant import Variant
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+
+Mask = NDArray[np.bool_]
 
 STEPS_A_SAMPLE = 4
 """Smallest number of steps between samples: the normal hardly turns in so few, and no method has
@@ -30,7 +40,8 @@ TERMS = 8.0
 """Roundings in a difference of two velocities: two vectors of three coordinates, and the
 normals.
 """
-
+STEPS_OF_SLIP = 2.0
+"""Steps of friction within which a slip may alternate: friction of the step before and after."""
 
 SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
 """Share of the overlap by which the lever arm of friction is shorter than the radius, by
@@ -52,12 +63,15 @@ class ContactImpulse(Check):
 
     normal: the mean normal force lies between the smallest and the largest that the law gives at
     the four samples around the interval. They are several steps apart, so forces of the step before
-    or after are covered, and only the curvature of the force between samples is allowed for. An
+    or after are covered. What is allowed beyond is the curvature of the force between samples; the
+    change of c d' in a step, since a dashpot may see the velocity of another instant than the
+    spring sees the place of; and a step's impulse where the force jumps between the samples. An
     error that does not depend on the step is visible at the coarsest one.
 
     sliding: where a sphere slides along a wall without a tangential spring, each force obeys |Ft| =
     mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys it
-    too, to round-off.
+    too, to round-off. A sphere that rolls has friction that alternates from step to step, and a
+    slip of as much as a step of friction makes: that is no sliding.
     """
 
     name = "contact-impulse"
@@ -96,26 +110,29 @@ class ContactImpulse(Check):
         """Findings `normal`, `cone` and `sliding`, where they apply, in units of mass times speed
         scale.
         """
-        run = runs[_dense_variant(subject)].trajectory
+        variant = _dense_variant(subject)
+        run = runs[variant].trajectory
         scene = subject.instance.scene
         law = scene.all(Contact)[0]
+        contact = _Contact.of(subject, run, variant.level)
         unit = scene.bodies.mass[0] * subject.instance.scales.speed
         fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
         rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
-        findings = [self._normal(subject, run, unit, rounding)]
-        presses = _pushing_intervals(scene, run)
+        findings = [self._normal(contact, unit, rounding)]
+        presses = contact.pushes_throughout
         if law.friction > 0 and law.tangential_stiffness == 0 and presses.any():
             findings.append(
                 worst(
                     check=self.name,
                     quantity="cone",
                     t=run.t[1:][presses],
-                    values=(_outside_cone(scene, run) / unit)[presses],
-                    allowed=rounding,
+                    values=(_outside_cone(contact) / unit)[presses],
+                    allowed=(contact.impulse_of_unlike_step / unit + rounding)[presses],
                     unit="1",
                     basis=(
                         "every force satisfies |Ft| <= mu Fn, hence so does their sum, to"
-                        " round-off, at any step"
+                        " round-off, at any step, but for the impulse of a step where the"
+                        " contact begins or ends or the slip reverses"
                     ),
                     what=(
                         "The impulse between two samples in excess of the friction cone, in units"
@@ -124,34 +141,29 @@ class ContactImpulse(Check):
                 )
             )
         if law.friction > 0 and law.tangential_stiffness == 0 and scene.all(Plane):
-            findings += self._sliding(scene, run, unit, rounding)
+            findings += self._sliding(contact, unit, rounding)
         return findings
 
-    def _sliding(
-        self, scene: Scene, run: Trajectory, unit: float, rounding: float
-    ) -> list[Finding]:
+    def _sliding(self, contact: "_Contact", unit: float, rounding: float) -> list[Finding]:
         """The finding | |J_t| - mu J_n | = 0 of the intervals in which a sphere slides along a
         wall; none if it never does.
         """
-        law = scene.all(Contact)[0]
-        _, _, normal = _contact_geometry(scene, run)
-        normal_impulse, tangential_impulse, _ = _impulses(scene, run, normal)
-        slides, slip_turn = _sliding_intervals(scene, run)
-        is_judged = np.logical_and(_pushing_intervals(scene, run), slides)
+        friction = contact.law.friction
+        is_judged = contact.pushes_throughout & contact.slides_throughout
         if not is_judged.any():
             return []
+        # A negative weight on the last step of a contact may turn the sum over.
+        normal_impulse = np.abs(contact.normal_impulse)
+        difference = np.abs(contact.tangential_impulse - friction * normal_impulse)
         # Forces whose directions differ by up to `slip_turn` add up to less, by no more than that.
-        allowed = (
-            rounding * (1 + law.friction) + law.friction * np.abs(normal_impulse) * slip_turn / unit
-        )
+        turning = friction * normal_impulse * contact.slip_turn
+        allowed = rounding * (1 + friction) + turning / unit
         return [
             worst(
                 check=self.name,
                 quantity="sliding",
-                t=run.t[1:][is_judged],
-                values=(np.abs(tangential_impulse - law.friction * normal_impulse) / unit)[
-                    is_judged
-                ],
+                t=contact.run.t[1:][is_judged],
+                values=(difference / unit)[is_judged],
                 allowed=allowed[is_judged],
                 unit="1",
                 basis=(
@@ -165,43 +177,38 @@ class ContactImpulse(Check):
             )
         ]
 
-    def _normal(self, subject: Subject, run: Trajectory, unit: float, rounding: float) -> Finding:
+    def _normal(self, contact: "_Contact", unit: float, rounding: float) -> Finding:
         """The finding that J_n of every interval lies between those of the smallest and largest
         force of the law nearby.
         """
-        scene = subject.instance.scene
-        law = scene.all(Contact)[0]
-        overlap, rate, normal = _contact_geometry(scene, run)
-        interval = np.diff(run.t)
-        force = _normal_force(law, overlap, rate)
-        touch_force = _force_at_touch(law, overlap, rate)
-        low = _extreme_nearby(np.minimum(force, touch_force), np.minimum)
-        high = _extreme_nearby(np.maximum(force, touch_force), np.maximum)
-        normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
-        below = np.maximum(0.0, low * interval - normal_impulse)
-        above = np.maximum(0.0, normal_impulse - high * interval)
+        interval = np.diff(contact.run.t)
+        low, high = contact.normal_force_nearby
+        below = np.maximum(0.0, low * interval - contact.normal_impulse)
+        above = np.maximum(0.0, contact.normal_impulse - high * interval)
         # Within a contact the force leaves its chord by F'' dt^2 / 8, with F'' of a few F / tau^2.
         # At a contact that begins or ends between two samples the force is known from their
-        # velocities up to F' dt, with F' about F / tau. Friction across one normal has a component
-        # along another, in proportion to the angle between them.
-        largest = float(np.max(np.abs(force)))
-        interval_share = interval / subject.instance.scales.tau
-        touches_near = _extreme_nearby(overlap > 0, np.logical_or)
-        touches_throughout = _extreme_nearby(overlap > 0, np.logical_and)
-        begins_or_ends = touches_near & ~touches_throughout
-        relative_change = np.where(begins_or_ends, interval_share, interval_share**2 / 2.0)
-        curvature = largest * interval * relative_change
-        tilt = tangential_impulse * normal_turn
+        # velocities up to F' dt, with F' about F / tau.
+        interval_share = interval / contact.tau
+        relative_change = np.where(contact.begins_or_ends, interval_share, interval_share**2 / 2.0)
+        curvature = contact.largest_force * interval * relative_change
+        # A dashpot that sees the velocity of another instant, by up to a step.
+        mixed_states = contact.change_of_dashpot * interval
+        # A step across the jump of the force at a touch, with a negative weight.
+        jump = np.where(contact.begins_or_ends, contact.dashpot_nearby * contact.step, 0.0)
+        # Friction across one normal has a component along another, in proportion to the angle
+        # between them.
+        tilt = contact.tangential_impulse * contact.normal_turn
         return worst(
             check=self.name,
             quantity="normal",
-            t=run.t[1:],
+            t=contact.run.t[1:],
             values=np.maximum(below, above) / unit,
-            allowed=(curvature + tilt) / unit + rounding,
+            allowed=(curvature + mixed_states + jump + tilt) / unit + rounding,
             unit="1",
             basis=(
                 "the impulse must lie between those of the smallest and largest forces"
-                " that the law gives near the interval, plus their curvature"
+                " that the law gives near the interval, plus their curvature, and the change"
+                " of the dashpot's force in a step"
             ),
             what=(
                 "The normal impulse between two samples in excess of the range of the"
@@ -228,42 +235,220 @@ def _dense_variant(subject: Subject) -> Variant:
     return Variant(level)
 
 
-def _pushing_intervals(scene: Scene, run: Trajectory) -> Array:
-    """Intervals (T - 1,) with a contact in which every force pushes.
+@dataclass(frozen=True)
+class _Contact:
+    """What is seen of one contact in a run with T samples, and what its law says about it.
 
-    Codes agree on the friction limit mu Fn there; not at the end of a contact, where a dashpot may
-    pull and the force at a sample is no longer positive.
+    overlap, rate, normal: (T,) [m], (T,) [m/s], (T, 3) as `_contact_geometry` has them. `step` is
+    the step of the run [s], `overlap_rounding` what an overlap may be rounded by [m].
     """
-    law = scene.all(Contact)[0]
-    overlap, rate, _ = _contact_geometry(scene, run)
-    touches = overlap > 0
-    force = _normal_force(law, overlap, rate)
-    never_pulls = law.damping == 0 or law.cutoff == "zero_force"
-    if never_pulls:
-        return np.asarray(touches[1:] | touches[:-1])
-    return np.asarray(touches[1:] & (force[1:] > 0))
 
+    scene: Scene
+    run: Trajectory
+    tau: float
+    step: float
+    overlap: Array
+    rate: Array
+    normal: Array
+    overlap_rounding: float
 
-def _sliding_intervals(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
-    """Intervals (T - 1,) in which a sphere slips along its wall throughout, and the turn of the
-    slip direction [rad].
+    @classmethod
+    def of(cls, subject: Subject, run: Trajectory, step: float) -> "_Contact":
+        """The contact of two spheres, or of a sphere and a wall."""
+        scene = subject.instance.scene
+        overlap, rate, normal = _contact_geometry(scene, run)
+        farthest = max(float(np.max(np.abs(run.position))), float(np.max(scene.bodies.radius)))
+        return cls(
+            scene=scene,
+            run=run,
+            tau=subject.instance.scales.tau,
+            step=step,
+            overlap=overlap,
+            rate=rate,
+            normal=normal,
+            overlap_rounding=TERMS * subject.method.round_off * farthest,
+        )
 
-    The slip is the tangential part of v + omega x arm. It lasts if it is larger at both ends of the
-    interval than its change between them.
-    """
-    law = scene.all(Contact)[0]
-    overlap, _, normal = _contact_geometry(scene, run)
-    arm_length = scene.bodies.radius[0] - SHORT_OF_RADIUS[law.branch] * np.maximum(overlap, 0.0)
-    contact_velocity = run.velocity[:, 0] + np.cross(run.omega[:, 0], arm_length[:, None] * normal)
-    slip = contact_velocity - np.sum(contact_velocity * normal, axis=-1)[:, None] * normal
-    speed = np.linalg.norm(slip, axis=-1)
-    change = np.linalg.norm(np.diff(slip, axis=0), axis=-1)
-    is_sliding: Array = np.minimum(speed[1:], speed[:-1]) > change
-    direction = slip / np.maximum(speed, np.finfo(float).tiny)[:, None]
-    # The angle between unit vectors u, w is 2 arcsin(|u - w|/2).
-    chord = np.linalg.norm(np.diff(direction, axis=0), axis=-1)
-    turn: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
-    return is_sliding, turn
+    @property
+    def law(self) -> Contact:
+        """The contact law."""
+        return self.scene.all(Contact)[0]
+
+    @property
+    def lightness(self) -> float:
+        """The inverse of the effective mass [1/kg]: the sum of 1/m of the bodies."""
+        return float(np.sum(1.0 / self.scene.bodies.mass))
+
+    @property
+    def surely_touches(self) -> Mask:
+        """Samples (T,) with an overlap in any precision that the method may compute with."""
+        return np.asarray(self.overlap > self.overlap_rounding)
+
+    @property
+    def may_touch(self) -> Mask:
+        """Samples (T,) with an overlap, or one that is 0 to rounding."""
+        return np.asarray(self.overlap > -self.overlap_rounding)
+
+    @property
+    def begins_or_ends(self) -> Mask:
+        """Intervals (T - 1,) near which the contact may begin or end: by its overlap, or where the
+        law ends it at zero force.
+        """
+        acts = self.surely_touches
+        if self.law.cutoff == "zero_force":
+            acts = acts & (self.force > 0)
+        acts_near = _extreme_nearby(self.may_touch, np.logical_or)
+        acts_throughout = _extreme_nearby(acts, np.logical_and)
+        return np.asarray(acts_near & ~acts_throughout)
+
+    @cached_property
+    def force(self) -> Array:
+        """The normal force (T,) [N] at the samples."""
+        return _normal_force(self.law, self.overlap, self.rate)
+
+    @property
+    def largest_force(self) -> float:
+        """The largest size [N] of the normal force at any sample."""
+        return float(np.max(np.abs(self.force)))
+
+    @cached_property
+    def dashpot(self) -> Array:
+        """The force (T,) [N] that the law has at overlap 0, c d', and at least 0 if it never
+        pulls.
+        """
+        pushes = self.law.damping * self.rate
+        if self.law.cutoff == "zero_force":
+            pushes = np.maximum(pushes, 0.0)
+        return pushes
+
+    @property
+    def dashpot_nearby(self) -> Array:
+        """The largest size (T - 1,) [N] of the dashpot's force around each interval."""
+        return np.asarray(_extreme_nearby(np.abs(self.dashpot), np.maximum))
+
+    @cached_property
+    def normal_force_nearby(self) -> tuple[Array, Array]:
+        """The smallest and the largest normal force (T - 1,) [N] around each interval.
+
+        Next to the start or end of a contact the force may be that of the dashpot alone; where the
+        samples touch to rounding only, it may be 0.
+        """
+        at_touch = _force_at_touch(self.begins_or_ends, self.dashpot, self.force)
+        may_act = np.where(self.may_touch, self.force, 0.0)
+        surely_acts = np.where(self.surely_touches, self.force, 0.0)
+        candidates = np.array([at_touch, may_act, surely_acts])
+        low = _extreme_nearby(candidates.min(axis=0), np.minimum)
+        high = _extreme_nearby(candidates.max(axis=0), np.maximum)
+        return low, high
+
+    @cached_property
+    def change_of_dashpot(self) -> Array:
+        """The largest change c |d''| h (T - 1,) [N] of the dashpot's force in one step around each
+        interval.
+
+        d'' is the larger of what the samples show and F/m_eff, which the law says.
+        """
+        shown = np.abs(np.diff(self.rate)) / np.diff(self.run.t)
+        padded = np.concatenate([shown[:1], shown, shown[-1:]])
+        shown_nearby = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
+        low, high = self.normal_force_nearby
+        by_law = self.lightness * np.maximum(np.abs(low), np.abs(high))
+        return np.asarray(self.law.damping * np.maximum(shown_nearby, by_law) * self.step)
+
+    @cached_property
+    def pushes_throughout(self) -> Mask:
+        """Intervals (T - 1,) with a contact in which every force pushes.
+
+        Codes agree on the friction limit mu Fn there; not at the end of a contact, where a dashpot
+        may pull and the force of a step is no longer positive.
+        """
+        never_pulls = self.law.damping == 0 or self.law.cutoff == "zero_force"
+        if never_pulls:
+            return np.asarray(self.surely_touches[1:] | self.surely_touches[:-1])
+        return np.asarray(self.surely_touches[1:] & (self.force[1:] > self.change_of_dashpot))
+
+    @cached_property
+    def impulse(self) -> tuple[Array, Array, Array]:
+        """Normal and tangential impulse (T - 1,) [kg m/s], and the turn of the normal [rad]."""
+        return _impulses(self.scene, self.run, self.normal)
+
+    @property
+    def normal_impulse(self) -> Array:
+        """The push (T - 1,) [kg m/s] on the first sphere along the mean normal."""
+        return self.impulse[0]
+
+    @property
+    def tangential_impulse(self) -> Array:
+        """The size (T - 1,) [kg m/s] of the impulse across the mean normal."""
+        return self.impulse[1]
+
+    @property
+    def normal_turn(self) -> Array:
+        """The angle (T - 1,) [rad] by which the normal turns."""
+        return self.impulse[2]
+
+    @cached_property
+    def slip(self) -> Array:
+        """The slip (T, 3) [m/s] of the first surface against the second: the tangential part of v
+        + omega x arm.
+        """
+        bodies = self.scene.bodies
+        shorter = SHORT_OF_RADIUS[self.law.branch] * np.maximum(self.overlap, 0.0)
+        arms = bodies.radius[None, :] - shorter[:, None]
+        velocity = self.run.velocity[:, 0]
+        if len(bodies) == 2:
+            velocity = velocity - self.run.velocity[:, 1]
+        swept = np.sum(arms[:, :, None] * self.run.omega, axis=1)
+        surface = velocity + np.cross(swept, self.normal)
+        along = np.sum(surface * self.normal, axis=-1)
+        return np.asarray(surface - along[:, None] * self.normal)
+
+    @property
+    def slip_turn(self) -> Array:
+        """The angle (T - 1,) [rad] by which the direction of the slip turns."""
+        speed = np.linalg.norm(self.slip, axis=-1)
+        direction = self.slip / np.maximum(speed, np.finfo(float).tiny)[:, None]
+        return _angle_between(direction[1:], direction[:-1])
+
+    @cached_property
+    def slip_change_of_step(self) -> Array:
+        """What one step of friction changes the slip by (T - 1,) [m/s], mu F_n h (1/m + R^2/J)."""
+        bodies = self.scene.bodies
+        # A sphere without inertia is not turned by friction.
+        turned = bodies.inertia[:, 0] > 0
+        inertia = np.where(turned, bodies.inertia[:, 0], 1.0)
+        turning = np.where(turned, bodies.radius**2 / inertia, 0.0)
+        ease = self.lightness + float(np.sum(turning))
+        _, high = self.normal_force_nearby
+        return np.asarray(self.law.friction * np.maximum(high, 0.0) * self.step * ease)
+
+    @cached_property
+    def slides_throughout(self) -> Mask:
+        """Intervals (T - 1,) in which the surfaces slip all the time.
+
+        The slip at both ends is larger than its change between them, and than what the steps before
+        and after make of it: of a sphere that rolls it may be the same at all samples, while
+        friction alternates.
+        """
+        speed = np.linalg.norm(self.slip, axis=-1)
+        smallest = np.minimum(speed[1:], speed[:-1])
+        change = np.linalg.norm(np.diff(self.slip, axis=0), axis=-1)
+        is_lasting = smallest > change
+        is_above_a_step = smallest > STEPS_OF_SLIP * self.slip_change_of_step
+        return np.asarray(is_lasting & is_above_a_step)
+
+    @property
+    def impulse_of_unlike_step(self) -> Array:
+        """The impulse of one step (T - 1,) [kg m/s] where forces of neighbouring steps are unlike,
+        else 0: there weights of both signs do not cancel.
+
+        Friction is unlike where the slip may reverse; all of the force, at the start or end of a
+        contact.
+        """
+        low, high = self.normal_force_nearby
+        push = np.maximum(np.abs(low), np.abs(high)) * self.step
+        friction = np.where(self.slides_throughout, 0.0, self.law.friction * push)
+        return np.asarray(np.where(self.begins_or_ends, push, friction))
 
 
 def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:
@@ -277,18 +462,12 @@ def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:
     return force
 
 
-def _force_at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
+def _force_at_touch(begins_or_ends: Mask, dashpot: Array, force: Array) -> Array:
     """The limit of the force (T,) [N] for overlap 0, c d', at samples next to the start or end of a
     contact; elsewhere the force itself.
     """
-    touches = overlap > 0
-    pushes = law.damping * rate
-    if law.cutoff == "zero_force":
-        pushes = np.maximum(pushes, 0.0)
-    changes = _extreme_nearby(touches, np.logical_or) & ~_extreme_nearby(touches, np.logical_and)
-    is_near = np.concatenate([changes, [False]]) | np.concatenate([[False], changes])
-    force: Array = np.where(is_near, pushes, _normal_force(law, overlap, rate))
-    return force
+    is_near = np.concatenate([begins_or_ends, [False]]) | np.concatenate([[False], begins_or_ends])
+    return np.where(is_near, dashpot, force)
 
 
 def _extreme_nearby(values: Any, extreme: Any) -> Any:
@@ -312,24 +491,28 @@ def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Arra
     tangential_impulse: Array = np.linalg.norm(
         impulse + normal_impulse[:, None] * mean_normal, axis=-1
     )
-    # The angle between two unit vectors, from the length of their difference: its cosine would lose
-    # half of the digits.
-    chord = np.linalg.norm(np.diff(normal, axis=0), axis=-1)
-    turn: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
-    return normal_impulse, tangential_impulse, turn
+    return normal_impulse, tangential_impulse, _angle_between(normal[1:], normal[:-1])
 
 
-def _outside_cone(scene: Scene, run: Trajectory) -> Array:
+def _angle_between(a: Array, b: Array) -> Array:
+    """The angle (T,) [rad] between unit vectors a and b (T, 3), 2 arcsin(|a - b|/2).
+
+    It is taken from the length of their difference: its cosine would lose half of the digits.
+    """
+    chord = np.linalg.norm(a - b, axis=-1)
+    angle: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
+    return angle
+
+
+def _outside_cone(contact: _Contact) -> Array:
     """Distance (T - 1,) [kg m/s] of the impulse on the first sphere from the cone about the mean
     normal; 0 inside.
     """
-    law = scene.all(Contact)[0]
-    _, _, normal = _contact_geometry(scene, run)
-    normal_impulse, tangential_impulse, normal_turn = _impulses(scene, run, normal)
-    half_angle = np.minimum(np.arctan(law.friction) + normal_turn, np.pi / 2)
+    half_angle = np.minimum(np.arctan(contact.law.friction) + contact.normal_turn, np.pi / 2)
     # Distance from the cone J_t <= tan(a) J_n, measured at right angles to its side:
     # J_t cos(a) - J_n sin(a).
-    beyond: Array = tangential_impulse * np.cos(half_angle) - normal_impulse * np.sin(half_angle)
+    across = contact.tangential_impulse * np.cos(half_angle)
+    beyond: Array = across - contact.normal_impulse * np.sin(half_angle)
     return np.maximum(0.0, beyond)
 
 

@@ -114,12 +114,22 @@ class Determinism(Check):
 
 
 def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:
-    """Largest absolute difference of any state at the same sample."""
+    """Largest absolute difference of any state at the same sample.
+
+    Of q and -q, which are the same attitude, the nearer is taken: a code that writes the one with w
+    >= 0, or the one nearest to that of its last row, may write either.
+    """
     others = b.columns()
-    return max(
-        float(np.max(np.abs(values - others[name][::stride]), initial=0.0))
-        for name, values in a.columns().items()
-    )
+    largest = 0.0
+    for name, values in a.columns().items():
+        beside = others[name][::stride]
+        distance = np.abs(values - beside)
+        if name == "attitude":
+            opposite = np.abs(values + beside)
+            is_nearer = opposite.max(axis=-1) < distance.max(axis=-1)
+            distance = np.where(is_nearer[..., None], opposite, distance)
+        largest = max(largest, float(np.max(distance, initial=0.0)))
+    return largest
 
 
 CHECK = Determinism()

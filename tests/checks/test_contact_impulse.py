@@ -7,13 +7,16 @@ from functools import cache
 
 import pytest
 
+from refdem.campaign import plan
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.campaign.specification import Specification
 from refdem.core import discovery
 from refdem.faults.catalogue import chosen
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
 from refdem.scene.elements.contact import Contact
+from tests.right_spheres import RightSpheres
 
 SCRAPE = {
     "damping": "1/2",
@@ -184,3 +187,42 @@ def test_a_sphere_that_sticks_or_keeps_a_spring_is_not_held_to_sliding():
 
 def test_it_does_not_apply_where_something_else_acts_nor_without_steps():
     assert found(discovery.engine("reference"), "exact-harmonic", {}, "harmonic-oscillator") == {}
+
+
+RIGHT = RightSpheres()
+SPREAD: dict[str, tuple[str, dict[str, str]]] = {
+    "stiff": ("two-spheres", {"stiffness": "16"}),
+    "stiff, light": ("two-spheres", {"stiffness": "8"}),
+    "damped": ("two-spheres", {"damping": "4"}),
+    "unequal": ("two-spheres", {"damping": "1/2", "masses": "1,2"}),
+    "overdamped": ("two-spheres", {"damping": "32", "cutoff": "zero_force"}),
+    "scrape": ("two-spheres", SCRAPE),
+    "reverses": (
+        "two-spheres",
+        SCRAPE | {"friction": "1/2", "angle": "1/4", "damping": "1", "branch": "R"},
+    ),
+    "far apart masses": ("two-spheres", SCRAPE | {"masses": "1/8,16", "cutoff": "zero_force"}),
+    "comes to roll": (
+        "impact-benchmarks",
+        {"member": "dem-05-hertz", "angle": "0.3", "friction": "1/2"},
+    ),
+    "damped wall": ("impact-benchmarks", WALLS["damped"]),
+    "spinning": ("impact-benchmarks", WALLS["spinning"]),
+}
+"""Settings over which the check once accused right programs, and others like them."""
+
+
+@pytest.mark.parametrize("name", SPREAD)
+@pytest.mark.parametrize("method", [method.name for method in RIGHT.methods])
+def test_no_state_that_a_right_scheme_puts_into_the_law_is_accused(name, method):
+    case, given = SPREAD[name]
+    instance = discovery.case(case).at(**given)
+    specification = Specification(
+        name="right", case=[], levels=3, method=method, checks=["contact-impulse"], most_steps=2e4
+    )
+    # The check needs no truth.
+    (task,) = plan.tasks(specification, instance, (), RIGHT, None, "it is not asked for")
+    record = record_of(task)
+    sentences = {f.quantity: f.sentence for f in record.findings if f.outcome != "pass"}
+    assert sentences == {}
+    assert any(finding.quantity == "normal" for finding in record.findings)

@@ -52,17 +52,72 @@ def test_the_normal_force_is_that_of_the_law(law, overlap, rate, force):
     assert found.tolist() == [force]
 
 
+STEP = 0.0625
+"""The coarsest step [s] of `subject_of`."""
+
+
+def contact_of(of, run):
+    """What the check sees of the contact in a run with this step."""
+    return contact_impulse._Contact.of(subject_of(of), run, STEP)
+
+
 def test_next_to_a_touch_the_force_may_be_that_of_the_dashpot_alone():
-    overlap = np.array([-2.0, -1.0, -0.5, 0.5, 1.0, 1.0, 1.0, 1.0])
-    rate = np.array([1.0, 2.0, 3.0, 4.0, -5.0, 6.0, 7.0, -8.0])
-    found = contact_impulse._force_at_touch(LINEAR, overlap, rate)
+    force = np.array([0.0, 0.0, 0.0, 12.0, -2.0, 20.0, 22.0, -8.0])
+    dashpot = np.array([2.0, 4.0, 6.0, 8.0, -10.0, 12.0, 14.0, -16.0])
+    begins = np.array([False, True, True, True, False, False, False])
+    found = contact_impulse._force_at_touch(begins, dashpot, force)
     assert found.tolist() == [0.0, 4.0, 6.0, 8.0, -10.0, 20.0, 22.0, -8.0]
-    pushing = Contact(law="linear", stiffness=8.0, damping=2.0, cutoff="zero_force")
-    cut = contact_impulse._force_at_touch(pushing, overlap, rate)
-    assert cut.tolist() == [0.0, 4.0, 6.0, 8.0, 0.0, 20.0, 22.0, 0.0]
-    # Places that touch exactly do not overlap.
-    resting = contact_impulse._force_at_touch(LINEAR, np.zeros(3), np.ones(3))
-    assert resting.tolist() == [0.0] * 3
+
+
+def test_a_contact_begins_or_ends_around_samples_that_touch_and_others_that_do_not():
+    of, run = over_wall(LINEAR, heights=[1.5, 1.5, 1.5, 1.5, 0.75, 0.75, 0.75, 0.75])
+    expected = [False, False, True, True, True, False, False]
+    assert contact_of(of, run).begins_or_ends.tolist() == expected
+    pulling = over_wall(LINEAR, heights=[0.75] * 2, velocities=[(0, 0, 0.5), (0, 0, -0.5)])
+    assert contact_of(*pulling).dashpot.tolist() == [-1.0, 1.0]
+    cut = Contact(law="linear", stiffness=8.0, damping=2.0, cutoff="zero_force")
+    pushing = over_wall(cut, heights=[0.75] * 2, velocities=[(0, 0, 0.5), (0, 0, -0.5)])
+    assert contact_of(*pushing).dashpot.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_an_overlap_of_a_rounding_is_a_contact_or_none(precision):
+    unit = {"double": 2.0**-53, "single": 2.0**-24}[precision]
+    heights = [1.0 - 2 * unit, 0.75, 0.75, 0.75]
+    of, run = over_wall(LINEAR, heights=heights, velocities=[(0, 0, -1.0)] * 4)
+    subject = Subject(of, method(precision=precision), (STEP, STEP / 2), None)
+    contact = contact_impulse._Contact.of(subject, run, STEP)
+    assert contact.surely_touches.tolist() == [False, True, True, True]
+    assert contact.may_touch.tolist() == [True] * 4
+    low, high = contact.normal_force_nearby
+    # A rounded overlap acts with c d' = 2 N or not at all; 1/4 m with k d + c d' = 4 N.
+    assert low.tolist() == [0.0, 0.0, 2.0]
+    assert high.tolist() == [4.0] * 3
+    deeper, deep_run = over_wall(LINEAR, heights=[1.0 - 64 * unit] * 4)
+    judged = Subject(deeper, method(precision=precision), (STEP, STEP / 2), None)
+    assert contact_impulse._Contact.of(judged, deep_run, STEP).surely_touches.all()
+
+
+def test_a_dashpot_may_see_the_velocity_of_another_step():
+    # The closing speed rises by 1 m/s in 1/4 s: c |d''| h = 2 x 4 x 1/16 N, and by the law
+    # F/m = (2 + 4)/2 = 3 m/s^2 at the most, less than 4.
+    rates = [(0, 0, -1.0), (0, 0, -2.0)]
+    of, run = over_wall(LINEAR, heights=[0.75] * 2, velocities=rates)
+    assert contact_of(of, run).change_of_dashpot.tolist() == [0.5]
+    # Without any change that is seen, the law says F/m = (2 + 4)/2.
+    of, run = over_wall(LINEAR, heights=[0.75] * 2, velocities=[(0, 0, -2.0)] * 2)
+    assert contact_of(of, run).change_of_dashpot.tolist() == [2 * 3 * STEP]
+
+
+def test_a_step_of_friction_changes_the_slip_of_a_sphere_by_its_mass_and_inertia():
+    # mu F h (1/m + R^2/J) = 1/2 x 2 N x h (1/2 + 1/0.8).
+    of, run = over_wall(SLIDER, heights=[0.75] * 2)
+    changed = contact_of(of, run).slip_change_of_step
+    np.testing.assert_allclose(changed, [STEP * (0.5 + 1.25)], rtol=1e-15)
+    # A slip of up to two such steps is that of a sphere that rolls.
+    for speed, slides in ((3.4 * STEP, False), (3.6 * STEP, True)):
+        of, run = over_wall(SLIDER, heights=[0.75] * 2, velocities=[(speed, 0, 0)] * 2)
+        assert contact_of(of, run).slides_throughout.tolist() == [slides]
 
 
 def test_four_samples_are_around_an_interval_and_fewer_at_the_ends():
@@ -107,7 +162,7 @@ def test_the_distance_from_the_friction_cone_is_measured_across_its_side():
     # On the ball, 2 kg: J = (2, 0, 1) is outside, (1.5, 0, 2) is on the cone, (0, 0, -1) pulls.
     velocities = np.cumsum([(0, 0, 0), (1, 0, 0.5), (0.75, 0, 1), (0, 0, -0.5)], axis=0)
     of, run = over_wall(rubbing, heights=[0.9] * 4, velocities=velocities)
-    found = contact_impulse._outside_cone(of.scene, run)
+    found = contact_impulse._outside_cone(contact_of(of, run))
     np.testing.assert_allclose(found, [2 * 0.8 - 0.6, 0.0, 0.6], atol=1e-15)
 
 
@@ -124,7 +179,7 @@ def test_the_cone_is_wider_by_the_turn_of_the_normal_and_at_most_a_half_space():
         )
         moved = [[[0.0] * 3] * 2, [[c / 2.0 for c in impulse], [0.0] * 3]]
         run = standing(pair, position=places, velocity=moved)
-        return float(contact_impulse._outside_cone(pair.scene, run)[0])
+        return float(contact_impulse._outside_cone(contact_of(pair, run))[0])
 
     # The half angle is 45 degrees and the turn: J = (-1, 0, 4) is 4 cos - sin outside.
     for turn in (0.0, 0.125, 0.5):
@@ -150,7 +205,7 @@ def test_the_cone_is_wider_by_the_turn_of_the_normal_and_at_most_a_half_space():
 def test_intervals_push_that_have_a_contact_and_a_touch_without_overlap_is_none(law, pushing):
     velocities = [(0, 0, -1)] * 3 + [(0, 0, 2)] * 2
     of, run = over_wall(law, heights=[1.0, 1.0, 0.75, 0.75, 1.0], velocities=velocities)
-    assert contact_impulse._pushing_intervals(of.scene, run).tolist() == pushing
+    assert contact_of(of, run).pushes_throughout.tolist() == pushing
 
 
 @pytest.mark.parametrize(("branch", "arm"), [("R", 1.0), ("R-d/2", 0.875), ("R-d", 0.75)])
@@ -161,10 +216,12 @@ def test_a_sphere_slides_where_its_slip_outlasts_its_change(branch, arm):
     spins = [(0.0, 1.0, 0.0)] * 6
     velocities = [(s + arm, t, 0.3) for s, t in slips]
     of, run = over_wall(law, heights=[0.75] * 6, velocities=velocities, omegas=spins)
-    slides, turn = contact_impulse._sliding_intervals(of.scene, run)
+    contact = contact_of(of, run)
     # 2.25 > 1.75; 1 < 1.25; 0.9 < 1.9; 0.9 < 5.08; 5 > sqrt(10).
-    assert slides.tolist() == [True, False, False, False, True]
-    np.testing.assert_allclose(turn, [0, 0, pi, pi / 2, atan(3 / 4)], rtol=1e-14, atol=1e-14)
+    assert contact.slides_throughout.tolist() == [True, False, False, False, True]
+    np.testing.assert_allclose(
+        contact.slip_turn, [0, 0, pi, pi / 2, atan(3 / 4)], rtol=1e-14, atol=1e-14
+    )
 
 
 def test_a_sphere_that_leaves_has_its_whole_radius_for_an_arm():
@@ -173,8 +230,9 @@ def test_a_sphere_that_leaves_has_its_whole_radius_for_an_arm():
     of, run = over_wall(
         law, heights=[1.5] * 2, velocities=[(2.0, 0, 0)] * 2, omegas=[(0.0, 2.0, 0.0)] * 2
     )
-    slides, _ = contact_impulse._sliding_intervals(of.scene, run)
-    assert slides.tolist() == [False]
+    contact = contact_of(of, run)
+    assert contact.slip.tolist() == [[0.0] * 3] * 2
+    assert contact.slides_throughout.tolist() == [False]
 
 
 @pytest.mark.parametrize(
@@ -206,9 +264,15 @@ def test_the_cone_is_held_to_eight_round_offs_and_more_for_fast_bodies():
     )
     cone = findings(CHECK, subject_of(of), run)["cone"]
     assert cone.value == near(1 / 16, rel=1e-14)
-    assert cone.bound == near(ROUNDING, rel=1e-14)
+    # Without slip at the start, friction of one step, 3/4 x 0.8 N x h, may have any direction.
+    of_step = 0.75 * 0.8 * STEP / 16
+    assert cone.bound == near(of_step + ROUNDING, rel=1e-14)
     fast = standing(of, position=run.position, velocity=run.velocity + np.array([0.0, 24.0, 0.0]))
     assert findings(CHECK, subject_of(of), fast)["cone"].bound == near(3 * ROUNDING)
+    lifted = standing(
+        of, position=run.position + np.array([0.0, 0.0, 0.25]), velocity=fast.velocity
+    )
+    assert "cone" not in findings(CHECK, subject_of(of), lifted)
 
 
 def test_a_sphere_that_only_touches_has_no_cone():
@@ -280,6 +344,21 @@ def test_where_a_contact_begins_the_force_is_known_to_its_change_in_an_interval(
     # Around the first interval are forces of 0, 0 and 2 N, the largest of all is 4 N.
     assert found.value == near((4.0 - 0.5) / 16, rel=1e-14)
     assert found.bound == near(4 * 0.25 * 0.5 / 16 + ROUNDING, rel=1e-12)
+
+
+def test_with_a_dashpot_the_normal_impulse_may_leave_the_forces_by_a_step():
+    # 8/4 + 2 x 2 = 6 N push for 1/4 s; the ball is given 2 x 2 = 4 kg m/s.
+    of, run = over_wall(LINEAR, heights=[0.75] * 2, velocities=[(0, 0, -2.0), (0, 0, 0.0)])
+    found = normal_of(of, run)
+    assert found.value == near((4.0 - 1.5) / 16, rel=1e-14)
+    # c |d''| h dt = 2 x 8 x h/4: 2 m/s in 1/4 s are more than 6 N/2 kg.
+    curvature = 6 * 0.25 * (0.5**2 / 2)
+    assert found.bound == near((curvature + 2 * 8 * STEP * 0.25) / 16 + ROUNDING, rel=1e-12)
+    # Where the contact ends, its force may jump by c d' = 4 N within a step.
+    of, run = over_wall(LINEAR, heights=[0.75, 1.25], velocities=[(0, 0, -2.0), (0, 0, 0.0)])
+    ends = normal_of(of, run)
+    changes = 6 * 0.25 * 0.5 + 2 * 8 * STEP * 0.25 + 4 * STEP
+    assert ends.bound == near(changes / 16 + ROUNDING, rel=1e-12)
 
 
 def test_friction_across_a_turning_normal_tilts_into_it():

@@ -12,6 +12,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
 from refdem.faults.fault import Carrier, Fault
+from refdem.faults.transparent import Transparent
 
 GAS = {"n": "100", "duration": "1", "samples": "4"}
 
@@ -66,3 +67,40 @@ def test_no_thread_at_all_is_refused():
     problem = discovery.case("granular-gas").at(**GAS).problem
     with pytest.raises(UsageError, match="threads is 0"):
         Request(problem=problem, method="gas", threads=0)
+
+
+def opposite_where_dense(request: Request, run: Trajectory) -> Trajectory:
+    """Every other attitude is written with the opposite sign; which of them, depends on the number
+    of samples.
+    """
+    attitude = run.attitude.copy()
+    attitude[len(run.t) % 3 :: 2] *= -1.0
+    return replace(run, attitude=attitude)
+
+
+def turned_a_little(request: Request, run: Trajectory) -> Trajectory:
+    """The opposite sign, and a last digit besides that depends on the number of samples."""
+    attitude = -run.attitude
+    attitude[-1, 0, 1] += len(run.t) * 1e-15
+    return replace(run, attitude=attitude)
+
+
+@pytest.mark.parametrize(
+    ("after", "outcome"), [(opposite_where_dense, "pass"), (turned_a_little, "fail")]
+)
+def test_attitudes_are_compared_up_to_their_sign(after, outcome):
+    fault = Fault(
+        name="opposite",
+        kind="rotation",
+        sentence="",
+        on=(),
+        sees=("determinism", "output-rate"),
+        after=after,
+    )
+    instance = discovery.case("free-rigid-body").at(duration="2")
+    task = task_of(
+        Carrier(Transparent(), fault), "verlet", instance, truth_of(instance), 3, ("determinism",)
+    )
+    outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
+    assert outcomes["output-rate"] == outcome
+    assert outcomes["repeated"] == "pass"

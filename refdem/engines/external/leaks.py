@@ -102,7 +102,12 @@ def _difference(first: Trajectory, second: Trajectory) -> str:
         others = other[name]
         if values.shape != others.shape:
             return f"{name} has shape {values.shape}, and then {others.shape}"
-        places = np.argwhere(_bits(values) != _bits(others))
+        differs = _bits(values) != _bits(others)
+        if name == "attitude":
+            # q and -q are the same attitude.
+            is_opposite = np.all(values == -others, axis=-1)
+            differs &= ~is_opposite[..., None]
+        places = np.argwhere(differs)
         if len(places) and places[0][0] < earliest:
             place = tuple(places[0])
             earliest = places[0][0]
