@@ -52,6 +52,8 @@ class Crossing:
     - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
     - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
     - `bodies` are the bodies under one of which the event must be reported; empty if any will do.
+    - `margin` is the smallest error of the state, in units of its scales, with which another event
+      happens instead: a stop is none, or a body that crosses the belt's velocity sticks to it.
     """
 
     time: float
@@ -60,6 +62,7 @@ class Crossing:
     bend: float
     growth: float
     bodies: tuple[int, ...] = ()
+    margin: float = inf
 
 
 Crossings = dict[str, list[Crossing]]
@@ -142,6 +145,12 @@ class Belt:
         driven = sum(float(drive.strength(np.array(t))) * drive.axis[0] for drive in self.drives)
         return driven + self.weight - self.spring.stiffness * (x - self.spring.anchor_b[0])
 
+    def margin(self, t: float, x: float) -> float:
+        """Error [m] of the place x at time t [s] with which the point no longer sticks, (limit -
+        |P|)/k, at least 0.
+        """
+        return max(0.0, self.limit - abs(self.pull(t, x))) / self.spring.stiffness
+
     def growth(self, t: float) -> float:
         """The rate dP/dt [N/s] at time t [s] while the belt carries the point, so x' is the belt
         velocity.
@@ -177,7 +186,7 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]
     events = sorted((*value, kind) for kind, value in named if kind in ("stick", "slip", "cross"))
     if events:
-        known: Crossings = {"stick": [], "slip": []}
+        known: Crossings = {"stick": [], "slip": [], "cross": []}
     else:
         known = {}
     for index, (time, radius, kind) in enumerate(events):
@@ -195,14 +204,17 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
             else:
                 previous = 0.0
             rate = braking(belt, truth, time, position, previous) / scales.speed
-            known[kind].append(Crossing(time, radius, rate, bend, growth))
+            margin = belt.margin(time, position) / scales.length
+            known[kind].append(Crossing(time, radius, rate, bend, growth, margin=margin))
     if "stop_time" in truth.scalars:
         (time, radius) = truth.scalars["stop_time"]
         (position, _) = truth.scalars["stop_position"]
         # The slip before the stop lasts half a period, pi sqrt(m/k).
         half_period = np.pi * sqrt(belt.mass / belt.spring.stiffness)
         rate = braking(belt, truth, time, position, time - half_period) / scales.speed
-        stop = [Crossing(time, radius, rate, bend, growth)]
+        # Where the last half cycle is short, |P| at its start exceeds the limit by as much.
+        margin = belt.margin(time, position) / scales.length
+        stop = [Crossing(time, radius, rate, bend, growth, margin=margin)]
         known["stop"] = stop
         known["stick"] = stop
     return known

@@ -242,6 +242,12 @@ def predicted(
                 f" {error:.2g} shifts it by more than tau/10"
             )
             return Predicted(events, last, last, reason)
+        if error > crossing.margin:
+            reason = (
+                f"at t = {crossing.time:.6g} s a state error of {crossing.margin:.2g} decides which"
+                f" event happens, and {error:.2g} is allowed"
+            )
+            return Predicted(events, last, last, reason)
         observed_error = error_at(crossing, observed_bound, times)
         shift_as_observed = shift(observed_error, crossing) + interpolated(subject, crossing)
         smaller_shift = min(shift_by_claims, shift_as_observed)

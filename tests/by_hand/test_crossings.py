@@ -97,6 +97,19 @@ def test_a_slip_crosses_with_the_growth_of_the_pull_and_a_stick_with_the_braking
     assert stick.rate == near((3.0 - pull) / 2 / 8, rel=1e-14)
 
 
+def test_the_margin_of_a_stick_is_how_far_its_place_may_be_off():
+    # P = 4 - 8 x, and friction holds up to 3 N: x between 1/8 and 7/8.
+    forces = belt(SPRING, BELT)
+    assert forces.margin(5.0, 0.375) == 0.25
+    assert forces.margin(5.0, 0.875) == 0.0
+    assert forces.margin(5.0, 2.0) == 0.0
+    scalars = {"stop_time": (7.57, 1e-9), "stop_position": (0.625, 0.0)}
+    subject, samples = of_belt(SPRING, BELT, scalars=scalars)
+    (stop,) = _crossings.rubbing(subject, samples)["stop"]
+    # In units of L = 4 m.
+    assert stop.margin == 0.25 / 4
+
+
 def test_the_last_stick_is_found_back_from_the_last_sample():
     subject, samples = of_belt(SPRING, BELT, scalars={"stick_1": (5.0, 0.0)})
     (stick,) = _crossings.rubbing(subject, samples)["stick"]
