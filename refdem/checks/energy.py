@@ -13,7 +13,7 @@ from refdem.core.balance import energy_scale, kinetic, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, judged, left_at_finest, sharpest, undecided, worst
-from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR, flight
+from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR, flight, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.core.work import fastest_drive, work_along
@@ -129,7 +129,7 @@ class Energy(Check):
             return undecided(self.name, quantity, measured)
         claimed, basis = subject.kept("energy", variant.level)
         of_places = subject.round_off(variant.level) * _position_rounding(subject)
-        rounding = of_places + _fall_rounding(subject, variant.level)
+        rounding = of_places + _summed_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         changes = self._changes(subject, runs)
@@ -270,7 +270,7 @@ class Energy(Check):
         of_step = subject.method.constant * (level / subject.instance.scales.tau) ** order
         truncation = of_step * _outgrown(subject, run.trajectory)
         of_places = subject.round_off(level) * _position_rounding(subject)
-        rounding = of_places + _fall_rounding(subject, level)
+        rounding = of_places + _summed_rounding(subject, level)
         allowed = TERMS * (truncation + rounding)
         return judged(
             check=self.name,
@@ -409,14 +409,16 @@ def _rod_rounding(subject: Subject) -> Array | float:
     return drift
 
 
-def _fall_rounding(subject: Subject, level: float) -> float:
-    """Round-off of velocities that constant gravity increases by the same amount at every step, and
-    of the positions they carry.
+def _summed_rounding(subject: Subject, level: float) -> float:
+    """Round-off that adds up in proportion to the number of steps: of velocities that constant
+    gravity increases by the same amount at every step, with the positions they carry, and of bodies
+    that turn by the same rotation at every step.
     """
+    of_turns = turning(subject.instance, subject.method, level)
     has_gravity = "uniform_gravity" in subject.instance.scene.features
     if has_gravity:
-        return flight(subject.instance, subject.method, level)
-    return 0.0
+        return of_turns + flight(subject.instance, subject.method, level)
+    return of_turns
 
 
 def _position_rounding(subject: Subject) -> float:
