@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from refdem.checks._seen_late import errors_of
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
@@ -18,7 +19,6 @@ from refdem.core.judgement import (
     Sight,
     certified,
     curve,
-    errors,
     judged,
     movements,
     no_truth,
@@ -67,7 +67,7 @@ class Error(Check):
         errors_at: dict[float, dict[str, Array]] = {}
         for level in subject.levels:
             run = runs[Variant(level)].trajectory
-            errors_at[level] = errors(subject.instance, run, truth, subject.method.delay(level))
+            errors_at[level] = errors_of(subject, level, run, truth)
         names = list(errors_at[subject.levels[0]])
         if not names:
             return [undecided(self.name, "state", MIXED)]

@@ -283,6 +283,12 @@ def errors(
     return scaled
 
 
+def made_of_velocities(instance: Instance, trajectory: Trajectory) -> set[str]:
+    """Names of the quantities that depend on velocities and not on positions."""
+    by_velocity, by_position = _dependences(instance, trajectory)
+    return by_velocity - by_position
+
+
 def _dependences(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
     """Names of the quantities that depend on velocities, and of those that depend on positions.
 

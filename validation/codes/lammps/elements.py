@@ -33,7 +33,7 @@ def law(c, method, masses, planes):
     )
     cannot(
         c["friction"] > 0 and method == "granular",
-        "friction in granular: slip is taken at R, torque at R - d/2",
+        "friction in granular: slip at R, torque at R - d/2, a law that refdem lacks",
     )
     cannot(c["friction"] > 0 and c["branch"] != "R", "a branch other than R in gran")
     pulls = c["damping"] > 0 and c["cutoff"] == "zero_overlap"
