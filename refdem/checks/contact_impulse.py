@@ -271,7 +271,7 @@ class _Contact:
 
     @property
     def law(self) -> Contact:
-        """The contact law."""
+        """The contact law of the scene."""
         return self.scene.all(Contact)[0]
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, left_at_finest, worst
-from refdem.core.refinement import COUNTING_FLOOR
+from refdem.core.refinement import COUNTING_FLOOR, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.mechanics.quaternion import conjugate, rotated
@@ -101,6 +101,7 @@ class Top(Check):
         signal = None
         if name.startswith("L_"):
             signal = 1.0
+            allowed = allowed + turning(subject.instance, subject.method, level)
         measured = "change of"
         if name.startswith("joint"):
             measured = "separation of the"
