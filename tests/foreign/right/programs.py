@@ -95,7 +95,7 @@ EVENT_DRIVEN = {"name": "event-driven", "control": "exact", "locates_events": Tr
 LATE = {"name": "late", "order": 1, "conserves": ["momentum"]}
 MOREAU = {"name": "moreau", "order": 1, "conserves": ["momentum"], "complete_state": True}
 SLIDERS = (
-    {"name": "moreau", "order": 2, "order_with": {"friction": 1}},
+    {"name": "moreau", "order": 2, "order_with": {"friction": 1, "dashpot": 1}},
     {"name": "implicit-friction", "order": 1},
 )
 

@@ -2,6 +2,13 @@
  * that saw an overlap (`late`), or by Moreau's time stepping (`moreau`). */
 #include "scene.h"
 
+/* A gap of so many radii is none: rounding alone may have made it. */
+#ifdef SINGLE
+#define NEAR ((real)1e-5)
+#else
+#define NEAR ((real)1e-12)
+#endif
+
 static real gravity[3];
 static const struct element *law;
 
@@ -180,7 +187,7 @@ static void refuse_lasting(const struct pair *p)
     const real gap = gap_of(p->a, p->b, p->wall, n);
     const real closing = closing_speed(p->a, p->b, n);
     const real pressed = p->b ? 0 : dot(gravity, n);
-    const real near = (real)1e-12 * p->a->radius;
+    const real near = NEAR * p->a->radius;
     if (gap <= near && pressed > 0 && closing * closing <= (real)1e-9 * pressed * p->a->radius)
         refuse("contacts that last");
 }
@@ -252,7 +259,7 @@ static void moreau(double t, real h)
     for (int i = 0; i < pairs; i++) {
         const struct pair *p = &pair[i];
         const real gap = gap_of(p->a, p->b, p->wall, normal[i]);
-        is_active[i] = gap <= (real)1e-12 * p->a->radius;
+        is_active[i] = gap <= NEAR * p->a->radius;
         before[i] = closing_speed(p->a, p->b, normal[i]);
         pressed[i] = 0;
         memset(rubbed[i], 0, sizeof rubbed[i]);

@@ -307,8 +307,9 @@ static void adaptive(void)
     double h = (atof(text("times.1")) - t) / 64;
     for (long sample = 1; sample < samples; sample++) {
         const double until = atof(text("times.%ld", sample));
-        /* A step that is not shorter than this moves the clock. */
-        const double shortest = fmax(1e-13 * fabs(until - t), 4e-16 * fabs(until));
+        /* Across a jump of a force no step is short enough: one of this length is taken as it is.
+         */
+        const double shortest = 1e-9 * fabs(until - t);
         while (t != until) {
             int is_last = fabs(until - t) <= 1.0000001 * fabs(h);
             const double piece = is_last ? until - t : h;
