@@ -32,7 +32,7 @@ from refdem.campaign.specification import Specification  # noqa: E402
 from refdem.core import discovery, refinement  # noqa: E402
 from refdem.core.case import Case, Instance  # noqa: E402
 from refdem.core.engine import Engine, Method  # noqa: E402
-from refdem.core.parameters import Parameter  # noqa: E402
+from refdem.core.parameters import Parameter, labelled  # noqa: E402
 from refdem.core.selection import Selection  # noqa: E402
 from refdem.core.truth import SampledTruth  # noqa: E402
 from refdem.errors import UsageError  # noqa: E402
@@ -236,13 +236,12 @@ def drawn_instance(name: str, rng: np.random.Generator) -> Instance | None:
     return None
 
 
-Pair = tuple[Engine, Method]
-
-
-def specification(method: Method) -> Specification:
+def specification(
+    method: Method, levels: int = LEVELS, most_steps: float = MOST_STEPS
+) -> Specification:
     """A short campaign of one method."""
     return Specification(
-        name="alarms", case=[], levels=LEVELS, most_steps=MOST_STEPS, method=method.name
+        name="alarms", case=[], levels=levels, most_steps=most_steps, method=method.name
     )
 
 
@@ -288,15 +287,15 @@ def engines() -> list[Engine]:
     return found
 
 
-def delays(instance: Instance, pairs: list[Pair]) -> tuple[float, ...]:
+def delays(instance: Instance, campaigns: list[tuple[Engine, Specification]]) -> tuple[float, ...]:
     """The delays [s] > 0 by which velocities of some of these methods lag at one of their levels,
     sorted.
     """
     found: set[float] = set()
-    for engine, method in pairs:
-        for subject, _ in plan.subjects(specification(method), instance, engine):
+    for engine, asked in campaigns:
+        for subject, _ in plan.subjects(asked, instance, engine):
             levels = refinement.order_levels(instance, subject.levels)
-            found |= {method.delay(level) for level in levels}
+            found |= {subject.method.delay(level) for level in levels}
     return tuple(sorted(found - {0.0}))
 
 
@@ -317,19 +316,39 @@ def proved(instance: Instance, lags: tuple[float, ...]) -> SampledTruth | None:
 
 def command_of(instance: Instance, engine: Engine, method: Method) -> str:
     """The command that repeats a pair."""
-    words = ["refdem", "run", instance.label, "--engine", os.path.relpath(engine.address, ROOT)]
-    words += ["--method", method.name, "--levels", str(LEVELS), "--max-steps", f"{MOST_STEPS:g}"]
-    return shlex.join([*words, "--jobs", "1"])
+    program = Path(engine.address).parent.name
+    words = [".venv/bin/python", "ci/alarms.py", "--case", instance.label]
+    return shlex.join([*words, "--program", program, "--method", method.name])
+
+
+def repeated(label: str, program: str, method_name: str, levels: int, most_steps: float) -> Count:
+    """Judges one pair: the setting as its label has it."""
+    name, given = labelled(label)
+    instance = discovery.case(name).at(**given)
+    (engine,) = [engine for engine in engines() if engine.name == f"right-{program}"]
+    method = engine.method(method_name)
+    asked = specification(method, levels, most_steps)
+    count = Count()
+    truth = proved(instance, delays(instance, [(engine, asked)]))
+    if truth is None:
+        count.uncertified += 1
+    else:
+        judge(instance, engine, method, truth, count, asked)
+    return count
 
 
 def judge(
-    instance: Instance, engine: Engine, method: Method, truth: SampledTruth, count: Count
+    instance: Instance,
+    engine: Engine,
+    method: Method,
+    truth: SampledTruth,
+    count: Count,
+    asked: Specification,
 ) -> None:
     """Judges one pair, and prints its alarms."""
     count.pairs += 1
     try:
         with limited(PAIR_SECONDS):
-            asked = specification(method)
             (task,) = plan.tasks(asked, instance, (), engine, truth, truth.reason)
             record = in_process.record_of(task)
     except OutOfTimeError:
@@ -385,12 +404,12 @@ def alarms(pairs: int, seed: int, seconds: float = float("inf"), case: str = "")
             continue
         most = min(len(able), METHODS_A_SETTING, pairs - count.pairs)
         chosen = [able[place] for place in rng.permutation(len(able))[:most]]
-        truth = proved(instance, delays(instance, chosen))
+        truth = proved(instance, delays(instance, [(e, specification(m)) for e, m in chosen]))
         if truth is None:
             count.uncertified += 1
             continue
         for engine, method in chosen:
-            judge(instance, engine, method, truth, count)
+            judge(instance, engine, method, truth, count, specification(method))
     return count
 
 
@@ -400,8 +419,16 @@ def main() -> int:
     parser.add_argument("--pairs", type=int, default=300)
     parser.add_argument("--seed", type=int, default=int.from_bytes(os.urandom(4), "big"))
     parser.add_argument("--seconds", type=float, default=float("inf"))
-    parser.add_argument("--case", default="")
+    parser.add_argument("--case", default="", help="a case, or with --program its label")
+    parser.add_argument("--program", default="", help="one pair: the name of a program")
+    parser.add_argument("--method", default="", help="one pair: the method")
+    parser.add_argument("--levels", type=int, default=LEVELS, help="of one pair")
+    parser.add_argument("--most-steps", type=float, default=MOST_STEPS, help="of one pair")
     given = parser.parse_args()
+    if given.program:
+        count = repeated(given.case, given.program, given.method, given.levels, given.most_steps)
+        print(count.summary())
+        return int(bool(count.alarms))
     print(f"seed {given.seed}", flush=True)
     count = alarms(given.pairs, given.seed, given.seconds, given.case)
     print(count.summary())
