@@ -132,6 +132,10 @@ class OutOfTimeError(BaseException):
     """A proof or a pair takes longer than its limit."""
 
 
+class ProofError(Exception):
+    """A proof ended with an exception that nobody caught: a fault of refdem."""
+
+
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
     """Raises OutOfTimeError in this context after so many seconds."""
@@ -308,6 +312,9 @@ def proved(instance: Instance, lags: tuple[float, ...]) -> SampledTruth | None:
             data = worker.sampled_truth(instance.case.id, instance.p.given, lags)
     except OutOfTimeError:
         return None
+    except Exception:
+        last = traceback.format_exc().splitlines()[-1]
+        raise ProofError(f"the truth of {instance.label}: {last}") from None
     truth = msgspec.msgpack.decode(data, type=SampledTruth)
     if truth.until == 0:
         return None
@@ -404,7 +411,12 @@ def alarms(pairs: int, seed: int, seconds: float = float("inf"), case: str = "")
             continue
         most = min(len(able), METHODS_A_SETTING, pairs - count.pairs)
         chosen = [able[place] for place in rng.permutation(len(able))[:most]]
-        truth = proved(instance, delays(instance, [(e, specification(m)) for e, m in chosen]))
+        try:
+            truth = proved(instance, delays(instance, [(e, specification(m)) for e, m in chosen]))
+        except ProofError as error:
+            count.alarms.append(str(error))
+            print(f"EXCEPTION {error}", flush=True)
+            continue
         if truth is None:
             count.uncertified += 1
             continue

@@ -311,7 +311,9 @@ static void adaptive(void)
          */
         const double shortest = 1e-9 * fabs(until - t);
         while (t != until) {
-            int is_last = fabs(until - t) <= 1.0000001 * fabs(h);
+            const int is_last = fabs(until - t) <= fmax(1.0000001 * fabs(h), shortest);
+            if (fabs(h) < shortest)
+                h = copysign(shortest, h);
             const double piece = is_last ? until - t : h;
             stages(&DORMAND_PRINCE, t, (real)piece, y, next, error);
             real wrong = 0;
@@ -325,7 +327,8 @@ static void adaptive(void)
             for (int i = 0; i < n; i++) {
                 const int slot = i % SLOTS;
                 const int kind = slot < 3 ? 0 : slot < 6 ? 1 : slot < 10 ? 2 : 3;
-                if (error[i] != 0)
+                /* Without friction nothing turns a sphere: its omega has rounding errors alone. */
+                if (error[i] != 0 && kind != 3)
                     wrong = fmax(wrong, fabs(error[i]) / scale[kind]);
             }
             const real ratio = wrong / tolerance;
