@@ -8,6 +8,7 @@
 PYTHON ?= python3
 JOBS ?= 2
 SEEDS ?= 0:7
+PAIRS ?= 2000
 BIN := .venv/bin
 PIP := $(BIN)/pip --disable-pip-version-check install --quiet
 # Nothing is installed of which requirements.lock does not have the digest.
@@ -94,8 +95,10 @@ coverage: .venv/refdem .venv/for-mutants
 	$(BIN)/coverage report
 
 # Every engine at settings drawn up to threefold from the defaults; `make alarms SEEDS=8:15` draws others.
+# Then programs that are right at settings drawn over the whole range; `make alarms PAIRS=20000` for a night.
 alarms: .venv/refdem .venv/for-tests
 	REFDEM_SEEDS=$(SEEDS) $(BIN)/pytest tests/properties/test_every_row.py -k drawn -n $(JOBS) $(TIMES)
+	$(BIN)/python ci/alarms.py --pairs $(PAIRS)
 
 # Inputs that are wrong: `make fuzz MINUTES=10` for so long from the seed of the day, and what it learns goes
 # into tests/corpus; without MINUTES the same so many every time, as in CI.
