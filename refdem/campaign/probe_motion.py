@@ -4,6 +4,9 @@ formula.
 m dv/dt = F, dr/dt = v, dL/dt = T, dq/dt = (0, omega) q / 2 with omega = R J^-1 R^T L: all in space
 axes, by classical Runge-Kutta (Goldstein, Classical Mechanics, chapters 4 and 5). Shares no code
 with the solvers.
+
+Euler's equations in body axes, J dw/dt = T - g w x J w with g = 1, have the same motion. Where an
+engine takes another g, dL/dt = T + (1 - g) omega x L in space axes.
 """
 
 import numpy as np
@@ -25,9 +28,14 @@ At rates of 5 /s the motion is then right to 1e-8 of its scale, far below the bo
 """
 
 
-def motion(scene: Scene, t: Array) -> dict[str, Array]:
+def motion(
+    scene: Scene, t: Array, *, gyroscopic: float = 1.0, longest_step: float = LONGEST_STEP
+) -> dict[str, Array]:
     """Position, velocity, attitude and omega (T, N, 3 or 4) at the times t (T,) [s] since the
     start, t[0] = 0, rising or falling.
+
+    `gyroscopic` is the factor g of the gyroscopic term: 1 is right, 0 leaves the term out. Steps
+    are at most `longest_step` [s].
     """
     bodies = scene.bodies
     body_omega = rotated(conjugate(bodies.attitude), bodies.omega)
@@ -35,9 +43,9 @@ def motion(scene: Scene, t: Array) -> dict[str, Array]:
     state: State = (bodies.position, bodies.velocity, bodies.attitude, spin)
     rows = [state]
     for gap in np.diff(t):
-        steps = max(1, int(np.ceil(abs(gap) / LONGEST_STEP)))
+        steps = max(1, int(np.ceil(abs(gap) / longest_step)))
         for _ in range(steps):
-            state = _stepped(scene, state, gap / steps)
+            state = _stepped(scene, state, gap / steps, gyroscopic)
         rows.append(state)
     position, velocity, attitude, momentum = (
         np.array(column) for column in zip(*rows, strict=True)
@@ -46,12 +54,12 @@ def motion(scene: Scene, t: Array) -> dict[str, Array]:
     return {"position": position, "velocity": velocity, "attitude": attitude, "omega": omega}
 
 
-def _stepped(scene: Scene, state: State, h: float) -> State:
+def _stepped(scene: Scene, state: State, h: float, gyroscopic: float) -> State:
     """The state one step h [s] of classical Runge-Kutta later, with attitudes made unit again."""
-    first = _rate(scene, state)
-    second = _rate(scene, _ahead(state, first, h / 2))
-    third = _rate(scene, _ahead(state, second, h / 2))
-    fourth = _rate(scene, _ahead(state, third, h))
+    first = _rate(scene, state, gyroscopic)
+    second = _rate(scene, _ahead(state, first, h / 2), gyroscopic)
+    third = _rate(scene, _ahead(state, second, h / 2), gyroscopic)
+    fourth = _rate(scene, _ahead(state, third, h), gyroscopic)
     new = []
     for x, a, b, c, d in zip(state, first, second, third, fourth, strict=True):
         # y + h/6 (k1 + 2 k2 + 2 k3 + k4).
@@ -75,8 +83,8 @@ def _omega(scene: Scene, attitude: Array, momentum: Array) -> Array:
     return rotated(attitude, omega_body)
 
 
-def _rate(scene: Scene, state: State) -> State:
-    """Rates of the state: r' = v, v' = F/m, q' = (0, omega) q/2, L' = torque."""
+def _rate(scene: Scene, state: State, gyroscopic: float) -> State:
+    """Rates of the state: r' = v, v' = F/m, q' = (0, omega) q/2, L' = T + (1 - g) omega x L."""
     position, velocity, attitude, momentum = state
     mass = scene.bodies.mass[:, None]
     force = np.zeros_like(position)
@@ -87,7 +95,8 @@ def _rate(scene: Scene, state: State) -> State:
         _pull(spring, position, attitude, force, torque)
     omega = _omega(scene, attitude, momentum)
     attitude_rate = product(np.pad(omega, ((0, 0), (1, 0))), attitude) / 2
-    return velocity, force / mass, attitude_rate, torque
+    momentum_rate = torque + (1.0 - gyroscopic) * np.cross(omega, momentum)
+    return velocity, force / mass, attitude_rate, momentum_rate
 
 
 def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque: Array) -> None:

@@ -5,13 +5,14 @@ Each shows one thing that an adapter may convert wrongly: a unit, a sign, an axi
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.mechanics.quaternion import product
+from refdem.campaign.probe_motion import motion
+from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.element import Element
 from refdem.scene.elements.central_field import CentralField
@@ -32,13 +33,21 @@ HALF = 0.5**0.5
 """1/sqrt(2): cosine and sine of half a right angle, in the quaternion of a quarter turn."""
 
 
+@dataclass(frozen=True)
+class Mistake:
+    """A known mistake in words, and the motion `expected(t)` of a probe that it would make."""
+
+    says: str
+    expected: Callable[[Array], Expected]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Probe:
     """A scene with the time [s] at its start, its motion by formula, and what of an adapter it
     `shows`.
 
     `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
-    channels (T,), or `omega_body` (T, N, 3), by name.
+    channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can tell.
     """
 
     name: str
@@ -47,6 +56,7 @@ class Probe:
     expected: Callable[[Array], Expected]
     start: float = 0.0
     backwards: bool = False
+    mistakes: tuple[Mistake, ...] = ()
 
     @property
     def times(self) -> Array:
@@ -61,6 +71,12 @@ class Probe:
     def right(self) -> Expected:
         """The right answer at `times`."""
         return self.expected(self.times - self.start)
+
+    @cached_property
+    def mistaken(self) -> list[tuple[str, Expected]]:
+        """Each mistake in words, with the answer at `times` that it would give."""
+        elapsed = self.times - self.start
+        return [(mistake.says, mistake.expected(elapsed)) for mistake in self.mistakes]
 
 
 def probes() -> tuple[Probe, ...]:
@@ -189,13 +205,17 @@ def _wobble(axis: int) -> Probe:
     (Landau and Lifshitz, Mechanics, section 36), so that omega_body turns about that axis at W.
     """
     inertia = np.roll([1.0, 1.0, 1.8], axis + 1)
-    start = np.roll([1.0, 0.0, 2.0], axis + 1)
+    # With a part along every axis, no other order of the axes leaves omega_body constant, as a
+    # gyroscopic term that is missing does.
+    start = np.roll([0.6, 0.8, 2.0], axis + 1)
     # W = (1.8 - 1)/1 * 2.
     rate = 0.8 * 2.0
     body = Body(mass=1.0, inertia=tuple(inertia), omega=tuple(start))
 
     def expected(t: Array) -> Expected:
-        omega_body = np.column_stack([np.cos(rate * t), np.sin(rate * t), np.full(len(t), 2.0)])
+        c = np.cos(rate * t)
+        s = np.sin(rate * t)
+        omega_body = np.column_stack([0.6 * c - 0.8 * s, 0.6 * s + 0.8 * c, np.full(len(t), 2.0)])
         # The angular momentum is constant in space, where the body axes are at the start.
         momentum = np.tile(inertia * start, (len(t), 1, 1))
         return {
@@ -203,12 +223,50 @@ def _wobble(axis: int) -> Probe:
             "angular_momentum": momentum,
         }
 
+    scene = Scene.of([body])
     return Probe(
         name=f"wobble about {'xyz'[axis]}",
-        shows="the order of the inertia axes",
-        scene=Scene.of([body]),
+        shows="the order of the inertia axes and the gyroscopic term omega x J omega",
+        scene=scene,
         expected=expected,
+        mistakes=turning_mistakes(scene),
     )
+
+
+ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
+"""Every other order of three axes."""
+
+
+def turning_mistakes(scene: Scene) -> tuple[Mistake, ...]:
+    """What turns a body wrongly: moments of inertia in another order, and a gyroscopic term that
+    is missing or has the other sign.
+    """
+    bodies = scene.bodies
+    orders: dict[bytes, list[str]] = {}
+    for order in ORDERS:
+        reordered = bodies.inertia[:, ["xyz".index(axis) for axis in order]]
+        # Orders that leave the moments as they are make no mistake, and equal ones make the same.
+        if not np.array_equal(reordered, bodies.inertia):
+            orders.setdefault(reordered.tobytes(), []).append(order)
+    mistakes = []
+    for moments, same in orders.items():
+        inertia = np.frombuffer(moments).reshape(bodies.inertia.shape)
+        changed = Scene(replace(bodies, inertia=inertia), scene.elements)
+        says = f"its axes of inertia come in the order {' or '.join(same)}"
+        mistakes.append(Mistake(says, partial(_turned, changed, 1.0)))
+    if mistakes:
+        term = "the gyroscopic term omega x J omega of Euler's equations"
+        mistakes.append(Mistake(f"{term} is missing", partial(_turned, scene, 0.0)))
+        mistakes.append(Mistake(f"{term} has the other sign", partial(_turned, scene, -1.0)))
+    return tuple(mistakes)
+
+
+def _turned(scene: Scene, gyroscopic: float, t: Array) -> Expected:
+    """The columns of a motion with this factor of the gyroscopic term, and `omega_body`."""
+    # A step a sample is right to 1e-5 of the scale: enough to name a mistake.
+    columns = motion(scene, t, gyroscopic=gyroscopic, longest_step=INTERVAL)
+    columns["omega_body"] = rotated(conjugate(columns["attitude"]), columns["omega"])
+    return columns
 
 
 def _along(x: Array, v: Array) -> Expected:

@@ -7,11 +7,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.campaign.clock import bounded, counted, refuse_other_shape
 from refdem.campaign.force_probes import force_probes
+from refdem.campaign.impact_probes import impact_probes
 from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
@@ -19,6 +21,8 @@ from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
+from refdem.engines.external.program import KEPT
+from refdem.engines.external.serving import NOT_AGAIN
 from refdem.errors import UnsupportedError
 from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
@@ -42,6 +46,8 @@ START_BOUND = 1e-12
 """Largest error of the first sample in units of its scale, for a method in binary64: a few
 thousand roundings, where a conversion (START_BASIS) takes a few.
 """
+ENOUGH = 3
+"""Failures with one cause after which an engine that has answered nothing is not asked further."""
 CLOCK_BASIS = (
     "samples are whole multiples of dyadic steps, so a clock that sums the"
     " steps makes at most a few thousand roundings"
@@ -57,32 +63,88 @@ def every_probe() -> tuple[Probe, ...]:
     """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
     shows in those that follow.
     """
-    return (*probes(), *force_probes(), *turning_probes())
+    return (*probes(), *force_probes(), *impact_probes(), *turning_probes())
 
 
 def smoke(engine: Engine) -> list[Finding]:
     """The findings on the clock, then on every probe with every method that supports it.
 
-    There is one finding for each quantity compared, that of the method with the largest error.
+    There is one finding for each quantity compared, that of the method with the largest error. A
+    failure that many probes share is told once, with their names; an engine that has answered
+    nothing and fails alike every time is not asked further.
     """
     findings = _worst([counted(engine, method) for method in engine.methods])
+    unasked = []
     for probe in every_probe():
-        reasons = {method.name: _unsupported(engine, method, probe) for method in engine.methods}
-        supporting = [method for method in engine.methods if reasons[method.name] is None]
+        reasons = [(method, _unsupported(engine, method, probe)) for method in engine.methods]
+        supporting = [method for method, reason in reasons if reason is None]
         if not supporting:
-            reason = next(iter(reasons.values()), "the engine has no methods")
+            sentence = f"the engine does not support this probe: {_refusal(reasons, probe)}"
             findings.append(
                 Finding(
-                    check="smoke",
-                    quantity=probe.name,
-                    outcome="unsupported",
-                    sentence=f"the engine does not support this probe: {reason}",
+                    check="smoke", quantity=probe.name, outcome="unsupported", sentence=sentence
                 )
             )
-            continue
-        by_method = [_judged(engine, method, probe) for method in supporting]
-        findings += _worst(by_method)
-    return findings
+        elif _never_answers(findings):
+            unasked.append(probe.name)
+        else:
+            findings += _worst([_judged(engine, method, probe) for method in supporting])
+    return _told_once(findings, unasked)
+
+
+def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
+    """The reason why no method supports a probe.
+
+    Where the probe runs backwards, that of a method which claims `backward`, if there is one.
+    """
+    claiming = [reason for method, reason in reasons if method.backward or not probe.backwards]
+    others = [reason for _, reason in reasons]
+    return next(iter([*claiming, *others]), None) or "the engine has no methods"
+
+
+def _never_answers(findings: list[Finding]) -> bool:
+    """True if nothing was answered, and ENOUGH failures have one and the same cause."""
+    if any(finding.outcome in ("pass", "fail") for finding in findings):
+        return False
+    failed = [finding for finding in findings if finding.outcome == "error"]
+    return len(failed) >= ENOUGH and len({_cause(finding) for finding in failed}) == 1
+
+
+def _told_once(findings: list[Finding], unasked: list[str]) -> list[Finding]:
+    """The findings, of which the first of several errors with one cause names the others, and the
+    probes that were not asked for any more.
+    """
+    same: dict[str, list[str]] = {}
+    for finding in findings:
+        if finding.outcome == "error":
+            same.setdefault(_cause(finding), []).append(finding.quantity)
+    told = []
+    for finding in findings:
+        if finding.outcome != "error":
+            told.append(finding)
+        elif (quantities := same.pop(_cause(finding), None)) is not None:
+            told.append(_with_others(finding, quantities[1:], unasked))
+    return told
+
+
+def _with_others(finding: Finding, failed: list[str], unasked: list[str]) -> Finding:
+    """The finding on an error, which names the other probes that failed for the same reason, and
+    those that were not tried because of it.
+    """
+    sentence = finding.sentence
+    if failed:
+        sentence += f"; {len(failed)} more failed for the same reason: {', '.join(failed)}"
+    if unasked:
+        sentence += f"; {len(unasked)} were not tried for this reason: {', '.join(unasked)}"
+    return msgspec.structs.replace(finding, sentence=sentence)
+
+
+def _cause(finding: Finding) -> str:
+    """What an error is, without the probe at which it came and the files that are kept of it."""
+    cause = finding.sentence.partition(": ")[2]
+    for ending in (KEPT, NOT_AGAIN):
+        cause = cause.partition(ending)[0]
+    return cause
 
 
 def _unsupported(engine: Engine, method: Method, probe: Probe) -> str | None:
@@ -238,7 +300,8 @@ def _compared(
             f": at t = {probe.times[worst]:g} s the value is {_text(values[worst])}, expected"
             f" {_text(expected[worst])}"
         )
-        suspected = suspicion(right, observed, name, probe.times - probe.start)
+        elapsed = probe.times - probe.start
+        suspected = suspicion(right, observed, name, elapsed, probe.mistaken)
         hint = suspected or f"check how the adapter converts {probe.shows}"
         sentence += f"; {hint}"
     return bounded(f"{probe.name}: {name}", error, BOUND, BASIS, sentence)

@@ -1,17 +1,18 @@
 """A guess at what an adapter got wrong, from the answer to a probe.
 
 Known slips (axes exchanged, another unit, a quaternion with w last, ...) are applied to the right
-answer; one whose result is near the observed answer explains it.
+answer; one whose result is near the observed answer explains it. So do known mistakes of a probe,
+whose motion it has. Where several explain an answer, all are named.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product, starmap
 
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.campaign.probes import Expected
+from refdem.campaign.probes import ORDERS, Expected
 from refdem.core.trajectory import STATE
 from refdem.mechanics.quaternion import conjugate, matrix, rotated
 
@@ -20,6 +21,10 @@ Slip = Callable[[Expected], Expected]
 
 NEAR = 0.02
 """A slip explains a column if its result is within this part of the scale of the observed one."""
+LEFT = 0.25
+"""A mistake explains an error if at most this part of it is left."""
+MOST_NAMED = 4
+"""Explanations that are named, of those that explain an answer equally."""
 POINT_FACTOR = 10.0
 """A displaced point explains an error if less than a tenth of it is left."""
 
@@ -76,7 +81,6 @@ def _reordered(name: str, order: str) -> Suspect:
     return Suspect(f"the axes of its {name} come in the order {order}", reorder)
 
 
-ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
 COLUMNS = ("position", "velocity", "omega")
 SUSPECTS = (
     Suspect("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
@@ -110,31 +114,51 @@ SUSPECTS = (
 )
 
 
-def suspicion(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
-    """The slips that explain one column, as a clause; empty if no known slip does.
+def suspicion(
+    right: Expected,
+    observed: Expected,
+    name: str,
+    elapsed: Array,
+    mistaken: Sequence[tuple[str, Expected]] = (),
+) -> str:
+    """The slips and mistakes that explain one column, as a clause; empty if no known one does.
 
     `right` and `observed` have columns (T, N, ...) by name, `elapsed` (T,) [s] is the time since
-    the start.
+    the start. `mistaken` has mistakes of the probe in words, with the columns that they would give.
     """
     explanations = []
     for suspect in SUSPECTS:
         slipped = suspect.slip(right)
-        if name in slipped and _is_near(observed[name], slipped[name], name):
+        if name in slipped and distance(observed[name], slipped[name], name) <= NEAR:
             explanations.append(suspect.says)
-    if explanations:
-        return " or ".join(explanations[:2])
-    return _displaced(right, observed, name, elapsed)
+    explanations += [says for says, wrong in mistaken if _explains(right, observed, wrong)]
+    if not explanations:
+        return _displaced(right, observed, name, elapsed)
+    clause = " or ".join(explanations[:MOST_NAMED])
+    if len(explanations) > 1:
+        clause += " (this probe cannot tell these apart)"
+    return clause
 
 
-def _is_near(values: Array, expected: Array, name: str) -> bool:
-    """True if all values are within NEAR of the scale; q and -q are the same attitude."""
+def _explains(right: Expected, observed: Expected, wrong: Expected) -> bool:
+    """True if a mistake explains every column that it has, and most of what is not right there."""
+    names = [name for name in wrong if name in observed and name in right]
+    if not names:
+        return False
+    left = max(distance(observed[name], wrong[name], name) for name in names)
+    error = max(distance(observed[name], right[name], name) for name in names)
+    return left <= NEAR and left <= LEFT * error
+
+
+def distance(values: Array, expected: Array, name: str) -> float:
+    """The largest difference in units of the scale; q and -q are the same attitude."""
     difference = np.abs(values - expected)
     if name == "attitude":
         to_opposite = np.abs(values + expected)
         is_nearer = difference.max(axis=-1, keepdims=True) < to_opposite.max(axis=-1, keepdims=True)
         difference = np.where(is_nearer, difference, to_opposite)
     scale = max(1.0, float(np.abs(expected).max()))
-    return bool(difference.max() <= NEAR * scale)
+    return float(difference.max() / scale)
 
 
 def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.campaign.probe_motion import motion
-from refdem.campaign.probes import Probe
+from refdem.campaign.probes import Probe, turning_mistakes
 from refdem.mechanics.quaternion import product
 from refdem.scene import Body, Scene
 from refdem.scene.element import Element
@@ -66,6 +66,7 @@ def _integrated(
         scene=scene,
         expected=lambda t: motion(scene, t),
         backwards=backwards,
+        mistakes=turning_mistakes(scene),
     )
 
 

@@ -40,12 +40,14 @@ class Determinism(Check):
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The coarsest level whose steps fit the denser output; the same request again; the same
-        with denser output; and, if the method claims it, the same on more threads.
+        with denser output, where a sample has enough steps for that; and, if the method claims it,
+        the same on more threads.
         """
         level = self._level(subject)
         variants = [Variant(level), Variant(level, "repeated")]
         if isinstance(subject.instance.problem, Motion):
-            variants.append(Variant(level, "denser_output", DENSER))
+            if _has_steps_for_denser_output(subject, level):
+                variants.append(Variant(level, "denser_output", DENSER))
             if subject.method.threads:
                 variants.append(Variant(level, "threads", THREADS))
         return tuple(variants)
@@ -54,14 +56,9 @@ class Determinism(Check):
         """The coarsest level with at least DENSER steps a sample, or the finest if none has so
         many.
         """
-        interval = subject.instance.problem.interval
-        fitting = [
-            level
-            for level in subject.levels
-            if subject.method.control != "step" or level <= interval / DENSER
-        ]
-        if fitting:
-            return fitting[0]
+        for level in subject.levels:
+            if _has_steps_for_denser_output(subject, level):
+                return level
         return subject.levels[-1]
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
@@ -82,11 +79,7 @@ class Determinism(Check):
                 what="The largest difference between two runs of the same request",
             )
         ]
-        if (
-            "denser_output" in by_change
-            and is_fixed_step
-            and subject.levels[-1] <= subject.instance.problem.interval / DENSER
-        ):
+        if "denser_output" in by_change and is_fixed_step:
             findings.append(
                 judged(
                     check=self.name,
@@ -111,6 +104,16 @@ class Determinism(Check):
                 )
             )
         return findings
+
+
+def _has_steps_for_denser_output(subject: Subject, level: float) -> bool:
+    """True if a step ends at each of the DENSER samples that take the place of one.
+
+    Steps are the sample interval or halvings of it; methods without a fixed step end anywhere.
+    """
+    if subject.method.control != "step":
+        return True
+    return bool(level <= subject.instance.problem.interval / DENSER)
 
 
 def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:

@@ -5,6 +5,7 @@ in units of its scale. It deviates from p by terms of higher order, by round-off
 by kinks of the motion (contacts, stick-slip), which scatter C from step to step.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -385,7 +386,7 @@ class Order(Check):
             )
             return undecided(self.name, "state", why)
         if deficit > 0.5:
-            basis += "; " + _declaration_hint(subject)
+            basis += "; " + _declaration_hint(subject, slope)
         return judged(
             check=self.name,
             quantity="state",
@@ -523,14 +524,24 @@ def _fit_residual(errors: Sequence[Array], first: float, second: float) -> float
     return float(np.max(np.abs(fine - fitted)) / np.max(np.abs(fine)))
 
 
-def _declaration_hint(subject: Subject) -> str:
+def _declaration_hint(subject: Subject, slope: float) -> str:
     """What the author of a method may declare in `refdem.toml` if its order is known to be lower
     here.
+
+    `slope` is the mean order observed. A declaration is named only if it would lower the claim,
+    and if the observed order would meet the lowered one within 0.5.
     """
     limits = [limit for _, limit in singularities(subject.instance.scene)]
-    if limits:
-        return f"if the method has a lower order here, declare {min(limits).key}"
-    return "no force in the scene explains a lower order"
+    if not limits:
+        return "no force in the scene explains a lower order"
+    limit = min(limits)
+    declared = math.floor(limit.order)
+    claimed = subject.method.order_for(subject.instance.problem.features)
+    if declared >= claimed:
+        return f"{limit.feature} explains no order below the claimed {claimed}"
+    if slope < declared - 0.5:
+        return f"{limit.feature} explains an order of {declared}, none as low as {slope:.2f}"
+    return f"if the method has a lower order here, declare {limit.key}"
 
 
 def _errors_at_levels(

@@ -28,6 +28,9 @@ def command(
     level: Annotated[
         int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")
     ] = 0,
+    seconds: Annotated[
+        float, typer.Option(help="Run time [s] after which the search for twins ends.", min=1)
+    ] = 120.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Runs twins of the transparent engine, each with one known fault or another integrator, and
@@ -50,7 +53,7 @@ def command(
     chosen_case = discovery.case(case)
     if isinstance(chosen_case, Selection):
         raise UsageError(f"{case} is a selection of cases; name one of them")
-    result, step = diagnosed(chosen_case.at(**given), chosen_engine, method, level)
+    result, step = diagnosed(chosen_case.at(**given), chosen_engine, method, level, seconds)
     if json:
         print(msgspec.json.format(msgspec.json.encode(_document(record, step, result))).decode())
         return
@@ -83,7 +86,7 @@ def parts_of(record: str) -> tuple[str, str, str]:
 
 
 def diagnosed(
-    instance: "Instance", engine: "Engine", method: str, level: int
+    instance: "Instance", engine: "Engine", method: str, level: int, seconds: float
 ) -> "tuple[Diagnosis, float | None]":
     """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none
     to show.
@@ -116,9 +119,10 @@ def diagnosed(
     request = first_part(request)
     run = _trajectory(engine, request)
     if request.step is None:
-        return diagnosis(instance, request, run), None
+        return diagnosis(instance, request, run, seconds=seconds), None
     finer = replace(request, step=request.step / 2)
-    return diagnosis(instance, request, run, (finer, _trajectory(engine, finer))), request.step
+    other = (finer, _trajectory(engine, finer))
+    return diagnosis(instance, request, run, other, seconds), request.step
 
 
 def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
@@ -169,5 +173,6 @@ def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str,
         "defect": result.defect,
         "explained_by": explained,
         "sentence": result.sentence(),
+        "ended_after": result.seconds or None,
         "twins": twins,
     }

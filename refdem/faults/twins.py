@@ -4,13 +4,15 @@ scene, laid beside a code's run.
 A fault that is a matter of degree is fitted: its amplitude is solved for. It is named only where
 it explains the run to three digits, explains a thousand times more than the same twin without the
 fault, and, where the code has a run at another step as well, explains that one with the same
-amplitude.
+amplitude. An amplitude that is no simple number has to explain more: one free number fits three
+digits of much. Faults that explain a run equally are all named.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isfinite, log10
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,22 @@ LEFT = 1e-3
 """Part of the defect of its sound twin that a fault may leave unexplained: three digits of the
 defect.
 """
+ODD_DIGITS = 6.0
+"""Digits to which a twin of a fitted amplitude must agree if that is no simple number."""
+ODD_LEFT = 1e-5
+"""Part of the defect that such a twin may leave unexplained."""
+SIMPLE_FACTORS: tuple[float, ...] = (-1.0, 0.5, 2.0, 4.0, 0.25, 10.0, 0.1, 1e3, 1e-3)
+"""Factors by which numbers are misread for a reason: a sign, a half, a unit."""
+SIMPLE_AMPLITUDES: tuple[float, ...] = (1.0, -1.0, 0.5, 2.0)
+"""Amplitudes of known faults that need no reason: as it is, reversed, half, or twice."""
+SIMPLE = 1e-3
+"""Largest relative distance of a fitted amplitude from the simple number that it is taken for."""
+SECONDS = 120.0
+"""Run time [s] of a search for twins, after which it ends with what was tried; small scenes take
+10 s.
+"""
+MOST_EQUALS = 5
+"""Faults that are named as equals of an explanation, of those that are."""
 FINER = 4
 """Steps of the best method in one of the code's: its run is then nearer to the motion itself, with
 the fault or without.
@@ -114,12 +132,32 @@ class Twin:
     @property
     def is_telling(self) -> bool:
         """True if the twin agrees to three digits, and explains three digits of what is wrong with
-        the same twin without the fault.
+        the same twin without the fault; more of both at an amplitude that is no simple number.
         """
-        is_near = self.digits >= LEAST_DIGITS
+        if self.is_odd:
+            digits = ODD_DIGITS
+            left = ODD_LEFT
+        else:
+            digits = LEAST_DIGITS
+            left = LEFT
+        is_near = self.digits >= digits
         if not self.name:
             return is_near and self.distance <= SOUND
-        return is_near and isfinite(self.beside) and self.distance <= LEFT * self.beside
+        return is_near and isfinite(self.beside) and self.distance <= left * self.beside
+
+    @property
+    def is_odd(self) -> bool:
+        """True of a fitted amplitude that is no simple number."""
+        if self.knob is None:
+            return False
+        if self.fault is None:
+            # A number that is misread is multiplied by 1 + amplitude.
+            number = 1.0 + self.amplitude
+            simple = SIMPLE_FACTORS
+        else:
+            number = self.amplitude
+            simple = SIMPLE_AMPLITUDES
+        return all(abs(number - value) > SIMPLE * abs(value) for value in simple)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,11 +166,13 @@ class Diagnosis:
     from the right motion.
 
     `refuted` are the names of faults that explain this run and not the code's run at another step.
+    `seconds` [s] is the run time after which the search was ended, 0 if all faults were tried.
     """
 
     twins: tuple[Twin, ...]
     defect: float
     refuted: frozenset[str] = field(default=frozenset())
+    seconds: float = 0.0
 
     @property
     def _telling(self) -> list[Twin]:
@@ -169,19 +209,32 @@ class Diagnosis:
         if not self.twins:
             return "behaves as no twin: none can run this scene"
         if np.isfinite(self.defect):
-            right = f"; the right motion is {_size(self.defect)} away"
+            ending = f"; the right motion is {_size(self.defect)} away"
         else:
-            right = ""
+            ending = ""
+        if self.seconds:
+            ending += (
+                f"; the search ended after {self.seconds:g} s, before all known faults were tried"
+            )
         explanation = self.explanation
         if explanation is not None:
-            alike = "".join(f" (as does {name})" for name in self.alike)
             agreement = f"agrees to {explanation.digits:.1f} digits"
-            return f"behaves as {explanation.behaviour}{alike}, {agreement}{right}"
+            return f"behaves as {explanation.behaviour}, {agreement}{self._equals()}{ending}"
         nearest = self.twins[0]
         return (
-            f"behaves as no twin; nearest: {nearest.behaviour}, at {nearest.digits:.1f} digits"
-            f" ({_size(nearest.distance)}): not a diagnosis{right}"
+            f"no known fault explains this run; nearest: {nearest.behaviour}, at"
+            f" {nearest.digits:.1f} digits ({_size(nearest.distance)}): not a diagnosis{ending}"
         )
+
+    def _equals(self) -> str:
+        """The clause that names other faults which explain the run as well; empty without any."""
+        names = self.alike
+        if not names:
+            return ""
+        named = ", ".join(names[:MOST_EQUALS])
+        if len(names) > MOST_EQUALS:
+            named += f" and {len(names) - MOST_EQUALS} more"
+        return f"; equally explained by {named}: this run cannot tell them apart"
 
 
 def _complexity(twin: Twin) -> int:
@@ -209,12 +262,14 @@ def diagnosis(
     request: Request,
     run: Trajectory,
     other: tuple[Request, Trajectory] | None = None,
+    seconds: float = SECONDS,
 ) -> Diagnosis:
     """The twins of a run that answers `request`, nearest first.
 
-    `other` is a run of the code at another step, which confirms.
+    `other` is a run of the code at another step, which confirms. The search ends after `seconds`
+    [s] of run time with the twins that were tried.
     """
-    beside = Beside(instance, request, run)
+    beside = Beside(instance, request, run, seconds)
     sound = beside.sound
     if not sound:
         return Diagnosis(twins=(), defect=inf)
@@ -224,7 +279,12 @@ def diagnosis(
     finest = [twin.distance for twin in sound.values() if twin.step < (request.step or inf)]
     twins.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))
     refuted = _refuted(instance, [twin for twin in twins if twin.name and twin.is_telling], other)
-    return Diagnosis(twins=tuple(twins), defect=min(finest, default=inf), refuted=refuted)
+    if beside.is_cut_short:
+        ended_after = seconds
+    else:
+        ended_after = 0.0
+    defect = min(finest, default=inf)
+    return Diagnosis(twins=tuple(twins), defect=defect, refuted=refuted, seconds=ended_after)
 
 
 def _refuted(
@@ -269,7 +329,13 @@ def _is_foreign(twin: Twin, instance: Instance) -> bool:
 class Beside:
     """A run of a code, and twins that are laid beside it."""
 
-    def __init__(self, instance: Instance, request: Request, run: Trajectory) -> None:
+    def __init__(
+        self, instance: Instance, request: Request, run: Trajectory, seconds: float = SECONDS
+    ) -> None:
+        self.begun = monotonic()
+        self.seconds = seconds
+        self.is_cut_short = False
+        """Whether faults were left untried for want of time."""
         self.instance = instance
         self.request = request
         self.run = run
@@ -379,7 +445,16 @@ class Beside:
             *(knob for fault in faults() if (knob := continued(fault))),
         ]
         for knob in knobs:
+            if self._is_late():
+                return
             yield from self._fitted(knob, followed)
+
+    def _is_late(self, part: float = 1.0) -> bool:
+        """True if this part of the run time is spent; the search is then cut short."""
+        if monotonic() - self.begun < part * self.seconds:
+            return False
+        self.is_cut_short = True
+        return True
 
     def _early(self, engine: Engine, method: str, step: float) -> float:
         """Largest difference of states in the first window; infinite if the twin cannot run."""
@@ -430,6 +505,9 @@ class Beside:
         early = []
         for number, fault in enumerate(faults()):
             inert = set()
+            # Half of the time is for the first look at each fault.
+            if self._is_late(0.5):
+                break
             for method, step in self._tries(fault, followed):
                 if method in inert:
                     continue
@@ -440,6 +518,8 @@ class Beside:
                 elif distance <= PROMISING * plain:
                     early.append((distance, number, fault, method, step))
         for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:FOLLOWED]:
+            if self._is_late():
+                return
             whole = self.distance(self.ran(fault.carrier(), method, step))
             if whole is not None:
                 yield Twin(
@@ -456,6 +536,8 @@ class Beside:
         """
         inert = set()
         for method, step in self._tries(knob.fault, followed):
+            if self._is_late():
+                return
             if method in inert:
                 continue
             amplitude = fit.amplitude(self._differences(knob, method, step), self.counts)

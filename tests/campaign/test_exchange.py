@@ -197,3 +197,14 @@ def test_mass_properties_come_back_as_a_table(toml: Path, tmp_path: Path) -> Non
     }
     assert found["cuboid.mass"] == "pass"
     assert "ellipsoid.mass" not in found
+
+
+@pytest.mark.parametrize("levels", [1, 2])
+def test_an_export_of_few_levels_is_written(tmp_path: Path, levels: int) -> None:
+    path = tmp_path / "refdem.toml"
+    path.write_text(TOML.replace('["spring"]', '["contact:rigid", "plane"]'))
+    store = Store(tmp_path / "store.sqlite")
+    case = [Entry("hard-wall")]
+    waiting = exported(tmp_path / "out", [path], case, levels, store, lambda *_: None)
+    store.close()
+    assert waiting

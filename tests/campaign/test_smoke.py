@@ -2,13 +2,15 @@
 is wrong when it lies.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign.smoke import every_probe, smoke
+from refdem.campaign.smoke import BOUND, every_probe, smoke
+from refdem.campaign.suspicion import distance, suspicion
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import EngineError, UnsupportedError
@@ -22,9 +24,9 @@ SAID = {"uniform_gravity", "spring"}
 """Elements that the engine of this test has."""
 
 
-def derivative(scene, r, v, q, w):
+def derivative(scene, gyroscopic, r, v, q, w):
     """Rates of position, velocity, attitude and body omega for gravity, springs and Euler's
-    equations.
+    equations, J w' = T - g w x J w.
     """
     mass = scene.bodies.mass
     acceleration = sum((np.array(e.g) for e in scene.all(UniformGravity)), np.zeros(3)) + 0 * r
@@ -49,12 +51,16 @@ def derivative(scene, r, v, q, w):
         v,
         acceleration,
         turn,
-        np.where(scene.bodies.inertia > 0, (np.cross(inertia * w, w) + torque) / inertia, 0.0),
+        np.where(
+            scene.bodies.inertia > 0,
+            (gyroscopic * np.cross(inertia * w, w) + torque) / inertia,
+            0.0,
+        ),
     ]
 
 
 @cache
-def honest(scene_json, interval, count):
+def honest(scene_json, interval, count, gyroscopic=1.0):
     """Columns of the right trajectory, by classical Runge-Kutta."""
     scene = Scene.from_json(scene_json)
     h = interval / SUBSTEPS
@@ -62,10 +68,10 @@ def honest(scene_json, interval, count):
     state = [b.position, b.velocity, b.attitude, rotated(conjugate(b.attitude), b.omega)]
     rows = [state]
     for step in range((count - 1) * SUBSTEPS):
-        k1 = derivative(scene, *state)
-        k2 = derivative(scene, *(s + h / 2 * k for s, k in zip(state, k1, strict=True)))
-        k3 = derivative(scene, *(s + h / 2 * k for s, k in zip(state, k2, strict=True)))
-        k4 = derivative(scene, *(s + h * k for s, k in zip(state, k3, strict=True)))
+        k1 = derivative(scene, gyroscopic, *state)
+        k2 = derivative(scene, gyroscopic, *(s + h / 2 * k for s, k in zip(state, k1, strict=True)))
+        k3 = derivative(scene, gyroscopic, *(s + h / 2 * k for s, k in zip(state, k2, strict=True)))
+        k4 = derivative(scene, gyroscopic, *(s + h * k for s, k in zip(state, k3, strict=True)))
         state = [
             s + h / 6 * (a + 2 * b + 2 * c + d)
             for s, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)
@@ -200,6 +206,32 @@ def numbers_swapped(request, columns):
     }
 
 
+def moments_reordered(*axes):
+    """A lie: moments of inertia come in another order."""
+
+    def lie(request, columns):
+        problem = request.problem
+        bodies = problem.scene.bodies
+        changed = Scene(replace(bodies, inertia=bodies.inertia[:, axes]), problem.scene.elements)
+        return {
+            "t": columns["t"],
+            **honest(changed.to_json(), problem.interval, len(problem.times)),
+        }
+
+    return lie
+
+
+def gyroscopic_term(factor):
+    """A lie: the gyroscopic term is multiplied by a factor."""
+
+    def lie(request, columns):
+        problem = request.problem
+        text = problem.scene.to_json()
+        return {"t": columns["t"], **honest(text, problem.interval, len(problem.times), factor)}
+
+    return lie
+
+
 def delayed(request, columns):
     return columns | {
         name: np.concatenate([columns[name][:1], columns[name][:-1]])
@@ -246,6 +278,26 @@ LIES = {
         changed("omega", lambda w: np.roll(w, 1, axis=-1)),
         "wobble about x: omega_body",
         "",
+    ),
+    "moments of inertia in another order": (
+        moments_reordered(1, 2, 0),
+        "tumble: omega",
+        "its axes of inertia come in the order yzx",
+    ),
+    "no gyroscopic term": (
+        gyroscopic_term(0.0),
+        "wobble about x: omega_body",
+        "the gyroscopic term omega x J omega of Euler's equations is missing",
+    ),
+    "no gyroscopic term while a body tumbles": (
+        gyroscopic_term(0.0),
+        "tumbling throw: attitude",
+        "the gyroscopic term omega x J omega of Euler's equations is missing",
+    ),
+    "a gyroscopic term with the other sign": (
+        gyroscopic_term(-1.0),
+        "wobble about z: angular_momentum",
+        "the gyroscopic term omega x J omega of Euler's equations has the other sign",
     ),
     "a sample late": (delayed, "spring: position", "every row is that of the sample before"),
     "a first sample after a step": (
@@ -301,6 +353,95 @@ LIES = {
         "bodies come in the other order",
     ),
 }
+
+
+def mistakes():
+    """A row for each mistake that a probe can tell."""
+    rows = []
+    for probe in every_probe():
+        for number, mistake in enumerate(probe.mistakes):
+            rows.append(pytest.param(probe, number, id=f"{probe.name}: {mistake.says}"))
+    return rows
+
+
+@pytest.mark.parametrize(("probe", "number"), mistakes())
+def test_a_known_mistake_is_named_alone_or_as_one_of_equals(probe, number):
+    says, wrong = probe.mistaken[number]
+    seen = probe.right | {name: wrong[name] for name in wrong if name in probe.right}
+    failing = [
+        name for name, values in probe.right.items() if distance(seen[name], values, name) > BOUND
+    ]
+    for name in failing:
+        elapsed = probe.times - probe.start
+        clause = suspicion(probe.right, seen, name, elapsed, probe.mistaken)
+        assert says in clause
+        equals = [
+            other
+            for other, columns in probe.mistaken
+            if max(distance(seen[n], columns[n], n) for n in wrong if n in probe.right) <= BOUND
+        ]
+        assert all(other in clause for other in equals)
+        assert ("cannot tell these apart" in clause) == (" or " in clause.replace(says, ""))
+
+
+def test_an_impact_tells_each_mistake_that_changes_it_from_every_other():
+    probes = {probe.name: probe for probe in every_probe()}
+    for name in ("impact in a plane", "impact in space", "bounce from a wall"):
+        probe = probes[name]
+        answers = [*probe.mistaken, ("right", probe.right)]
+        for n, (first, a) in enumerate(answers):
+            for second, b in answers[:n]:
+                off = max(distance(a[column], b[column], column) for column in a)
+                assert off > BOUND, (name, first, second)
+
+
+def test_a_missing_gyroscopic_term_is_told_from_axes_in_another_order():
+    missing = "Euler's equations is missing"
+    by_term = {f.quantity: f.sentence for f in smoke(Plain(gyroscopic_term(0.0)))}
+    by_order = {f.quantity: f.sentence for f in smoke(Plain(moments_reordered(2, 0, 1)))}
+    for quantity in ("wobble about x: omega_body", "tumble: omega"):
+        assert missing in by_term[quantity]
+        assert "axes of inertia" not in by_term[quantity].partition("; ")[2]
+        assert missing not in by_order[quantity]
+        assert "its axes of inertia come in the order" in by_order[quantity]
+
+
+def test_a_failure_that_all_probes_share_is_told_once_and_ends_the_test():
+    asked = []
+
+    def raising(request, columns):
+        asked.append(request)
+        raise EngineError("no module named numpyy")
+
+    errors = [f for f in smoke(Plain(raising)) if f.outcome == "error"]
+    assert [f.quantity for f in errors] == ["line"]
+    assert len(asked) == 3
+    assert "2 more failed for the same reason: plane, space" in errors[0].sentence
+    assert "were not tried for this reason: two bodies, later" in errors[0].sentence
+    assert errors[0].sentence.count("numpyy") == 1
+
+
+def test_a_failure_of_some_probes_is_told_once_and_the_others_are_judged():
+    def raising(request, columns):
+        if request.problem.scene.all(Spring):
+            raise EngineError("springs break")
+        return columns
+
+    findings = smoke(Plain(raising))
+    errors = [f for f in findings if f.outcome == "error"]
+    assert [f.quantity for f in errors] == ["spring"]
+    assert "more failed for the same reason: spring in space" in errors[0].sentence
+    assert "not tried" not in errors[0].sentence
+    assert "tumble: omega" in {f.quantity for f in findings if f.outcome == "pass"}
+
+
+def test_failures_with_other_causes_are_told_each():
+    def raising(request, columns):
+        raise EngineError(f"v = {request.problem.scene.bodies.velocity[0, 1]}")
+
+    errors = [f.quantity for f in smoke(Plain(raising)) if f.outcome == "error"]
+    assert errors[:2] == ["line", "plane"]
+    assert len(errors) > 3
 
 
 def test_nothing_is_said_against_an_adapter_that_is_right():

@@ -2,16 +2,22 @@
 the step is none.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.checks.order import expected_lack, lack, mean_order
+from refdem.checks.order import CHECK, expected_lack, lack, mean_order, with_key
 from refdem.core import discovery
+from refdem.core.check import Subject
 from refdem.core.engine import Method
+from refdem.core.finding import Finding
+from refdem.core.problem import Motion
+from refdem.core.refinement import kinked
 from refdem.core.refinement import order as smooth_order
+from refdem.core.selection import Selection
 from refdem.faults.transparent import Transparent
 
 
@@ -364,3 +370,51 @@ def test_a_lower_order_of_a_smooth_motion_is_told_the_key_that_would_declare_it(
     assert finding.outcome == "fail"
     assert ("may declare order_with" in finding.sentence) == bool(key)
     assert key in finding.sentence
+
+
+ADVISED = re.compile(r'order_with = \{ "([^"]+)" = (\d+) \}')
+STEPS = [0.1 / 2**k for k in range(9)]
+
+
+def failed_sentence(subject, order):
+    """The sentence of the check on errors h^order, at nine levels where kinks scatter them."""
+    if kinked(subject.instance):
+        return CHECK._mean(subject, STEPS, [step**order for step in STEPS]).sentence
+    finding = Finding(
+        check="order",
+        quantity="state",
+        outcome="fail",
+        sentence="Too low.",
+        order_seen=float(order),
+        order_claimed=float(subject.order),
+    )
+    return with_key(subject, finding).sentence
+
+
+@pytest.mark.parametrize("name", discovery.names("cases"))
+def test_nobody_is_told_to_declare_an_order_that_he_claims_or_that_does_not_help(name):
+    case = discovery.case(name)
+    if isinstance(case, Selection) or not isinstance(case.at().problem, Motion):
+        pytest.skip("no motion")
+    instance = case.at()
+    features = instance.problem.features
+    for claimed in (1, 2, 4):
+        for key in ("", *sorted(features)):
+            order_with = {key: 1} if key else {}
+            method = Method(
+                name="m", summary="", control="step", order=claimed, order_with=order_with
+            )
+            for order in (-1.0, 0.0, 1.0, 2.0, 3.0):
+                sentence = failed_sentence(Subject(instance, method, (), None), order)
+                for feature, advised in ADVISED.findall(sentence):
+                    assert feature in features
+                    assert int(advised) < method.order_for(features), sentence
+                    if "if the method has a lower order here" in sentence:
+                        assert int(advised) <= order + 0.5, sentence
+
+
+def test_a_method_that_claims_the_order_of_a_jump_hears_that_it_explains_no_less():
+    instance = discovery.case("hard-wall").at()
+    method = Method(name="m", summary="", control="step", order=2, order_with={"contact:rigid": 1})
+    sentence = failed_sentence(Subject(instance, method, (), None), 0.0)
+    assert "contact:rigid explains no order below the claimed 1" in sentence

@@ -30,6 +30,8 @@ FILES = {
     "trajectory_npy": "trajectory.npy",
     "events": "events.csv",
 }
+KEPT = " (request and output are kept in"
+"""What follows the failure in an error, with the folder."""
 ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
@@ -98,7 +100,7 @@ class Program:
                 place = kept(folder, self.table.name)
                 sentence = str(error)
                 if place:
-                    sentence += f" (request and output are kept in {place})"
+                    sentence += f"{KEPT} {place})"
                 raise type(error)(sentence) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:

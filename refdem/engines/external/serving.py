@@ -43,6 +43,8 @@ ADVICE = (
 )
 MOST_SERVED = 8
 """Programs that stay alive for one thread: in a campaign of more, those that were asked last."""
+NOT_AGAIN = "; it was not started again"
+"""What follows the failure of the last start in the errors of later requests."""
 MOST_STARTS = 2
 """Starts of a program that may fail before it is not started again."""
 SHOWN = 120
@@ -291,7 +293,7 @@ class Exchange:
         """Seconds of stepping; raises EngineError for the first request that is not answered."""
         failed = _FAILED_STARTS.setdefault(self.identity, [])
         if len(failed) >= MOST_STARTS:
-            raise EngineError(f"{failed[-1]}; it was not started again")
+            raise NotStartedError(f"{failed[-1]}{NOT_AGAIN}")
         if self.is_fresh:
             with contextlib.closing(Served(self.name, self.command)) as served:
                 self._ask(served)

@@ -226,7 +226,8 @@ def test_smoke_finds_nothing_wrong_with_the_adapter(engine):
     findings = smoke(engine)
     assert {f.outcome for f in findings} == {"pass", "unsupported"}
     unsaid = {finding.quantity for finding in findings if finding.outcome == "unsupported"}
-    assert unsaid == {"friction along another axis", "dumbbell", "tumble backwards"}
+    rigid = {"impact on a line", "impact in a plane", "impact in space", "bounce from a wall"}
+    assert unsaid == {"friction along another axis", "dumbbell", "tumble backwards"} | rigid
 
 
 def _wrong_axis(free, mujoco, world):
@@ -254,7 +255,7 @@ FAULTS = {
         "add_body",
         _wrong_axis,
         "wobble about x: omega_body",
-        "order of the inertia axes",
+        "its axes of inertia come in the order",
     ),
     "omega taken as the body's": (
         "start",
