@@ -298,7 +298,7 @@ def delays(instance: Instance, campaigns: list[tuple[Engine, Specification]]) ->
     found: set[float] = set()
     for engine, asked in campaigns:
         for subject, _ in plan.subjects(asked, instance, engine):
-            levels = refinement.order_levels(instance, subject.levels)
+            levels = refinement.order_levels(instance, subject.method, subject.levels)
             found |= {subject.method.delay(level) for level in levels}
     return tuple(sorted(found - {0.0}))
 

@@ -89,7 +89,7 @@ class Row:
         for _, asked in self.subjects:
             for subject, _ in asked:
                 if subject.method.velocity_time != "synchronous":
-                    levels = refinement.order_levels(self.instance, subject.levels)
+                    levels = refinement.order_levels(self.instance, subject.method, subject.levels)
                     delays |= {subject.method.delay(level) for level in levels}
         # A delay of 0 is that of the samples themselves.
         delays.discard(0.0)
@@ -298,6 +298,9 @@ def _tasks(
         applicable = []
         left_out = {}
         candidates = names
+        if unsupported is None and truth is not None and truth.escape is not None:
+            # Nobody can be asked for what comes after that.
+            unsupported = f"the motion does not last until its last sample ({truth.escape})"
         if unsupported is not None:
             candidates = []
         for name in candidates:

@@ -92,7 +92,7 @@ class Convergence(Check):
             observed = float(order)
         deficit = max(0.0, order - observed)
         tolerance = ORDER_TOLERANCE_FACTOR * max(0.15, 0.05 * order)
-        if kinked(subject.instance) and order - observed > tolerance:
+        if kinked(subject.instance, subject.method) and order - observed > tolerance:
             return [self._within(subject, fine, growth, observed)]
         return [
             judged(

@@ -237,7 +237,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         ratio = subject.levels[-2] / subject.levels[-1]
         if not np.any(earlier_change > rounding):
             return None
-    elif not kinked(instance) or _cuts_steps(subject):
+    elif not kinked(instance, method) or _cuts_steps(subject):
         safety /= ratio - 1.0
     elif order < exponent + 1.0:
         safety = CUT_PREDICTION_FACTOR / (ratio - 1.0)
@@ -246,7 +246,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     if method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.
         change = np.full(count, change[-1])
-    may_straddle = method.control == "step" and kinked(instance) and not method.locates_events
+    may_straddle = (
+        method.control == "step" and kinked(instance, method) and not method.locates_events
+    )
     allowed: Array = safety * change + rounding
     if may_straddle:
         step = subject.levels[-1]

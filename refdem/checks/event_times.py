@@ -121,8 +121,13 @@ class EventTimes(Check):
         distance, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
             detection = ""
-        else:
+        elif subject.method.control == "step":
             detection = ", plus one step, since the method detects events at the end of a step"
+        else:
+            detection = (
+                ", plus the interval between samples, since the method detects events at the end of"
+                " a step of its choice"
+            )
         return judged(
             check=self.name,
             quantity=kind,
@@ -339,12 +344,13 @@ def shift(error: float, crossing: Crossing) -> float:
 
 def located(subject: Subject) -> bool:
     """True if events are reported at their own times, not at the end of a step."""
-    return subject.method.control != "step" or subject.method.locates_events
+    return subject.method.control == "exact" or subject.method.locates_events
 
 
 def ticks(subject: Subject, time: float) -> float:
     """Rounding [s] of a clock that is written, or summed step by step; plus one step for methods
-    that detect events at its end.
+    that detect events at its end. A step that a method chooses by a tolerance ends at the next
+    sample at the latest.
     """
     level = subject.levels[-1]
     if subject.method.control == "step":
@@ -354,6 +360,8 @@ def ticks(subject: Subject, time: float) -> float:
     rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, roundings) * abs(time)
     if located(subject):
         return rounding
+    if subject.method.control == "tolerance":
+        return rounding + subject.instance.problem.interval
     return rounding + level
 
 

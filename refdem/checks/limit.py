@@ -50,7 +50,7 @@ class Limit(Check):
         """
         if subject.method.control != "step":
             return f"the step control of the method is {subject.method.control}, not a fixed step"
-        if kinked(subject.instance):
+        if kinked(subject.instance, subject.method):
             return "kinks scatter the errors, so they do not follow a power of the step"
         if subject.method.delay(subject.levels[0]) != 0:
             return "velocities lag by a time that depends on the step"

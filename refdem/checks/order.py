@@ -94,7 +94,7 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
     names the key to declare.
     """
     seen = finding.order_seen
-    if finding.outcome != "fail" or seen is None or kinked(subject.instance):
+    if finding.outcome != "fail" or seen is None or kinked(subject.instance, subject.method):
         return finding
     # Errors that are the same at two steps, or none at the coarser one, have no finite order.
     if not np.isfinite(seen):
@@ -129,7 +129,10 @@ class Order(Check):
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The plain run of every level, and of finer ones where one pair shows little."""
-        return tuple(Variant(level) for level in order_levels(subject.instance, subject.levels))
+        return tuple(
+            Variant(level)
+            for level in order_levels(subject.instance, subject.method, subject.levels)
+        )
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The finding `state`, of the observed order; and `growth`, if errors can be seen to rise
@@ -162,14 +165,15 @@ class Order(Check):
             levels = len(self.needs(subject))
             why = (
                 f"only {len(counting)} of {levels} refinement levels are usable (bound"
-                " between 20 x round-off and 0.1 of the scale); 3 are needed"
+                " between 20 x round-off and 0.1 of the scale, step shorter than the motion);"
+                " 3 are needed"
             )
             return undecided(self.name, "state", why)
         floor = [_floor(subject, h) for h in counting]
         largest = [_largest(errors_at[h], common) for h in counting]
         if all(error <= low for error, low in zip(largest[1:], floor[1:], strict=True)):
             return self._nothing_left(largest, floor)
-        if kinked(subject.instance):
+        if kinked(subject.instance, subject.method):
             above = [k for k in range(len(largest)) if largest[k] > floor[k]]
             return self._mean(subject, [counting[k] for k in above], [largest[k] for k in above])
         pairs = list(zip(pairwise(largest), floor[1:], strict=True))
@@ -219,7 +223,7 @@ class Order(Check):
         # Octaves by which the error rises at each halving.
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
         rises_throughout = min(rises) > RISE
-        if kinked(subject.instance):
+        if kinked(subject.instance, subject.method):
             slope, deviation, _ = mean_order(levels, largest)
             is_beyond_chance = slope < -RISE and subject.order - slope > SURE * deviation
             rises_throughout = rises_throughout and is_beyond_chance
@@ -497,11 +501,14 @@ def _misfits(
 ) -> Misfits | None:
     """Residuals of two-term fits to the signed errors at three levels.
 
-    None for fewer levels, or if velocities lag behind positions by a part of a step.
+    None for fewer levels.
     """
-    if len(levels) < 3 or subject.method.delay(levels[0]) != 0:
+    if len(levels) < 3:
         return None
-    errors = [signed(subject, runs[Variant(h)].trajectory, truth, common) for h in levels]
+    errors = [
+        signed(subject, runs[Variant(h)].trajectory, truth, common, subject.method.delay(h))
+        for h in levels
+    ]
     if not errors[-1].size:
         return None
     order = subject.order
@@ -548,7 +555,7 @@ def _errors_at_levels(
     subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth
 ) -> Seen:
     """Scaled errors of every quantity, at every level from which an order is read."""
-    levels = order_levels(subject.instance, subject.levels)
+    levels = order_levels(subject.instance, subject.method, subject.levels)
     return {
         h: errors(subject.instance, runs[Variant(h)].trajectory, truth, subject.method.delay(h))
         for h in levels
@@ -569,9 +576,9 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     """
     truth = subject.truth
     assert truth is not None
-    levels = order_levels(subject.instance, subject.levels)
+    levels = order_levels(subject.instance, subject.method, subject.levels)
     scored_samples = {h: scored(subject.bound(h)) for h in levels}
-    if kinked(subject.instance):
+    if kinked(subject.instance, subject.method):
         n_finer = 3
     else:
         n_finer = 2
@@ -582,9 +589,23 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
         return [], 0
     allowed: dict[float, Array] = {h: subject.bound(h)[:common] for h in levels}
     counting = [
-        h for h in levels if scored_samples[h] >= common and allowed[h][-1] >= _floor(subject, h)
+        h
+        for h in levels
+        if scored_samples[h] >= common
+        and allowed[h][-1] >= _floor(subject, h)
+        and h < moving_time(truth)
     ]
     return counting, common
+
+
+def moving_time(truth: SampledTruth) -> float:
+    """Time [s] after which nothing moves any more; infinite where no end is certified.
+
+    Steps that are longer than all of the motion are off by the same, however long they are: the
+    whole way on which friction stops a body.
+    """
+    time, _ = truth.scalars.get("stop_time", (math.inf, 0.0))
+    return time
 
 
 def _floor(subject: Subject, level: float) -> float:

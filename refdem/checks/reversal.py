@@ -319,7 +319,9 @@ def _judged_level(subject: Subject) -> float:
 def _has_order(subject: Subject) -> bool:
     """True if the defect is a truncation error, and no kink within a step scatters it."""
     return (
-        subject.method.control == "step" and not _is_exact(subject) and not kinked(subject.instance)
+        subject.method.control == "step"
+        and not _is_exact(subject)
+        and not kinked(subject.instance, subject.method)
     )
 
 

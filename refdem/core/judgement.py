@@ -268,19 +268,31 @@ def errors(
     so that the result may be empty. Raises EngineError if the trajectory shows nothing that can be
     compared.
     """
+    scaled: dict[str, Array] = {}
+    for observed, at_its_time in _with_truth(instance, trajectory, truth, delay):
+        scaled |= _errors(instance, observed, at_its_time)
+    return scaled
+
+
+def _with_truth(
+    instance: Instance, trajectory: Trajectory, truth: SampledTruth, delay: float
+) -> list[tuple[dict[str, Array], SampledTruth]]:
+    """What is observed, each part with the truth of its time: that of the samples, and for
+    velocities that lag by `delay` [s] that of as much earlier.
+    """
     observed = instance.observe(trajectory)
     if not delay:
-        return _errors(instance, observed, truth)
+        return [(observed, truth)]
     by_velocity, by_position = _dependences(instance, trajectory)
     of_velocity_alone = by_velocity - by_position
     on_time = {name: values for name, values in observed.items() if name not in by_velocity}
     delayed = {name: values for name, values in observed.items() if name in of_velocity_alone}
-    scaled: dict[str, Array] = {}
+    parts = []
     if on_time:
-        scaled |= _errors(instance, on_time, truth)
+        parts.append((on_time, truth))
     if delayed:
-        scaled |= _errors(instance, delayed, truth.delayed(delay))
-    return scaled
+        parts.append((delayed, truth.delayed(delay)))
+    return parts
 
 
 def made_of_velocities(instance: Instance, trajectory: Trajectory) -> set[str]:
@@ -437,20 +449,32 @@ def room_of(subject: Subject) -> float:
 
     It is PREDICTION_FACTOR, and more where kinks scatter the errors.
     """
-    if not kinked(subject.instance):
+    if not kinked(subject.instance, subject.method):
         return PREDICTION_FACTOR
     if subject.method.locates_events:
         return CUT_PREDICTION_FACTOR
     return KINK_PREDICTION_FACTOR
 
 
-def signed(subject: Subject, run: Trajectory, truth: SampledTruth, count: int) -> Array:
+def signed(
+    subject: Subject, run: Trajectory, truth: SampledTruth, count: int, delay: float = 0.0
+) -> Array:
     """Signed differences (rows, count) from truth, in units of their scales; angles modulo 2 pi.
 
     There is one row a quantity. An attitude has three: the vector [rad] of the small rotation from
-    the true attitude to the observed one, in body axes.
+    the true attitude to the observed one, in body axes. Where velocities lag by `delay` [s], they
+    are compared as by `errors`; where nothing is known of that time, the difference is 0.
     """
-    observed = subject.instance.observe(run)
+    rows: list[Array] = []
+    for observed, at_its_time in _with_truth(subject.instance, run, truth, delay):
+        rows += _signed(subject, observed, at_its_time, count)
+    return np.array(rows)
+
+
+def _signed(
+    subject: Subject, observed: dict[str, Array], truth: SampledTruth, count: int
+) -> list[Array]:
+    """`signed` of what was observed, all of it at the samples of this truth."""
     rows = []
     for name, values in observed.items():
         quantity = subject.instance.quantities[name]
@@ -458,10 +482,11 @@ def signed(subject: Subject, run: Trajectory, truth: SampledTruth, count: int) -
             continue
         reference = truth.value(name)[:count]
         difference = _difference(values[:count], reference, is_angle=quantity.angle)
-        rows.append(difference / quantity.scale)
+        is_known = np.isfinite(truth.radius(name)[:count])
+        rows.append(np.where(is_known, difference, 0.0) / quantity.scale)
     if all(name in observed and name in truth.values for name in ATTITUDE):
         rows += list(_small_rotations(observed, truth, count))
-    return np.array(rows)
+    return rows
 
 
 def _small_rotations(observed: dict[str, Array], truth: SampledTruth, count: int) -> Array:
@@ -495,7 +520,7 @@ def left_at_finest(subject: Subject, *changes: Array) -> float:
     largest = [float(np.max(change)) for change in changes]
     if (
         subject.method.control != "step"
-        or kinked(subject.instance)
+        or kinked(subject.instance, subject.method)
         or not np.all(np.isfinite(largest))
     ):
         return float(np.inf)

@@ -234,7 +234,7 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
         return np.zeros(len(t))
     if method.control == "tolerance":
         # The constant C that a method with a tolerance claims holds for smooth motions only.
-        if kinked(instance):
+        if kinked(instance, method):
             constant = 1.0
         else:
             constant = method.constant
@@ -245,18 +245,28 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
     return allowed
 
 
-def kinked(instance: Instance) -> bool:
+def kinked(instance: Instance, method: Method) -> bool:
     """True if the force may have kinks within a step: the error then falls with the order over many
     levels, but not from each level to the next.
+
+    A force that is smoother, as |v| v of a drag, scatters only the errors of a method whose order
+    it limits.
     """
-    return bool(KINKS & instance.problem.features)
+    if KINKS & instance.problem.features:
+        return True
+    singularity = smoothness(instance, method)
+    return singularity is not None and singularity.order < method.order_for(
+        instance.problem.features
+    )
 
 
-def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, ...]:
+def order_levels(
+    instance: Instance, method: Method, levels: tuple[float, ...]
+) -> tuple[float, ...]:
     """The levels from which an order is read: with kinks, KINK_HALVINGS halvings of the finest as
     well.
     """
-    if not levels or not kinked(instance):
+    if not levels or not kinked(instance, method):
         return tuple(levels)
     finer = (levels[-1] / 2**k for k in range(1, KINK_HALVINGS + 1))
     return (*levels, *finer)

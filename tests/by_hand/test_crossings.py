@@ -383,7 +383,10 @@ def test_a_clock_ticks_in_roundings_and_a_method_that_looks_at_ends_of_steps_in_
     assert ticks(0.125, locates_events=True) == 64 * U * 3
     assert ticks(2.0, locates_events=True) == 8 * U * 3
     assert ticks(0.125) == 64 * U * 3 + 0.125
-    assert ticks(1e-6, control="tolerance") == 8 * U * 3
+    # A step of its own choice ends at the next sample, 2 s on, at the latest.
+    assert ticks(1e-6, control="tolerance") == 8 * U * 3 + 2.0
+    assert ticks(1e-6, control="tolerance", locates_events=True) == 8 * U * 3
+    assert ticks(0.0, control="exact") == 8 * U * 3
     assert ticks(0.125, time=-3.0, locates_events=True) == 64 * U * 3
 
 

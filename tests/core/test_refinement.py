@@ -90,9 +90,16 @@ def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_
     smooth, rubbing = (
         discovery.case(name).at() for name in ("harmonic-oscillator", "coulomb-oscillator")
     )
-    assert order_levels(smooth, (0.5, 0.25)) == (0.5, 0.25)
-    assert order_levels(rubbing, (0.5, 0.25)) == (0.5, 0.25, 0.125, 0.0625)
-    assert order_levels(rubbing, ()) == ()
+    second = Method(name="second", summary="", control="step", order=2)
+    fourth = Method(name="fourth", summary="", control="step", order=4)
+    finer = (0.5, 0.25, 0.125, 0.0625)
+    assert order_levels(smooth, second, (0.5, 0.25)) == (0.5, 0.25)
+    assert order_levels(rubbing, second, (0.5, 0.25)) == finer
+    assert order_levels(rubbing, second, ()) == ()
+    # The second derivative of |v| v jumps: it limits the fourth order, and not the second.
+    falling = discovery.case("quadratic-drag").at()
+    assert order_levels(falling, second, (0.5, 0.25)) == (0.5, 0.25)
+    assert order_levels(falling, fourth, (0.5, 0.25)) == finer
 
 
 def test_roundings_of_equal_terms_add_up_step_by_step():
