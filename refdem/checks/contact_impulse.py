@@ -49,6 +49,24 @@ SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
 """
 
 
+def alternating_slip(subject: Subject, run: Trajectory, step: float) -> float | None:
+    """The largest slip [m/s] that a step of friction makes where friction without a tangential
+    spring may alternate, since its direction is the sign of a slip that is 0 but for that; else 0.
+
+    None where it may alternate in a scene other than those that this check judges.
+    """
+    scene = subject.instance.scene
+    soft = [law for law in scene.all(Contact) if law.law != "rigid"]
+    if not any(law.friction > 0 and law.tangential_stiffness == 0 for law in soft):
+        return 0.0
+    if CHECK.applies(subject) is not None:
+        return None
+    contact = _Contact.of(subject, run, step)
+    touches = contact.may_touch[1:] | contact.may_touch[:-1]
+    alternates = touches & ~contact.slides_throughout
+    return float(np.max(contact.slip_change_of_step[alternates], initial=0.0))
+
+
 class ContactImpulse(Check):
     """Impulses between samples, for two spheres alone or for one and a wall: a sum of forces, each
     of which obeys the law.

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from refdem.checks.contact_impulse import alternating_slip
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -308,7 +309,8 @@ def _decided_by_rounding(
     Whether a contact begins, or a body sticks, in this step or the next depends on the last bit
     where it falls on the end of a step. Both outcomes are right then, and a start perturbed by a
     few roundings has the other one. Where no perturbed start shows a difference, no decision
-    depended on a rounding.
+    depended on a rounding. Friction that alternates about a slip of 0 is decided by roundings at
+    every step.
 
     Chosen step sizes always depend on roundings: see `_difference_of_step_choices`. Iterations over
     contacts of rigid bodies that take the contacts in another order leave another part of the
@@ -326,10 +328,25 @@ def _decided_by_rounding(
         return truncation
     # What decisions by rounding make of the plain run, seen in its perturbed starts.
     largest = np.maximum.reduce(shown)
+    slip = alternating_slip(subject, base, level)
+    if slip is None:
+        return truncation
+    if slip > 0:
+        # Along an axis the slip may be 0 to the last bit, in every perturbed start alike.
+        return truncation + 2 * _in_scales(subject, slip) * growth
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
         observed = observed + _left_by_iterations(subject, runs, growth, image)
     return np.minimum(observed, truncation)
+
+
+def _in_scales(subject: Subject, slip: float) -> float:
+    """A slip [m/s] as the change of a velocity or of a spin, slip/R, in units of their scales."""
+    scales = subject.instance.scales
+    bodies = subject.instance.scene.bodies
+    smallest = float(np.min(bodies.radius[bodies.radius > 0]))
+    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    return max(slip / scales.speed, slip / smallest / omega_scale)
 
 
 def _differences_of_perturbed_starts(

@@ -19,6 +19,7 @@ from refdem.faults.change import of_bodies, of_elements, single
 from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import product
 from refdem.scene.elements.spring import Spring
+from tests.right_spheres import RightSpheres
 
 SPECIFICATION = Specification(name="test", case=[], levels=3)
 CASES = {
@@ -393,3 +394,19 @@ def test_a_difference_far_below_that_of_a_decision_is_not_excused_by_one(part, o
     (task,) = plan.tasks(specification, instance, ("symmetry",), engine, truth)
     (found,) = (f for f in record_of(task).findings if f.quantity == "relabelled")
     assert found.outcome == outcome
+
+
+@pytest.mark.parametrize("friction", ["1/2", "39.5"])
+@pytest.mark.parametrize("method", ["drift-kick", "verlet-half", "midpoint", "rk4"])
+def test_friction_that_alternates_about_no_slip_breaks_no_symmetry(method, friction):
+    """Two spheres that meet head on have no slip at all along an axis, and one of a rounding when
+    the scene is turned, of which explicit friction makes a step's worth.
+    """
+    instance = discovery.case("two-spheres").at(friction=friction, duration="0.625", samples="16")
+    specification = Specification(
+        name="head on", case=[], levels=3, method=method, checks=["symmetry"], most_steps=2e3
+    )
+    (task,) = plan.tasks(specification, instance, (), RightSpheres(), truth_of(instance), "")
+    record = record_of(task)
+    assert [f.sentence for f in record.findings if f.outcome in ("fail", "error")] == []
+    assert any(f.quantity == "rotated" for f in record.findings)
