@@ -26,6 +26,9 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import EngineMissingError, UsageError
 
+ESCAPES = "the motion is infinite before"
+"""What the proof of a motion that escapes in finite time says of it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Task:
@@ -298,9 +301,9 @@ def _tasks(
         applicable = []
         left_out = {}
         candidates = names
-        if unsupported is None and truth is not None and truth.escape is not None:
+        if unsupported is None and truth is not None and ESCAPES in truth.reason:
             # Nobody can be asked for what comes after that.
-            unsupported = f"the motion does not last until its last sample ({truth.escape})"
+            unsupported = f"the motion does not last until its last sample ({truth.reason})"
         if unsupported is not None:
             candidates = []
         for name in candidates:

@@ -12,8 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-INFINITE = "the motion is infinite before"
-"""What a proof says of a motion that escapes in finite time."""
 
 
 @dataclass(frozen=True)
@@ -146,13 +144,6 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     reason: str = ""
     printed: dict[str, tuple[str, str]] = {}
     earlier: dict[float, tuple[dict[str, list[float]], dict[str, list[float]]]] = {}
-
-    @property
-    def escape(self) -> str | None:
-        """The sentence that proves the motion infinite before its last sample, or None."""
-        if self.until < len(self.t) and INFINITE in self.reason:
-            return self.reason
-        return None
 
     def value(self, name: str) -> Array:
         """The certified samples of one quantity (until,)."""

@@ -28,7 +28,7 @@ from typing import Any, Self
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from refdem.core.truth import INFINITE, Ball, Truth
+from refdem.core.truth import Ball, Truth
 from refdem.truth.balls import SPARE, Guarded, UndecidedError, arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import per_precision
 from refdem.truth.forecast import Course, follow
@@ -260,7 +260,10 @@ class ValidatedFlow(Guarded, Truth):
         infinite_within = self.escape(y)
         if infinite_within is not None and end + infinite_within < t:
             latest = float((end + infinite_within).upper())
-            message = f"{INFINITE} t = {latest:.17g} s; it is enclosed up to {float(end):.17g} s"
+            message = (
+                f"the motion is infinite before t = {latest:.17g} s; it is"
+                f" enclosed up to {float(end):.17g} s"
+            )
             return UndecidedError(
                 message, code="singular", final=True, time=error.time, balls=balls
             )
