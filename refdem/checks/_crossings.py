@@ -30,7 +30,9 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.elements.wedge import Wedge
 
-TOUCHING = 8 * 2.0**-53
+DOUBLE_ROUNDING = 2.0**-53
+"""Unit round-off of binary64."""
+TOUCHING = 8 * DOUBLE_ROUNDING
 """Relative error of positions and radii, 8 roundings in binary64: overlaps below it count as zero.
 """
 MOST = 16
@@ -422,7 +424,10 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
         reach = scales.length
     else:
         reach = scales.length * (free * sqrt(n_dimensions))
-    touch = Crossing(float(subject.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
+    # In the precision of the method an overlap of 0 may be one of a rounding.
+    touch_rounding = rounding(scene) * subject.method.round_off / DOUBLE_ROUNDING
+    start = float(subject.instance.times[0])
+    touch = Crossing(start, touch_rounding / closing, inf, 0.0, 0.0)
     known: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:
         return known

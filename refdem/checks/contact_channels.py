@@ -96,7 +96,7 @@ class ContactChannels(Check):
         """
         peak = float(np.max(pair_states.force))
         rounded = _overlap_rounding(subject, run) * subject.instance.scales.length
-        is_resolved = np.abs(pair_states.overlap) > rounded
+        is_resolved = np.all(np.abs(pair_states.overlaps) > rounded, axis=1)
         if not (peak > 0 and is_resolved.any()):
             return []
         # The extra tolerance is the change of the dashpot's force in half a step.

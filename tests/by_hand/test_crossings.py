@@ -7,9 +7,11 @@ from math import exp, inf, pi, sqrt
 import numpy as np
 import pytest
 
+from refdem.campaign.in_process import truth_of
 from refdem.checks import _crossings, event_times
 from refdem.checks._crossings import Belt, Crossing
 from refdem.checks.event_times import CHECK
+from refdem.core import discovery
 from refdem.core.check import Subject
 from refdem.core.quantity import Quantity
 from refdem.core.trajectory import Event
@@ -524,3 +526,15 @@ def test_a_time_is_compared_with_the_nearest_certified_one():
     assert event_times.nearest(1.75, KNOWN, 9.0) == (0.25, 0.5, 1.75)
     assert event_times.nearest(1.25, KNOWN, 9.0) == (0.25, 0.25, 1.25)
     assert event_times.nearest(1.25, [], 9.0) == (9.0, 0.0, 1.25)
+
+
+@pytest.mark.parametrize(("precision", "unit"), [("double", 2.0**-53), ("single", 2.0**-24)])
+def test_a_touch_at_the_start_is_known_to_a_rounding_of_the_method(precision, unit):
+    asked = discovery.case("two-spheres").at()
+    samples = truth_of(asked)
+    subject = Subject(asked, method(precision=precision), (1 / 64,), samples)
+    (touch,) = _crossings.parting(subject, samples)["contact"]
+    bodies = asked.scene.bodies
+    reach = max(bodies.radius.max(), np.abs(bodies.position).max())
+    closing = bodies.velocity[0, 0] - bodies.velocity[1, 0]
+    assert touch.radius == near(8 * unit * reach / closing, rel=1e-14)
