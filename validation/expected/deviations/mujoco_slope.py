@@ -15,7 +15,7 @@ model".
 import mujoco
 import numpy as np
 
-SECONDS = 0.5
+SECONDS = 0.5  # as the gate asks: the block has taken on its creep by the half of it
 SCENE = """
 <mujoco>
   <option timestep="{step}" gravity="5.8875 0 -7.85" cone="{cone}" integrator="{integrator}"
@@ -82,7 +82,7 @@ def hard(step):
     return f'solref="{2 * step} 1" solimp="0.9999 0.9999 1 0.5 2" margin="1e-15"'
 
 
-STEP = 2.0**-10
+STEP = 2.0**-10  # [s]: the finest of the gate
 for cone in ("pyramidal", "elliptic"):
     for noslip in (0, 100):
         for constant in (0.02, 0.005):

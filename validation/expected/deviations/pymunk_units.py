@@ -10,8 +10,8 @@ import math
 
 import pymunk
 
-STEP = 1 / 64  # [s]
-STEPS = 128
+STEP = 1 / 64  # [s]: a power of 2, so that units of 2 s and 0.5 s round nothing
+STEPS = 128  # 2 s, a period of the pendulum
 
 
 def motion(unit, bias):

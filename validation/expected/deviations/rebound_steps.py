@@ -14,7 +14,7 @@ import rebound
 
 # ias15 says that it does not converge, in the step in which velocities jump.
 warnings.simplefilter("ignore", RuntimeWarning)
-SECONDS = 3.0
+SECONDS = 3.0  # the impact comes after 1 s
 
 
 def impact(unit=1.0, samples=8, step=0.001, integrator="ias15", gap=0.9):
