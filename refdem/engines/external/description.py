@@ -168,12 +168,15 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class AuditTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One setting of the program: what it comes with, what its driver sets, and why."""
+    """One setting of the program: what it comes with, what its driver sets, why, and the page or
+    the source that says what it comes with.
+    """
 
     setting: str
     default: str
     used: str
     why: str
+    link: str = ""
 
 
 class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -6,9 +6,11 @@ import json
 import re
 import shutil
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
+from refdem.campaign.deviations import of_engine
 from refdem.core import codes, discovery
 from refdem.core.parameters import labelled
 from refdem.engines.external.description import Description
@@ -59,6 +61,77 @@ def test_every_expected_deviation_is_of_a_case_of_the_gate(name):
         assert deviation.case in cases
         assert deviation.method in methods
         assert deviation.link.startswith("https://")
+
+
+EXPECTED = CODES.parent / "expected"
+OF_ENGINES = [
+    deviation
+    for path in sorted(EXPECTED.glob("*.toml"))
+    for deviation in of_engine(discovery.engine(path.stem))
+]
+"""The deviations of the engines that come with refdem."""
+
+
+def is_exact(link):
+    """True for a link to a page below the top page of a site, and for a file of a version."""
+    place = urlsplit(link)
+    parts = [part for part in place.path.split("/") if part not in ("", "en", "stable", "latest")]
+    return place.scheme == "https" and bool(parts)
+
+
+def scripts_of(text, folder):
+    """The scripts without refdem that a text names; each is there."""
+    names = re.findall(r"deviations/[\w.]+\.(?:py|js)", text)
+    for name in names:
+        assert (folder / name).is_file(), name
+    return names
+
+
+def names_its_evidence(reason, folder):
+    """True if a reason begins with "Unexplained", or names a script or the version of a code."""
+    is_unexplained = reason.startswith("Unexplained")
+    names_version = bool(re.search(r"(?:[A-Z]\w+|pymunk|package) \d+\.\d+", reason))
+    return is_unexplained or names_version or bool(scripts_of(reason, folder))
+
+
+@pytest.mark.parametrize(
+    ("link", "exact"),
+    [
+        ("https://rapier.rs/", False),
+        ("https://exudyn.readthedocs.io/en/latest/", False),
+        ("http://www.pymunk.org/en/latest/pymunk.html", False),
+        ("https://www.pymunk.org/en/latest/pymunk.html#pymunk.Space.iterations", True),
+        ("https://github.com/dimforge/rapier/blob/v0.35.2/src/dynamics/rigid_body.rs", True),
+    ],
+)
+def test_a_link_to_a_top_page_is_not_exact(link, exact):
+    assert is_exact(link) == exact
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_reason_names_a_script_or_a_version_and_links_to_the_page(name):
+    description = read(CODES / name / "refdem.toml")
+    for deviation in description.expected:
+        assert names_its_evidence(deviation.reason, CODES / name), deviation.reason
+        assert is_exact(deviation.link), deviation.link
+    for line in description.audit:
+        assert is_exact(line.link), line.setting
+        scripts_of(f"{line.default} {line.used} {line.why}", CODES / name)
+
+
+@pytest.mark.parametrize(
+    "deviation", OF_ENGINES, ids=lambda d: f"{d.case}-{d.method}-{d.check}-{d.quantity}"
+)
+def test_a_reason_of_an_engine_names_a_script_or_a_version_and_links_to_the_page(deviation):
+    assert names_its_evidence(deviation.reason, EXPECTED), deviation.reason
+    assert is_exact(deviation.link), deviation.link
+
+
+@pytest.mark.parametrize("path", sorted(EXPECTED.glob("deviations/*.py")), ids=lambda p: p.stem)
+def test_a_deviation_of_an_engine_is_shown_without_refdem_and_told_of(path):
+    assert "refdem" not in modules_of(path)
+    told = "".join(file.read_text() for file in EXPECTED.glob("*.toml"))
+    assert f"deviations/{path.name}" in told
 
 
 @pytest.mark.parametrize("path", sorted(CODES.rglob("*.py")), ids=str)

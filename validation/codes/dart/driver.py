@@ -80,6 +80,10 @@ def solve(scene):
     world = dart.simulation.World()
     world.setGravity(scene.gravity)
     world.setTimeStep(scene.step)
+    # On by default: bodies at rest would be put to sleep.
+    deactivation = world.getDeactivationOptions()
+    deactivation.mEnabled = False
+    world.setDeactivationOptions(deactivation)
     if scene.of_kind("rod"):
         skeleton, nodes = put_chain(scene)
         world.addSkeleton(skeleton)

@@ -1,4 +1,4 @@
-"""Box2D's disc does not bounce below 1 unit of length a second.
+"""Box2D's disc does not bounce at 1 unit of length a second or less.
 
 `b2_velocityThreshold` is compiled in; its documentation calls collisions slower than it inelastic.
 A unit is a metre by default, so that a ball that falls from 5 cm stays on the ground.
