@@ -8,8 +8,8 @@ the weight, slips by 20 h^2 meanwhile, and stays. Contacts of impedance 0.9999 c
 1e-7 m/s, and throw up a block that slides, on friction 1/2.
 
 The documentation calls all constraints soft (Modeling, "Solver parameters"), and says of
-noslip_iterations that they suppress "slip/drift in friction dimensions due to the soft-constraint
-model".
+noslip_iterations that the step after the solver serves "to suppress slip/drift in friction
+dimensions resulting from the soft-constraint model" (XML reference, option).
 """
 
 import mujoco
