@@ -523,9 +523,14 @@ def _cancels_before(largest: Sequence[float], k: int, order: float) -> bool:
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     """Largest difference (T,) between two runs of any state of any body, each in its scale.
 
-    The scales are L for positions, L/tau for velocities, the largest omega at the start (or 1/tau)
-    for omegas, and 1 rad for the angle between attitudes. Without a scene it is the largest
-    difference of any quantity.
+    The scales are L for positions, L/tau for velocities, the largest omega of `b` for omegas (at
+    least 1/tau where nothing spins at the start), and the angle by which that omega turns a body in
+    tau, or 1 rad, for the angle between attitudes. Without a scene it is the largest difference of
+    any quantity.
+
+    An impact may make a small sphere spin much faster than at the start. tau of a motion that flies
+    is that of its centres: a rounding u of omega is u omega t of the attitude, and one of the time
+    of an impact, u tau, is u omega tau.
     """
     if not isinstance(instance.problem, Motion):
         of_a = instance.observe(a)
@@ -536,7 +541,9 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         return largest_of_quantities
     scales = instance.scales
     bodies = instance.scene.bodies
-    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    at_start = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    omega_scale = max(at_start, float(np.max(np.linalg.norm(b.omega, axis=2))))
+    angle_scale = max(1.0, omega_scale * scales.tau)
     differences = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
         np.abs(a.velocity - b.velocity).max(axis=(1, 2)) / scales.speed,
@@ -547,7 +554,7 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         rotates = bodies.inertia.any(axis=1)
         angles = angle_between(a.attitude[:, rotates], b.attitude[:, rotates])
         differences.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / omega_scale)
-        differences.append(angles.max(axis=1, initial=0.0))
+        differences.append(angles.max(axis=1, initial=0.0) / angle_scale)
     largest: Array = np.maximum.reduce(differences)
     return largest
 
