@@ -91,9 +91,10 @@ def sharpest(bounds: Array, signal: Array) -> Sight:
     """Bound and signal at the sample where bound / signal is least.
 
     `bounds` and `signal` are (T,), in one unit; the signal at a sample is its largest value so far.
+    A ratio too large for a double is infinite.
     """
     largest_signal = np.maximum.accumulate(signal)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(largest_signal > 0, bounds / largest_signal, np.inf)
     sample = int(np.argmin(ratio))
     return Sight(float(bounds[sample]), float(largest_signal[sample]))
