@@ -34,7 +34,7 @@ help:
 	@echo 'make mutants    plant small errors in the code and count those that no test sees'
 	@echo 'make kernel-lines  the lines of the kernels that campaign main runs'
 	@echo 'make coverage   the lines of Python that the tests run, file by file, the least first'
-	@echo 'make alarms     every engine at settings drawn at random: what fails there is a finding, or a false alarm'
+	@echo 'make alarms     every engine, and PAIRS=2000 of programs that are right, at settings drawn at random'
 	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'

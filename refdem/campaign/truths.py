@@ -34,6 +34,14 @@ FAILED = "the proof ended in a "
 """The start of the reason where a proof crashed or hung: it may end otherwise next time."""
 
 
+class BrokenProofError(Exception):
+    """A proof raised an exception that nobody caught: refdem is wrong, and what it would say of
+    engines is no verdict.
+
+    It is no RefdemError: the command ends with the exit status of refdem that broke.
+    """
+
+
 def is_lasting(truth: SampledTruth) -> bool:
     """False for a truth whose proof may end otherwise next time."""
     return not truth.reason.startswith(FAILED)
@@ -49,11 +57,13 @@ def sampled_truths(
     """The sampled truth of every instance, in order.
 
     Those of instances that are not `is_judged`, in no engine, are not proved. A proof that crashed
-    or ran out of time leaves what it had certified until then.
+    or ran out of time leaves what it had certified until then. BrokenProofError, once all the
+    others are proved and kept, if a proof raised an exception that nobody caught.
     """
     keys = [truth_key(instance, delays) for instance, delays in instances]
     truths: dict[str, SampledTruth] = {}
     missing: dict[str, Asked] = {}
+    broken: dict[str, str] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
         available = _available(store, key, instance, delays)
         if available is None and not is_judged(instance):
@@ -72,14 +82,24 @@ def sampled_truths(
             for row, (key, asked) in enumerate(missing.items())
         ]
         for job, result in counted(schedule.results(jobs), "truths", len(jobs), progress):
-            if isinstance(result, Failure):
+            if isinstance(result, Failure) and result.kind == "exception":
+                broken[job.key] = result.sentence
+            elif isinstance(result, Failure):
                 truths[job.key] = worker.no_truth(f"{FAILED}{result.kind}: {result.sentence}")
             else:
                 truths[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
                 store.put_truth(job.key, truths[job.key])
         certified = _counts(counts_file, missing)
+    _refuse_broken(missing, broken)
     truths |= _partial_truths(schedule, missing, certified, truths)
     return [truths[key] for key in keys]
+
+
+def _refuse_broken(missing: Mapping[str, Asked], broken: Mapping[str, str]) -> None:
+    """Raises BrokenProofError if there are proofs, by key, that raised an exception."""
+    sentences = [f"{missing[key][0].label}: {sentence}" for key, sentence in broken.items()]
+    if sentences:
+        raise BrokenProofError(f"the proof of {'; of '.join(sentences)}")
 
 
 def _available(
@@ -132,12 +152,16 @@ def _partial_truths(
         if not is_lasting(truths[key])
     ]
     partial = {}
+    broken: dict[str, str] = {}
     for job, result in schedule.results(jobs):
         if isinstance(result, Failure):
+            if result.kind == "exception":
+                broken[job.key] = result.sentence
             continue
         truth = msgspec.msgpack.decode(result, type=SampledTruth)
         reason = f"{truths[job.key].reason}; what comes before is certified"
         partial[job.key] = msgspec.structs.replace(truth, reason=reason)
+    _refuse_broken(missing, broken)
     return partial
 
 

@@ -91,12 +91,25 @@ class CoupledPendulums(Case):
         spring = Spring(a=0, b=1, stiffness=p.stiffness, length=p.spring_length)
         return Scene.of(bobs, [*rods, spring, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
+    def _largest_force(self, p: Parameters, energy: float) -> float:
+        """Bound [N] of the force of the spring: k s with k s^2/2 <= E, and s the farthest from its
+        length without force that the rods let it be.
+        """
+        reach = float(p.lengths.sum())
+        longest = p.distance + reach
+        shortest = max(p.distance - reach, 0.0)
+        by_rods = max(abs(longest - p.spring_length), abs(shortest - p.spring_length))
+        by_energy = float(np.sqrt(2 * energy / p.stiffness))
+        return float(p.stiffness * min(by_rods, by_energy))
+
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2, and 1/tau^2 = g/l1 + g/l2 + k/m1 + k/m2 + 2 E/I.
+        """L = l1 + l2, and 1/tau^2 = g/l1 + g/l2 + k/m1 + k/m2 + 2 E/I, or F/(m l) if that is more.
 
         The first four terms are the sum of the squared rates of the two modes near the bottom. E is
         the energy above rods that hang and a spring without force, I = m1 l1^2 + m2 l2^2, so that 2
-        E/I is of the size of the squared rate at which all of the energy turns both rods.
+        E/I is of the size of the squared rate at which all of the energy turns both rods. A spring
+        that is stretched far pulls a light bob as a strong gravity does: F is the largest force
+        that the energy and the lengths of the rods allow, m l that of the bob that it turns faster.
         """
         inertia = float(p.masses @ p.lengths**2)
         kinetic = 0.5 * float(p.masses @ (p.lengths * p.thetadot0) ** 2)
@@ -104,7 +117,10 @@ class CoupledPendulums(Case):
         stretch = float(np.linalg.norm(self._spring_vector(p))) - p.spring_length
         potential = p.gravity * float(p.masses @ heights) + 0.5 * p.stiffness * stretch**2
         modes = p.gravity * float(np.sum(1 / p.lengths)) + p.stiffness * float(np.sum(1 / p.masses))
-        tau = 1.0 / float(np.sqrt(modes + 2 * (kinetic + potential) / inertia))
+        energy = kinetic + potential
+        of_both = modes + 2 * energy / inertia
+        pulled = self._largest_force(p, energy) / float(np.min(p.masses * p.lengths))
+        tau = 1.0 / float(np.sqrt(max(of_both, pulled)))
         return Scales(
             length=float(p.lengths.sum()),
             tau=tau,

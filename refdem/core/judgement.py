@@ -91,9 +91,10 @@ def sharpest(bounds: Array, signal: Array) -> Sight:
     """Bound and signal at the sample where bound / signal is least.
 
     `bounds` and `signal` are (T,), in one unit; the signal at a sample is its largest value so far.
+    A ratio too large for a double is infinite.
     """
     largest_signal = np.maximum.accumulate(signal)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(largest_signal > 0, bounds / largest_signal, np.inf)
     sample = int(np.argmin(ratio))
     return Sight(float(bounds[sample]), float(largest_signal[sample]))
@@ -548,9 +549,14 @@ def _cancels_before(largest: Sequence[float], k: int, order: float) -> bool:
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     """Largest difference (T,) between two runs of any state of any body, each in its scale.
 
-    The scales are L for positions, L/tau for velocities, the largest omega at the start (or 1/tau)
-    for omegas, and 1 rad for the angle between attitudes. Without a scene it is the largest
-    difference of any quantity.
+    The scales are L for positions, L/tau for velocities, the largest omega of `b` for omegas (at
+    least 1/tau where nothing spins at the start), and the angle by which that omega turns a body in
+    tau, or 1 rad, for the angle between attitudes. Without a scene it is the largest difference of
+    any quantity.
+
+    An impact may make a small sphere spin much faster than at the start. tau of a motion that flies
+    is that of its centres: a rounding u of omega is u omega t of the attitude, and one of the time
+    of an impact, u tau, is u omega tau.
     """
     if not isinstance(instance.problem, Motion):
         of_a = instance.observe(a)
@@ -561,7 +567,9 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         return largest_of_quantities
     scales = instance.scales
     bodies = instance.scene.bodies
-    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    at_start = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    omega_scale = max(at_start, float(np.max(np.linalg.norm(b.omega, axis=2))))
+    angle_scale = max(1.0, omega_scale * scales.tau)
     differences = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
         np.abs(a.velocity - b.velocity).max(axis=(1, 2)) / scales.speed,
@@ -572,7 +580,7 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         rotates = bodies.inertia.any(axis=1)
         angles = angle_between(a.attitude[:, rotates], b.attitude[:, rotates])
         differences.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / omega_scale)
-        differences.append(angles.max(axis=1, initial=0.0))
+        differences.append(angles.max(axis=1, initial=0.0) / angle_scale)
     largest: Array = np.maximum.reduce(differences)
     return largest
 

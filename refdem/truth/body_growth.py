@@ -666,7 +666,8 @@ def quickness(tensor: Balls, fastest: arb) -> float:
     equations for |omega| <= `fastest`.
 
     A is linear in omega. With A_k its matrix at the unit vector e_k and H_kl = A_k : A_l, |A|^2 <=
-    omega . H omega, which |omega|^2 times the Frobenius norm of H bounds.
+    omega . H omega, which |omega|^2 times the Frobenius norm of H bounds. UnsharpError where it is
+    not finite.
     """
     tensor_inverse = inverse(tensor)
     units = [[arb(int(i == j)) for j in AXES] for i in AXES]
@@ -680,9 +681,13 @@ def quickness(tensor: Balls, fastest: arb) -> float:
             torque = [a + b for a, b in zip(first, second, strict=True)]
             columns.append(rotation.applied(tensor_inverse, torque))
         jacobians.append([x for column in columns for x in column])
-    squares = [rotation.dot(a, b) ** 2 for a in jacobians for b in jacobians]
-    square_of_frobenius = sum(squares, arb(0)).abs_upper()
+    # Of equal moments A is 0 but for rounding: balls about 0, whose power ** 2 is NaN in
+    # python-flint, but whose product is known.
+    entries = [rotation.dot(a, b) for a in jacobians for b in jacobians]
+    square_of_frobenius = sum([entry * entry for entry in entries], arb(0)).abs_upper()
     bound = fastest * arb(square_of_frobenius).sqrt().sqrt()
+    if not bound.is_finite():
+        raise UnsharpError("how fast a body tumbles is not known at this precision")
     return float(bound.upper()) * UPWARDS
 
 

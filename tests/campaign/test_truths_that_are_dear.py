@@ -1,17 +1,22 @@
 """A proof that takes too long ends, says so, and what it had certified by then is judged."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from refdem.campaign.campaign import Campaign
-from refdem.campaign.schedule import Schedule
+from refdem.campaign.schedule import Job, Schedule, guarded
 from refdem.campaign.specification import Entry, Specification
-from refdem.campaign.truths import FAILED, UNASKED, sampled_truths
+from refdem.campaign.truths import FAILED, UNASKED, BrokenProofError, sampled_truths, truth_key
 from refdem.core import discovery
 from refdem.core.finding import CaseSheet, Record
+from refdem.core.run import Failure
 from refdem.core.store import Store
 from refdem.core.truth import SampledTruth
+from refdem.errors import RefdemError
+from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 
 LIMIT = 6.0
 """Seconds of CPU; the first samples take a tenth of that, all of them minutes."""
@@ -53,3 +58,35 @@ def test_what_no_engine_can_say_is_not_proved(tmp_path: Path) -> None:
     assert case.truth_reason == UNASKED
     (record,) = (sheet for sheet in sheets if isinstance(sheet, Record))
     assert {finding.outcome for finding in record.findings} == {"unsupported"}
+
+
+class Here:
+    """A scheduler that runs jobs in this process, as a worker runs them."""
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job with its bytes or its Failure, in order."""
+        for job in jobs:
+            yield job, guarded(job.function, *job.arguments)
+
+
+def test_an_exception_in_a_proof_is_no_verdict_and_other_proofs_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was kept as the reason of an undecided finding: "the proof ended in a exception"."""
+    sound = discovery.case("harmonic-oscillator").at(duration="1", samples="4")
+    broken = discovery.case("free-rigid-body").at(duration="1", samples="4")
+
+    def raising(self: object, t: object) -> float:
+        raise ZeroDivisionError("a division by 0")
+
+    monkeypatch.setattr(FreeRigidBody, "sensitivity", raising)
+    store = Store(tmp_path / "store.sqlite")
+    with pytest.raises(BrokenProofError, match="ZeroDivisionError: a division by 0") as caught:
+        sampled_truths(Here(), store, [(broken, ()), (sound, (0.01,))], lambda *_: None)
+    kept = store.truth(truth_key(sound, (0.01,)))
+    store.close()
+    assert broken.label in str(caught.value)
+    # The command line ends with the status of refdem that broke for all that is no RefdemError.
+    assert not isinstance(caught.value, RefdemError)
+    assert kept is not None
+    assert kept.until == 5

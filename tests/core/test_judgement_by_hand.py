@@ -339,6 +339,31 @@ def test_spins_are_compared_with_one_over_tau_where_nothing_spins_at_the_start()
     np.testing.assert_array_equal(distances(of, standing(of, omega=omega), base), [0, 0.25, 0])
 
 
+def test_fast_spins_are_compared_with_the_fastest_of_the_run_and_angles_with_its_turn_in_tau():
+    """After an impact a small sphere spins much faster than at the start."""
+    # tau = 1/2 s.
+    slow = Body(mass=1.0, inertia=(0.1, 0.1, 0.1), omega=(0.0, 0.0, 2.0))
+    of = instance([slow], times=TIMES)
+    base = standing(of)
+    spun = np.array(base.omega)
+    spun[2, 0, 0] = 200.0
+    fast = standing(of, omega=spun)
+    other = np.array(spun)
+    other[2, 0, 1] = 0.5
+    fastest = np.sqrt(200.0**2 + 2.0**2)
+    np.testing.assert_allclose(
+        distances(of, standing(of, omega=other), fast), [0, 0, 0.5 / fastest], rtol=1e-15
+    )
+    turned = np.array(base.attitude)
+    turned[1, 0] = [cos(0.3), 0.0, sin(0.3), 0.0]
+    # omega tau = 100 rad.
+    np.testing.assert_allclose(
+        distances(of, standing(of, omega=spun, attitude=turned), fast),
+        [0, 0.6 / (fastest / 2), 0],
+        rtol=1e-12,
+    )
+
+
 def test_a_start_is_perturbed_by_64_roundings_of_the_precision_and_errors_may_grow_eightfold_more():
     assert perturbation(method()) == 64
     assert perturbation(method(precision="single")) == 64 * 2**29

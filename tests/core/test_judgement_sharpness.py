@@ -49,6 +49,10 @@ def test_a_number_that_is_none_fails_however_blind_the_bound():
     assert judged(value=np.nan, bound=0.3, sight=Sight(0.3, 0.01), **WORDS).outcome == "fail"
 
 
+def test_a_signal_too_small_to_divide_by_makes_no_warning():
+    assert sharpest(np.array([1e200, 1.0]), np.array([1e-200, 1.0])) == Sight(1.0, 1.0)
+
+
 def test_a_curve_is_seen_by_its_sharpest_sample_and_a_motion_counts_from_its_largest_way():
     sight = sharpest(np.array([1.0, 1.0, 2.0, 3.0]), np.array([0.0, 50.0, 40.0, 40.0]))
     assert (sight.bound, sight.signal) == (1.0, 50.0)

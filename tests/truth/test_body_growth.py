@@ -316,3 +316,17 @@ def test_errors_of_an_unstable_spin_grow_until_doubles_end():
     assert numbers.truth.sensitivity(Fraction(10_000)) == 1e300
     steady = of_body("1 2 3", "0 1 0")
     assert steady.truth.sensitivity(Fraction(100_000)) == 1e300
+
+
+def test_growth_of_equal_moments_about_any_axis_is_known():
+    """Euler's equations have no Jacobian then, and balls about 0 that are raised to a power are
+    NaN.
+    """
+    growths = []
+    for moment in ("2e-05", "1"):
+        case = discovery.case("free-rigid-body")
+        instance = case.at(inertia=",".join([moment] * 3), omega_body="-31.4,-31.4,-31.4")
+        growths.append(instance.truth().sensitivity(Fraction("0.01839")))
+    assert growths[0] == pytest.approx(growths[1], rel=1e-12)
+    # psi(t) = psi(s) + (t - s) d, seen in axes that turn: of the size of 1.
+    assert 1 <= growths[0] < 3

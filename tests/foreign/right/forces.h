@@ -2,10 +2,17 @@
  * overlap, with sliding friction of full size. Bodies that turn have three equal moments. */
 #include "scene.h"
 
-/* Refuses what these forces leave out. */
+/* The period of space, 0 if it has none: spheres meet by their nearest images. */
+static real box_size;
+
+/* Refuses what these forces leave out, and takes what they all need. */
 static void refuse_scene(void)
 {
     int is_rubbing = 0;
+    box_size = 0;
+    for (int i = 0; i < elements; i++)
+        if (is_kind(&element[i], "periodic_box"))
+            box_size = element[i].box_size;
     for (int i = 0; i < elements; i++)
         is_rubbing |= is_kind(&element[i], "contact") && element[i].friction > 0;
     for (int i = 0; i < bodies; i++) {
@@ -101,6 +108,12 @@ static void drive(const struct element *e, double t)
     push(e, f);
 }
 
+static int is_field(const struct element *e)
+{
+    return is_kind(e, "uniform_gravity") || is_kind(e, "central_field")
+           || is_kind(e, "piecewise_field");
+}
+
 static void field(const struct element *e)
 {
     for (int i = 0; i < bodies; i++) {
@@ -131,8 +144,11 @@ static real overlap_of(const struct body *a, const struct body *b, const struct 
 {
     real overlap;
     if (b) {
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
             n[k] = b->r[k] - a->r[k];
+            if (box_size > 0)
+                n[k] -= box_size * round(n[k] / box_size);
+        }
         const real distance = size_of(n);
         overlap = a->radius + b->radius - distance;
         for (int k = 0; k < 3; k++)
@@ -225,7 +241,7 @@ static void forces(double t)
             for (int w = 0; w < elements; w++)
                 for (int i = 0; i < bodies && is_kind(&element[w], "plane"); i++)
                     contact(e, &body[i], NULL, &element[w]);
-        } else if (!is_kind(e, "plane") && !is_kind(e, "slider"))
+        } else if (is_field(e))
             field(e);
     }
 }

@@ -30,7 +30,9 @@ SOFT = (
     "contact:linear",
     "contact:hertz",
     "friction",
+    "periodic_box",
 )
+RODS = ("rod", "constraint", "spring", "uniform_gravity")
 TURNING = ("rotation", "uniform_gravity")
 RIGID = (
     "rotation",
@@ -97,6 +99,12 @@ MOREAU = {"name": "moreau", "order": 1, "conserves": ["momentum"], "complete_sta
 SLIDERS = (
     {"name": "moreau", "order": 2, "order_with": {"friction": 1, "dashpot": 1}},
     {"name": "implicit-friction", "order": 1},
+)
+CONSTRAINED = (
+    _method(
+        "rattle", 2, reversible=True, symplectic=True, conserves=[*SPLIT["conserves"], "constraint"]
+    ),
+    _method("rk4", 4, conserves=["momentum"]),
 )
 
 
@@ -254,6 +262,9 @@ PROGRAMS = (
     Program("rigid-single", "rigid", RIGID, (LATE, MOREAU), ("SINGLE",), SINGLE),
     Program("rigid-signs", "rigid", RIGID, (EVENT_DRIVEN, LATE), ("SIGNS",)),
     Program("rigid-served", "rigid", RIGID, (EVENT_DRIVEN,), engine={"serve": True}),
+    Program("rods", "rods", RODS, CONSTRAINED),
+    Program("rods-fused", "rods", RODS, CONSTRAINED[:1], ("FUSED",)),
+    Program("rods-single", "rods", RODS, CONSTRAINED, ("SINGLE",), SINGLE),
     Program("sliding", "sliding", SLIDING, SLIDERS),
     Program("sliding-single", "sliding", SLIDING, SLIDERS, ("SINGLE",), SINGLE),
 )

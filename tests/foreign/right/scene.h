@@ -38,7 +38,7 @@ struct element {
     real axis[3];
     real k, n, quadratic, cubic, length, damping, van_der_pol, friction, normal_force;
     real amplitude, frequency, phase, coefficient, gm, restitution, slip_restitution;
-    real mu0, mu1, lambda0, lambda1, belt, k1, k2, x1, x2;
+    real mu0, mu1, lambda0, lambda1, belt, k1, k2, x1, x2, box_size;
     int touched[MOST][MOST + 1];
 };
 
@@ -178,6 +178,7 @@ static void read_element(struct element *e, int i)
     e->k2 = number("k2", i);
     e->x1 = number("x1", i);
     e->x2 = number("x2", i);
+    e->box_size = number("size", i);
     reals(e->axis, 3, "elements", i, is_kind(e, "plane") ? "normal" : "axis");
     const char *end = "anchor_b";
     if (is_kind(e, "uniform_gravity"))

@@ -128,3 +128,13 @@ def test_the_duration_shows_the_energy_pass():
     modes = [sqrt(9.8125), sqrt(9.8125 + 2 * 2)]
     half_beat = pi / (modes[1] - modes[0])
     assert instance.scales.duration > half_beat
+
+
+def test_tau_is_that_of_a_light_bob_that_a_stretched_spring_pulls():
+    """The energy is small for both bobs, and the force large for one: Runge and Kutta's method was
+    seen to miss its bound at steps that were as long as tau.
+    """
+    given = {"masses": "1000,1/100", "distance": "100", "stiffness": "10", "theta0": "0,0"}
+    tau = case("coupled-pendulums").at(**given).scales.tau
+    # F/(m l) with F = k (d - s).
+    assert tau == pytest.approx(sqrt(0.01 / (10 * 99.25)), rel=1e-12)
