@@ -120,16 +120,10 @@ MARGINS: Mapping[str, tuple[Mapping[str, str], ...]] = {
     "stick-slip": ({"belt": "0"}, {"v0": "1"}, {"gamma": "0", "v0": "1"}),
 }
 """Marginal settings of a case, beside those that `marginal` makes of any parameter."""
-OPEN = frozenset({"double-pendulum"})
-"""Cases that are known to raise alarms, drawn only by --case: tau leaves out how fast the end of a
-long rod turns a short one, so that right methods miss their bounds by up to six times there.
-"""
 CASES = [
     name
     for name in discovery.names("cases")
-    if name not in OPEN
-    and isinstance(discovery.case(name), Case)
-    and not isinstance(discovery.case(name), Selection)
+    if isinstance(discovery.case(name), Case) and not isinstance(discovery.case(name), Selection)
 ]
 CHEAP: Mapping[str, Mapping[str, str]] = {"granular-gas": {"n": "8"}}
 

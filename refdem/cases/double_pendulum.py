@@ -15,6 +15,9 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
 
+OF_EQUAL_BOBS = 6.0
+"""Largest squared rate of a rod over 2 E/I, for equal bobs on equal rods: 2 to 1/3."""
+
 
 class DoublePendulum(Case):
     """Planar, gravity along -y; both angles from the downward vertical."""
@@ -75,11 +78,17 @@ class DoublePendulum(Case):
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I.
+        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I, or the rate of one rod if that is more.
 
         w1, w2 are the rates of the two modes at the bottom, w1^2 + w2^2 = g (m1 + m2)/m1 (1/l1 +
         1/l2). E is the energy above the bottom, I = (m1 + m2) l1^2 + m2 l2^2, so that 2 E/I is of
-        the size of the squared rate at which all of the energy turns both rods.
+        the size of the squared rate at which all of the energy turns both rods. A light bob, or
+        one on a short rod, is whipped round by the other: with all of the energy the rods turn at
+
+            theta1'^2 <= 2 E/(m1 l1^2),   theta2'^2 <= 2 E (m1 + m2)/(m1 m2 l2^2),
+
+        the largest values that T = E allows, which are up to 6 times 2 E/I for equal bobs and rods.
+        The same part of them is taken as a rate of the motion.
         """
         m1, m2 = p.masses
         l1, l2 = p.lengths
@@ -94,7 +103,9 @@ class DoublePendulum(Case):
         coupling = m2 * u.prod() * np.cos(p.theta0[0] - p.theta0[1])
         energy = squares + coupling + potential
         modes = p.gravity * total / m1 * (1 / l1 + 1 / l2)
-        tau = 1.0 / float(np.sqrt(modes + 2 * energy / (carried @ p.lengths**2)))
+        of_both = modes + 2 * energy / (carried @ p.lengths**2)
+        of_one = 2 * energy * max(1 / (m1 * l1**2), total / (m1 * m2 * l2**2))
+        tau = 1.0 / float(np.sqrt(max(of_both, of_one / OF_EQUAL_BOBS)))
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(total))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
