@@ -198,7 +198,8 @@ class Order(Check):
             np.log(2.0)
         )
         misfits = _misfits(subject, runs, truth, resolved, common)
-        return self._deficit(subject, orders, expected, misfits)
+        next_order = _order_at_most(subject, counting, largest, floor)
+        return self._deficit(subject, orders, expected, misfits, next_order)
 
     def _growth(self, subject: Subject, errors_at: Seen) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
@@ -271,12 +272,18 @@ class Order(Check):
         )
 
     def _deficit(
-        self, subject: Subject, orders: list[float], expected: float, misfits: "Misfits | None"
+        self,
+        subject: Subject,
+        orders: list[float],
+        expected: float,
+        misfits: "Misfits | None",
+        next_order: float = float("-inf"),
     ) -> Finding:
         """The finding that the deficit, claimed less observed order, vanishes in the limit of small
         steps.
 
-        - One pair of levels is no limit: it fails only by nearly a whole order (WHOLE).
+        - One pair of levels is no limit: it fails only by nearly a whole order (WHOLE), and if the
+          next pair, of which rounding leaves `next_order` at most, speaks against the claim too.
         - A deficit beyond the tolerance is judged by `_cancelled` unless lower orders fit better.
         - A deficit within the tolerance fails if it falls more slowly than `expected` and terms
           of a lower order fit the errors better.
@@ -285,7 +292,9 @@ class Order(Check):
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
         deficit = lack(orders, claimed)
-        if len(orders) == 1 and tolerance < claimed - orders[0] < WHOLE:
+        is_alone = len(orders) == 1 and claimed - orders[0] > tolerance
+        may_rise = claimed - orders[0] < WHOLE or next_order >= claimed - tolerance
+        if is_alone and may_rise:
             why = (
                 f"only one pair of levels is above round-off; its observed order {listed}"
                 f" may still rise to the claimed {claimed}"
@@ -476,6 +485,21 @@ def expected_lack(orders: Sequence[float], claimed: float) -> float:
         return float("inf")
     deficits = [abs(claimed - order) for order in orders]
     return max(deficits[-2], deficits[-3] / 2.0)
+
+
+def _order_at_most(
+    subject: Subject, levels: Sequence[float], largest: Sequence[float], floor: Sequence[float]
+) -> float:
+    """The largest order that the errors allow of the first pair whose finer error is within the
+    floor: that error may be smaller by what it is rounded by. Minus infinity without such a pair.
+    """
+    for k in range(1, len(levels)):
+        if largest[k] <= floor[k]:
+            unrounded = largest[k] - _rounding(subject, levels[k])
+            if unrounded <= 0:
+                return float("inf")
+            return observed_order(largest[k - 1], unrounded)
+    return float("-inf")
 
 
 class Misfits(NamedTuple):

@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 from refdem.checks import convergence, error, order, reversal
-from refdem.checks.order import CHECK, Misfits, expected_lack, lack, mean_order
+from refdem.checks.order import (
+    CHECK,
+    Misfits,
+    _order_at_most,
+    _rounding,
+    expected_lack,
+    lack,
+    mean_order,
+)
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.judgement import Sight
@@ -155,6 +163,35 @@ def test_the_deficit_of_pairs_meets_its_tolerance(orders, expected, misfits, out
     assert found.outcome == outcome, found.sentence
     if value is not None:
         assert (found.value, found.bound) == (near(value), near(bound))
+
+
+@pytest.mark.parametrize(
+    ("order", "next_order", "outcome"),
+    [
+        # The claimed order is 2, the tolerance 0.15, and a whole order less 0.1 is much for a pair.
+        (1.0, 1.8, "fail"),
+        (1.0, 1.9, "undecided"),
+        (1.0, inf, "undecided"),
+        (1.2, 1.0, "undecided"),
+        (1.9, 1.0, "pass"),
+    ],
+)
+def test_one_pair_speaks_against_a_claim_only_if_the_next_may_not_speak_for_it(
+    order, next_order, outcome
+):
+    found = CHECK._deficit(subject_of(), [order], inf, None, next_order)
+    assert found.outcome == outcome, found.sentence
+
+
+def test_the_next_order_is_that_of_an_error_less_its_rounding():
+    subject = subject_of()
+    levels = (4 * H, 2 * H, H)
+    rounding = _rounding(subject, H)
+    floor = [20 * _rounding(subject, h) for h in levels]
+    largest = [1.0, 32 * rounding, 9 * rounding]
+    assert _order_at_most(subject, levels, largest, floor) == near(2.0)
+    assert _order_at_most(subject, levels, [1.0, 32 * rounding, rounding], floor) == inf
+    assert _order_at_most(subject, levels, [1.0, 0.5, 0.25], floor) == -inf
 
 
 def test_the_tolerance_of_high_orders_is_a_twentieth_of_them():
