@@ -43,11 +43,6 @@ normals.
 STEPS_OF_SLIP = 2.0
 """Steps of friction within which a slip may alternate: friction of the step before and after."""
 
-SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
-"""Share of the overlap by which the lever arm of friction is shorter than the radius, by
-`branch`.
-"""
-
 
 class ContactImpulse(Check):
     """Impulses between samples, for two spheres alone or for one and a wall: a sum of forces, each
@@ -393,7 +388,7 @@ class _Contact:
         + omega x arm.
         """
         bodies = self.scene.bodies
-        shorter = SHORT_OF_RADIUS[self.law.branch] * np.maximum(self.overlap, 0.0)
+        shorter = self.law.slip_shortening * np.maximum(self.overlap, 0.0)
         arms = bodies.radius[None, :] - shorter[:, None]
         velocity = self.run.velocity[:, 0]
         if len(bodies) == 2:
