@@ -57,8 +57,8 @@ PARAMETERS = (
         name="branch",
         default="R-d/2",
         unit="1",
-        doc="lever arm of the tangential force",
-        choices=("R", "R-d", "R-d/2"),
+        doc="lever arm of slip and torque; slip-R: of the torque R-d/2, of the slip R",
+        choices=("R", "R-d", "R-d/2", "slip-R"),
     ),
     Parameter(
         name="cutoff",

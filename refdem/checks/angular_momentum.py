@@ -262,7 +262,7 @@ def _law_changes_total(subject: Subject) -> bool:
     """True for spheres whose contact law changes total angular momentum, in a case that has truth
     for r, v, omega of all of them.
 
-    Friction acts on lever arms that add up to the centre distance only for the branch R - d/2.
+    The torques of friction have lever arms that add up to the centre distance only for R - d/2.
     """
     laws = subject.instance.scene.all(Contact)
     known = all(
@@ -274,7 +274,7 @@ def _law_changes_total(subject: Subject) -> bool:
     return (
         known
         and len(subject.instance.scene.elements) == 1
-        and any(law.friction > 0 and law.branch != "R-d/2" for law in laws)
+        and any(law.friction > 0 and law.torque_shortening != 0.5 for law in laws)
     )
 
 

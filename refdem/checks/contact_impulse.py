@@ -43,11 +43,6 @@ normals.
 STEPS_OF_SLIP = 2.0
 """Steps of friction within which a slip may alternate: friction of the step before and after."""
 
-SHORT_OF_RADIUS = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}
-"""Share of the overlap by which the lever arm of friction is shorter than the radius, by
-`branch`.
-"""
-
 
 def alternating_slip(subject: Subject, run: Trajectory, step: float) -> float | None:
     """The largest slip [m/s] that a step of friction makes where friction without a tangential
@@ -411,7 +406,7 @@ class _Contact:
         + omega x arm.
         """
         bodies = self.scene.bodies
-        shorter = SHORT_OF_RADIUS[self.law.branch] * np.maximum(self.overlap, 0.0)
+        shorter = self.law.slip_shortening * np.maximum(self.overlap, 0.0)
         arms = bodies.radius[None, :] - shorter[:, None]
         velocity = self.run.velocity[:, 0]
         if len(bodies) == 2:

@@ -38,6 +38,13 @@ SPRINGS = (
 """Subject of the finding where tangential springs of contacts hold energy that no channel
 reports.
 """
+TWO_LEVERS = (
+    "friction whose slip and torque have different levers exchanges energy other than by its slip"
+)
+"""What keeps a law with two levers from a balance: the power of its tangential force and torques is
+not force times slip. So a tangential spring does not return the work that stretched it, and
+friction may drive for a while.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +109,8 @@ class Energy(Check):
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
         reports_work = _dissipated_work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
-        if reports_work and not scene.is_driven() and not _stiffens(scene):
+        may_fall = scene.is_driven() or _stiffens(scene) or _has_two_levers(scene)
+        if reports_work and not may_fall:
             findings.append(self._dissipation(subject, subject.finest, runs[subject.finest]))
         if (
             subject.method.symplectic
@@ -175,7 +183,8 @@ class Energy(Check):
         """The imbalance, or the reason why it is unknown.
 
         - conservative scene: |E - E0|
-        - tangential contact springs: max(0, E - E0), as they hold an unreported part of the energy
+        - tangential contact springs: max(0, E - E0), as they hold an unreported part of the energy;
+          unknown where slip and torque have levers of their own
         - work W against dissipation reported: |E + W - E0|
         - drives and dashpots: |E - W - E0| with their work W integrated between samples
         - other dissipation: the rise of E above its minimum so far
@@ -192,6 +201,10 @@ class Energy(Check):
                 "a tangential spring that stiffens with its load exchanges energy, and"
                 " the run does not report how much"
             )
+        if _has_two_levers(scene) and _rubs_by_springs(scene):
+            return f"{TWO_LEVERS}, and tangential springs hold a part that no channel reports"
+        if work is None and _has_two_levers(scene):
+            return f"{TWO_LEVERS}, and the run does not report how much"
         if _rubs_by_springs(scene) and not _stiffens(scene):
             rise = np.maximum(0.0, energy - energy[0]) / scale
             return Imbalance(SPRINGS, rise, is_rise=True)
@@ -375,6 +388,11 @@ def _dissipated_work(subject: Subject, run: CompletedRun) -> Array | None:
 def _rubs_by_springs(scene: Scene) -> bool:
     """True if friction acts through tangential springs."""
     return any(law.tangential_stiffness > 0 and law.friction > 0 for law in scene.all(Contact))
+
+
+def _has_two_levers(scene: Scene) -> bool:
+    """True if slip and torque of friction have levers of their own."""
+    return any(law.has_two_levers for law in scene.all(Contact))
 
 
 def _stiffens(scene: Scene) -> bool:

@@ -117,7 +117,7 @@ def torque_reason(scene: Scene) -> str | None:
     along one line.
     """
     for element in scene.elements:
-        if isinstance(element, Contact) and element.friction > 0 and element.branch != "R-d/2":
+        if isinstance(element, Contact) and _turns_the_total(element):
             return (
                 f"the branch vectors {element.branch} do not sum to the centre distance,"
                 " so the contact law itself changes it"
@@ -134,6 +134,13 @@ def torque_reason(scene: Scene) -> str | None:
     if scene.bodies.fixed.any():
         return "a body is fixed"
     return None
+
+
+def _turns_the_total(law: Contact) -> bool:
+    """True if the torques of friction on a pair do not balance that of the forces: their levers R -
+    c d add up to the distance of the centres for c = 1/2 alone.
+    """
+    return law.friction > 0 and law.torque_shortening != 0.5
 
 
 def _is_central(element: Element) -> bool:

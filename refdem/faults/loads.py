@@ -229,7 +229,7 @@ def _sphere(
     has_friction = law.friction > 0 and state.pressing[number]
     if not has_friction:
         return
-    arms = {body: parts.lever(law, world.radius[body], depth) for body in (i, j) if body >= 0}
+    arms = _arms(world, parts, number, depth, law.slip_shortening)
     slip = parts.slip(relative, _surface_spin(state, parts, arms), normal)
     total.normal[number] = normal
     total.slip[number] = slip
@@ -240,11 +240,25 @@ def _sphere(
     else:
         friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
     _add(total, i, j, friction, parts)
-    total.power -= vec.dot(friction, slip)
+    # Friction and its torques lose -f.u, with the velocity u of the surfaces at the levers of the
+    # torque.
+    glide = slip
+    if law.has_two_levers:
+        arms = _arms(world, parts, number, depth, law.torque_shortening)
+        glide = parts.slip(relative, _surface_spin(state, parts, arms), normal)
+    total.power -= vec.dot(friction, glide)
     # Both bodies turn the same way: the torque of the tangential force is arm n x F on each.
     for body, arm in arms.items():
         torque = parts.to_body(state.q[body], parts.torque_on(arm, normal, friction))
         total.torque[body] = vec.plus(total.torque[body], torque)
+
+
+def _arms(
+    world: World, parts: Parts, number: int, depth: Number, shortening: Number
+) -> dict[int, Number]:
+    """The arm [m] of each body of pair `number` at an overlap `depth` [m]."""
+    bodies = [body for body in world.pairs[number] if body >= 0]
+    return {body: parts.lever(world.radius[body], depth, shortening) for body in bodies}
 
 
 def _surface_spin(state: State, parts: Parts, arms: dict[int, Number]) -> Vector:

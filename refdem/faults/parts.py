@@ -110,7 +110,7 @@ class Parts:
     away: Callable[[Vector, Vector], Vector]
     overlap: Callable[[Number, Number, Number], Number]
     normal_force: Callable[[Contact, Number, Number], Number]
-    lever: Callable[[Contact, Number, Number], Number]
+    lever: Callable[[Number, Number, Number], Number]
     slip: Callable[[Vector, Vector, Vector], Vector]
     transported: Callable[[Vector, Vector, Vector], Vector]
     stretched: Callable[[Vector, Vector, Vector, Number], Vector]

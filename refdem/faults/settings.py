@@ -297,6 +297,8 @@ SCRAPE: Rows = (
 """Oblique with gross sliding; the lever arms add up to the distance."""
 SCRAPE_SHORT: Rows = (*SCRAPE, ("branch", "R-d"))
 """The same with the radius less the overlap as lever arm."""
+SCRAPE_TWO_LEVERS: Rows = (*SCRAPE, ("branch", "slip-R"))
+"""The same with slip at the radius, and torque at the radius less half of the overlap."""
 BRISTLE: Rows = (*SCRAPE, ("damping", "0"), ("tangential_stiffness", between(80, 128, 1)))
 """Gross sliding with a tangential spring that is at its limit from the start."""
 STICKER: Rows = (
@@ -307,6 +309,8 @@ STICKER: Rows = (
     ("damping", "0"),
 )
 """Oblique; the tangential spring holds, then slides."""
+HOLD_TWO_LEVERS: Rows = (*STICKER, ("branch", "slip-R"))
+"""The same with slip at the radius, and torque at the radius less half of the overlap."""
 GRIPPER: Rows = (*STICKER, ("spins", "0,0,1,0,0,3/4"))
 """The same with spins that add to the slip."""
 TUMBLING_SPHERES: Rows = (
@@ -529,10 +533,12 @@ SETTINGS: Mapping[str, Setting] = {
     "scrape": Setting("two-spheres", SCRAPE, TOUCHING),
     "scrape-long": Setting("two-spheres", SCRAPE_LONG, TOUCHING),
     "scrape-short": Setting("two-spheres", SCRAPE_SHORT, TOUCHING),
+    "scrape-two-levers": Setting("two-spheres", SCRAPE_TWO_LEVERS, TOUCHING),
     "bristle": Setting("two-spheres", BRISTLE, TOUCHING),
     "spinner": Setting("two-spheres", SPINNER, TOUCHING),
     "soft": Setting("two-spheres", SOFT, TOUCHING),
     "sticker": Setting("two-spheres", STICKER, TOUCHING),
+    "hold-two-levers": Setting("two-spheres", HOLD_TWO_LEVERS, TOUCHING),
     "gripper": Setting("two-spheres", GRIPPER, TOUCHING),
     "tumbling-spheres": Setting("two-spheres", TUMBLING_SPHERES, TOUCHING, proved=False),
     "unproved": Setting("van-der-pol", CYCLE, DAMPED, proved=False),

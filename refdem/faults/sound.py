@@ -167,10 +167,11 @@ def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
     return law.stiffness * pressed + law.damping * rate
 
 
-def lever(law: Contact, radius: Number, depth: Number) -> Number:
-    """Arm [m] of the tangential force on a sphere."""
-    part = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[law.branch]
-    return radius - part * depth
+def lever(radius: Number, depth: Number, shortening: Number) -> Number:
+    """Arm R - c d [m] of slip, or of the torque of the tangential force, on a sphere: its
+    `shortening` c is the law's.
+    """
+    return radius - shortening * depth
 
 
 def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:

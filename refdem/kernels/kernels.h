@@ -240,9 +240,10 @@ int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double 
  * [1/(kg m^2)], 0 where nothing turns. spring (springs, 8): stiffness [N/m^exponent], length [m],
  * exponent, anchor in the world (3) [m], quadratic [N/m^2], cubic [N/m^3]; its ends are pairs of
  * bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can
- * meet, j = -1 - k for plane k. branch: lever arm R - branch * overlap. no_pull: the contact ends
- * when its force would pull. hertz: F = k d^(3/2), and the tangential spring has the stiffness
- * tangential_stiffness sqrt(d) (both [N/m^(3/2)]). */
+ * meet, j = -1 - k for plane k. slip_shortening, torque_shortening: slip is measured at the lever R
+ * - slip_shortening * overlap, and friction turns with R - torque_shortening * overlap. no_pull:
+ * the contact ends when its force would pull. hertz: F = k d^(3/2), and the tangential spring has
+ * the stiffness tangential_stiffness sqrt(d) (both [N/m^(3/2)]). */
 typedef struct {
     int64_t bodies;
     const double *mass, *inverse_mass, *inverse_inertia, *radius;
@@ -254,7 +255,7 @@ typedef struct {
     const double *plane;
     int64_t pairs;
     const int64_t *pair;
-    double stiffness, damping, tangential_stiffness, friction, branch;
+    double stiffness, damping, tangential_stiffness, friction, slip_shortening, torque_shortening;
     int no_pull, turning, hertz;
 } refdem_particles;
 

@@ -257,7 +257,8 @@ static void accept(const runner *r, course *c)
 }
 
 /* Takes away what is left of a slip that has ended along its direction, by the impulse -u/(1/m_i +
- * l_i^2/J_i + ..); its energy |u|^2/(2 (1/m_i + ..)) is lost. Sticking would keep it for ever. */
+ * l_i L_i/J_i + ..); its energy is lost: the impulse times the mean of the velocities U before and
+ * after it. Sticking would keep it for ever. */
 static void end_slip(const refdem_particles *p, int64_t k, double *restrict y)
 {
     contact m = measure(p, k, y);
@@ -266,7 +267,8 @@ static void end_slip(const refdem_particles *p, int64_t k, double *restrict y)
     for (int c = 0; c < 3; c++)
         impulse[c] = -m.slip[c] / mobility;
     apply_tangential(p, &m, impulse, y);
-    y[work_at(p)] += 0.5 * dot(m.slip, m.slip) / mobility;
+    contact after = measure(p, k, y);
+    y[work_at(p)] -= 0.5 * (dot(impulse, m.glide) + dot(impulse, after.glide));
 }
 
 /* Pair k leaves its mode through the guard of that kind at time t [s]: the new mode, its spring,

@@ -4,8 +4,10 @@
  * Contact law (Cundall and Strack 1979), per pair i, j or sphere i and plane:
  *   overlap         d = R_i + R_j - |x_j - x_i|,   d' = (v_i - v_j).n
  *   normal force    F = k d + c d'                (Hertz: k d^(3/2) + c d')
- *   slip            u = (v_i - v_j) - d' n + (l_i w_i + l_j w_j) x n,   l = R - branch d
+ *   slip            u = (v_i - v_j) - d' n + (l_i w_i + l_j w_j) x n,   l = R - slip_shortening d
  *   spring          s' = u,   force on i: -k_t s, as long as |k_t s| <= mu F
+ *   torque          L_i n x f on i for the tangential force f,   L = R - torque_shortening d
+ * The power of f and of its torques is f.U, with U as u but for L in the place of l.
  * n points from i to j (or into the plane). Every pair is in one mode; within a mode the rates are
  * smooth, so that a method keeps its order if a step ends where a mode does.
  */
@@ -30,9 +32,11 @@ typedef struct {
     int64_t i, j;
     double n[3], normal_rate[3]; /* unit normal n and n' [1/s] */
     double velocity[3], slip[3]; /* v_i - v_j and u [m/s] */
+    double glide[3];             /* U [m/s]: as u, at the levers of the torque */
     double overlap, rate, force; /* d [m], d' [m/s], F [N] */
     double limit;                /* mu F [N]; below zero too: a step may look beyond a release */
-    double arm_i, arm_j;         /* l_i, l_j [m] */
+    double arm_i, arm_j;         /* l_i, l_j [m]: of the slip */
+    double torque_i, torque_j;   /* L_i, L_j [m]: of the torque */
 } contact;
 
 /* Where the blocks of a state (or of its rates) begin: x, v (3 N); w (3 N), q (4 N) if bodies turn;
@@ -100,6 +104,23 @@ static inline double hertz_factor(const refdem_particles *p, double overlap)
     return 1.0;
 }
 
+/* The velocity of surface i against surface j where the levers are arm_i and arm_j:
+ *   (v_i - v_j) - d' n + (arm_i w_i + arm_j w_j) x n. */
+static inline void surface_velocity(const contact *m, const double *restrict omega, double arm_i,
+                                    double arm_j, double *restrict out)
+{
+    double spin[3], by_spin[3];
+    for (int c = 0; c < 3; c++) {
+        double spin_j = 0.0; /* a plane does not turn */
+        if (m->j >= 0)
+            spin_j = arm_j * omega[3 * m->j + c];
+        spin[c] = arm_i * omega[3 * m->i + c] + spin_j;
+    }
+    cross(spin, m->n, by_spin);
+    for (int c = 0; c < 3; c++)
+        out[c] = m->velocity[c] - m->rate * m->n[c] + by_spin[c];
+}
+
 /* Geometry, slip and force of pair k in state y. */
 static inline contact measure(const refdem_particles *p, int64_t k, const double *restrict y)
 {
@@ -109,22 +130,17 @@ static inline contact measure(const refdem_particles *p, int64_t k, const double
     m.force = p->stiffness * m.overlap * hertz_factor(p, m.overlap) + p->damping * m.rate;
     m.limit = p->friction * m.force;
     if (p->friction > 0.0) {
-        const double *w = y + spin_at(p);
-        double spin[3], spin_slip[3];
-        m.arm_i = p->radius[m.i] - p->branch * m.overlap;
+        const double *omega = y + spin_at(p);
+        m.arm_i = p->radius[m.i] - p->slip_shortening * m.overlap;
+        m.torque_i = p->radius[m.i] - p->torque_shortening * m.overlap;
         m.arm_j = 0.0;
-        if (m.j >= 0)
-            m.arm_j = p->radius[m.j] - p->branch * m.overlap;
-        for (int c = 0; c < 3; c++) {
-            double spin_j = 0.0; /* a plane does not turn */
-            if (m.j >= 0)
-                spin_j = m.arm_j * w[3 * m.j + c];
-            spin[c] = m.arm_i * w[3 * m.i + c] + spin_j;
+        m.torque_j = 0.0;
+        if (m.j >= 0) {
+            m.arm_j = p->radius[m.j] - p->slip_shortening * m.overlap;
+            m.torque_j = p->radius[m.j] - p->torque_shortening * m.overlap;
         }
-        /* u = (v_i - v_j) - d' n + (l_i w_i + l_j w_j) x n. */
-        cross(spin, m.n, spin_slip);
-        for (int c = 0; c < 3; c++)
-            m.slip[c] = m.velocity[c] - m.rate * m.n[c] + spin_slip[c];
+        surface_velocity(&m, omega, m.arm_i, m.arm_j, m.slip);
+        surface_velocity(&m, omega, m.torque_i, m.torque_j, m.glide);
     }
     return m;
 }
@@ -153,20 +169,21 @@ static inline double slip_floor(const refdem_particles *p, const contact *m)
     return 1e-11 * p->radius[m->i] * sqrt(p->stiffness * inverse_mass);
 }
 
-/* Change of the slip by a unit of tangential impulse [1/kg]: 1/m_i + l_i^2/J_i + 1/m_j + l_j^2/J_j.
- */
+/* Change of the slip by a unit of tangential impulse [1/kg]: 1/m_i + l_i L_i/J_i + 1/m_j + l_j
+ * L_j/J_j. */
 static inline double tangential_mobility(const refdem_particles *p, const contact *m)
 {
-    double mobility = p->inverse_mass[m->i] + m->arm_i * m->arm_i * p->inverse_inertia[m->i];
+    double mobility = p->inverse_mass[m->i] + m->arm_i * m->torque_i * p->inverse_inertia[m->i];
     if (m->j < 0) /* a plane does not yield */
         return mobility;
-    return mobility + p->inverse_mass[m->j] + m->arm_j * m->arm_j * p->inverse_inertia[m->j];
+    return mobility + p->inverse_mass[m->j] + m->arm_j * m->torque_j * p->inverse_inertia[m->j];
 }
 
-/* The force on i that keeps the slip at zero where no spring does: f = -u'/(1/m_i + l_i^2/J_i +
- * 1/m_j + l_j^2/J_j), with the rate u' that the slip has without it,
- *   u' = a_i - a_j - d' n' + (l_i w_i + l_j w_j)' x n + (l_i w_i + l_j w_j) x n',   l' = -branch
- * d', less its part along n. dy holds the accelerations without friction. */
+/* The force on i that keeps the slip at zero where no spring does: f = -u'/(1/m_i + l_i L_i/J_i +
+ * 1/m_j + l_j L_j/J_j), with the rate u' that the slip has without it,
+ *   u' = a_i - a_j - d' n' + (l_i w_i + l_j w_j)' x n + (l_i w_i + l_j w_j) x n',
+ *   l' = -slip_shortening d', less its part along n. dy holds the accelerations without friction.
+ */
 static inline void sticking_force(const refdem_particles *p, const contact *m,
                                   const double *restrict y, const double *restrict dy,
                                   double *restrict force)
@@ -176,14 +193,14 @@ static inline void sticking_force(const refdem_particles *p, const contact *m,
     const double *alpha = dy + spin_at(p);
     double spin[3], spin_rate[3], normal_turn_slip[3], spin_rate_slip[3];
     double mobility = tangential_mobility(p, m);
+    double lever_rate = -p->slip_shortening * m->rate; /* l' */
     for (int c = 0; c < 3; c++) {
         spin[c] = m->arm_i * omega[3 * m->i + c];
-        spin_rate[c] = m->arm_i * alpha[3 * m->i + c] - p->branch * m->rate * omega[3 * m->i + c];
+        spin_rate[c] = m->arm_i * alpha[3 * m->i + c] + lever_rate * omega[3 * m->i + c];
         force[c] = a[3 * m->i + c] - m->rate * m->normal_rate[c];
         if (m->j >= 0) {
             spin[c] += m->arm_j * omega[3 * m->j + c];
-            spin_rate[c]
-                += m->arm_j * alpha[3 * m->j + c] - p->branch * m->rate * omega[3 * m->j + c];
+            spin_rate[c] += m->arm_j * alpha[3 * m->j + c] + lever_rate * omega[3 * m->j + c];
             force[c] -= a[3 * m->j + c];
         }
     }
@@ -265,7 +282,7 @@ static inline void tangential_force(const refdem_particles *p, int64_t mode, con
     }
 }
 
-/* Adds what a tangential force f on i, and -f on j, does to the rates: f/m_i, -f/m_j, and l (n x
+/* Adds what a tangential force f on i, and -f on j, does to the rates: f/m_i, -f/m_j, and L (n x
  * f)/J of both. An impulse in place of the force, and a state in place of its rates, serve too. */
 static inline void apply_tangential(const refdem_particles *p, const contact *m,
                                     const double *restrict force, double *restrict dy)
@@ -277,9 +294,9 @@ static inline void apply_tangential(const refdem_particles *p, const contact *m,
     add_scaled(a + 3 * m->i, p->inverse_mass[m->i], force);
     if (m->j >= 0)
         add_scaled(a + 3 * m->j, -p->inverse_mass[m->j], force);
-    add_scaled(alpha + 3 * m->i, m->arm_i * p->inverse_inertia[m->i], torque);
+    add_scaled(alpha + 3 * m->i, m->torque_i * p->inverse_inertia[m->i], torque);
     if (m->j >= 0)
-        add_scaled(alpha + 3 * m->j, m->arm_j * p->inverse_inertia[m->j], torque);
+        add_scaled(alpha + 3 * m->j, m->torque_j * p->inverse_inertia[m->j], torque);
 }
 
 /* A spring's row: stiffness, length, exponent, anchor (3), factors of the square and the cube. */
@@ -345,7 +362,7 @@ static inline double add_normal_forces(const refdem_particles *p, const int64_t 
 }
 
 /* Adds the accelerations by tangential forces f and the rates of their springs; returns the power
- * -f.u [W]. Accelerations in dy must be complete but for these: sticking without a spring asks for
+ * -f.U [W]. Accelerations in dy must be complete but for these: sticking without a spring asks for
  * them. */
 static inline double add_tangential_forces(const refdem_particles *p, const int64_t *restrict mode,
                                            const double *restrict y, double *restrict dy)
@@ -359,7 +376,7 @@ static inline double add_tangential_forces(const refdem_particles *p, const int6
         tangential_force(p, mode[k], &m, y, dy, y + history_at(p) + 3 * k, force,
                          dy + history_at(p) + 3 * k);
         apply_tangential(p, &m, force, dy);
-        power -= dot(force, m.slip);
+        power -= dot(force, m.glide);
     }
     return power;
 }

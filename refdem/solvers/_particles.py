@@ -25,10 +25,6 @@ from refdem.solvers._single_point import gravity
 
 Array = NDArray[np.float64]
 
-BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
-"""Share of the overlap d by which the lever arm of friction is shorter than the radius R, by
-`branch`.
-"""
 PATTERN = ScenePattern(
     elements={
         Spring: ANY,
@@ -225,7 +221,8 @@ def _law_fields(law: Contact) -> dict[str, Any]:
         "damping": law.damping,
         "tangential_stiffness": law.tangential_stiffness,
         "friction": law.friction,
-        "branch": BRANCH[law.branch],
+        "slip_shortening": law.slip_shortening,
+        "torque_shortening": law.torque_shortening,
         "no_pull": law.cutoff == "zero_force",
         "hertz": law.law == "hertz",
     }

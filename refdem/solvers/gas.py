@@ -27,7 +27,7 @@ from refdem.solvers._kernel_solver import (
     steps_of,
     steps_to_samples,
 )
-from refdem.solvers._particles import BRANCH, MANY
+from refdem.solvers._particles import MANY
 from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, Count, ScenePattern
 
 Array = NDArray[np.float64]
@@ -186,8 +186,10 @@ def _bounds_unsupported(scene: Scene) -> str | None:
 
 
 def _contact_unsupported(scene: Scene) -> str | None:
-    """None unless there is friction without a tangential spring."""
+    """None unless friction has no tangential spring, or two levers."""
     law = scene.all(Contact)[0]
+    if law.has_two_levers:
+        return "friction whose slip and torque have different levers"
     if law.friction > 0 and law.tangential_stiffness == 0:
         return "friction without a tangential spring"
     return None
@@ -218,7 +220,7 @@ def _fields(scene: Scene) -> dict[str, Any]:
         "damping": law.damping,
         "tangential_stiffness": law.tangential_stiffness,
         "friction": law.friction,
-        "branch": BRANCH[law.branch],
+        "branch": law.torque_shortening,
         "no_pull": law.cutoff == "zero_force",
     }
     return _capacities(scene, box_size) | of_spheres | of_bounds | of_law

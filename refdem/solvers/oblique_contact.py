@@ -16,7 +16,6 @@ from refdem.mechanics.quaternion import product
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples
-from refdem.solvers._particles import BRANCH
 from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 
 Array = NDArray[np.float64]
@@ -67,6 +66,8 @@ class ObliqueContact(KernelSolver):
         law = scene.all(Contact)[0]
         if law.friction > 0 and law.tangential_stiffness == 0:
             return "friction without a tangential spring"
+        if law.has_two_levers:
+            return "friction whose slip and torque have different levers"
         if np.any(np.ptp(bodies.inertia, axis=1) > 1e-12 * bodies.inertia.max(axis=1)):
             return "a sphere whose three moments of inertia differ"
         axes = frame(scene)
@@ -179,7 +180,7 @@ def pair_struct(scene: Scene, longest: float) -> Struct:
         "inverse_inertia_i": turn_ease_i,
         "inverse_inertia_j": turn_ease_j,
         "inverse_mass": float(np.sum(1.0 / bodies.mass)),
-        "branch": BRANCH[law.branch],
+        "branch": law.torque_shortening,
         "longest": longest,
         "no_pull": law.cutoff == "zero_force",
     }

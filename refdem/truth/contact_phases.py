@@ -6,11 +6,12 @@ length X = V T, all dyadic, with m the effective mass and D = R1 + R2: overlap d
 = u, h = rho^2 phi' = D V w, omega_i = V o_i/R_i, tangential spring 2 X s,
 
     F = m X/T^2 (K a + C u),  u' = -(K a + C u) - eps w^2/r^3,  phi' = eps w/r^2,  w' = r g,  o_i' =
-    -(1 - b_i a) mu_i g,
+    -(L_i/R_i) mu_i g,
 
-r = 1 - eps a, eps = X/D, mu_i = m R_i^2/J_i, levers l_i = R_i - beta d = R_i (1 - b_i a) with beta
-= 0, 1/2, 1, and g the friction on body 1 along the normal r/rho turned by +90 degrees about z. The
-slip is V (w/r - (1 - b_1 a) o_1 - (1 - b_2 a) o_2), and g is
+r = 1 - eps a, eps = X/D, mu_i = m R_i^2/J_i, levers l_i = R_i - beta d = R_i (1 - b_i a) of the
+slip with beta = 0, 1/2, 1, alike L_i of the torque, and g the friction on body 1 along the normal
+r/rho turned by +90 degrees about z. The slip is V (w/r - (1 - b_1 a) o_1 - (1 - b_2 a) o_2), and g
+is
 
     stick -2 Kt s with 2 s' = slip;  slip -sigma mu F, from |2 Kt s| = mu F on, until sigma Kt slip
     = mu F';  press and pull (F < 0) 0; hold (no spring) what keeps the slip at zero, while that is
@@ -72,7 +73,8 @@ class LinearContact(ABC):
     not depend on the coordinates of the motion.
 
     In the symbols of the module: `time` is T, `speed` V, `length` X; `k`, `c`, `kt` are K, C, Kt;
-    `ease` has mu_i, `bend` has b_i, `friction` is mu (0 where friction is left out).
+    `ease` has mu_i, `bend` has b_i of the slip and `torque_bend` of the torque, `friction` is mu (0
+    where friction is left out).
     """
 
     pair: Touching
@@ -83,6 +85,7 @@ class LinearContact(ABC):
     eps: Fraction
     ease: Sequence[Number]
     bend: Sequence[Number]
+    torque_bend: Sequence[Number]
     k: Number
     c: Number
     kt: Number
@@ -144,6 +147,7 @@ class LinearContact(ABC):
         self.length = self.time * self.speed
         self.eps = self.length / pair.reach
         self.bend = [pair.lever * self.length / radius for radius in pair.radii]
+        self.torque_bend = [pair.lever_of_torque * self.length / radius for radius in pair.radii]
         self.k = pair.stiffness * self.time**2 / m
         self.c = pair.damping * self.time / m
         self.kt = spring * self.time**2 / m
@@ -159,9 +163,14 @@ class LinearContact(ABC):
         return self.closing(y) * self.k + self.falling(y) * self.c
 
     def levers(self, y: State) -> list[Any]:
-        """The levers l_i/R_i = 1 - b_i a of both spheres."""
+        """The levers l_i/R_i = 1 - b_i a of the slip, of both spheres."""
         overlap = self.overlap(y)
         return [1 - overlap * bend for bend in self.bend]
+
+    def torque_levers(self, y: State) -> list[Any]:
+        """The levers L_i/R_i of the torque of friction, of both spheres."""
+        overlap = self.overlap(y)
+        return [1 - overlap * bend for bend in self.torque_bend]
 
     def released(self) -> Guard:
         """The guard that ends a pressing phase: the force falls to zero.
@@ -216,13 +225,16 @@ class PlanarPhases(LinearContact):
     def holding(self, y: State) -> Any:
         """The friction g that keeps the slip at zero.
 
-        With levers l_i = 1 - b_i a, slip' = g (1 + l_1^2 mu_1 + l_2^2 mu_2) + u (eps w/r^2 + b_1
-        o_1 + b_2 o_2), as r' = -eps u and l_i' = -b_i u; g makes it zero.
+        With levers l_i = 1 - b_i a and those of the torque L_i, slip' = g (1 + l_1 L_1 mu_1 + l_2
+        L_2 mu_2) + u (eps w/r^2 + b_1 o_1 + b_2 o_2), as r' = -eps u and l_i' = -b_i u; g makes it
+        zero.
         """
         r = 1 - y[0] * self.eps
         first, second = self.levers(y)
+        first_torque, second_torque = self.torque_levers(y)
         by_closing = y[3] / (r * r) * self.eps + y[4] * self.bend[0] + y[5] * self.bend[1]
-        inertia = 1 + first * first * self.ease[0] + second * second * self.ease[1]
+        turned = first * first_torque * self.ease[0] + second * second_torque * self.ease[1]
+        inertia = 1 + turned
         return -y[1] * by_closing / inertia
 
     def lag(self, y: State, side: int) -> Any:
@@ -250,9 +262,10 @@ class PlanarPhases(LinearContact):
                 g = friction(y)
             else:
                 g = 0
-            # o_i' = -l_i mu_i g.
+            # o_i' = -L_i mu_i g.
             spin_rates = [
-                lever * g * -ease for lever, ease in zip(self.levers(y), self.ease, strict=True)
+                lever * g * -ease
+                for lever, ease in zip(self.torque_levers(y), self.ease, strict=True)
             ]
             if stretches:
                 spring_rate = self.slip(y) / 2

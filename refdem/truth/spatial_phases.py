@@ -128,7 +128,7 @@ class SpatialPhases(LinearContact):
         """
 
         def rates(y: State) -> list[Any]:
-            """r' = v, v' = -F n + f, o_i' = l_i mu_i n x f, the spring's rate, clock' = 1."""
+            """r' = v, v' = -F n + f, o_i' = L_i mu_i n x f, the spring's rate, clock' = 1."""
             normal = self.normal(y)
             force = self.force(y)
             if friction:
@@ -139,7 +139,7 @@ class SpatialPhases(LinearContact):
             torque = cross(normal, tangential)
             spin_rates = [
                 lever * ease * x
-                for lever, ease in zip(self.levers(y), self.ease, strict=True)
+                for lever, ease in zip(self.torque_levers(y), self.ease, strict=True)
                 for x in torque
             ]
             spring_rates = [0] * (self.size - 13)

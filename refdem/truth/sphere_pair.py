@@ -22,7 +22,8 @@ class TouchingPair(ABC):
     `masses` [kg] and `radii` [m] are those of both, `spins` (6,) [rad/s] their angular velocities.
     `stiffness`, `damping` and `tangential_stiffness` are those of the linear law, `friction` is
     Coulomb's. Body 1 comes at `closing_speed` [m/s] under `angle` [rad] to the normal. `lever` is
-    0, 1/2, 1 where friction acts at R, R-d/2, R-d, d being the overlap. `ends_with_overlap`: the
+    0, 1/2, 1 where slip is measured at R, R-d/2, R-d, d being the overlap; `torque_lever` is that
+    of the torque of friction, the same where it is not given. `ends_with_overlap`: the
     contact ends where the overlap does, else where the force does.
     """
 
@@ -37,6 +38,14 @@ class TouchingPair(ABC):
     spins: tuple[Fraction, ...]
     lever: Fraction
     ends_with_overlap: bool
+    torque_lever: Fraction | None = None
+
+    @property
+    def lever_of_torque(self) -> Fraction:
+        """0, 1/2, 1 where the torque of friction has the lever R, R-d/2, R-d."""
+        if self.torque_lever is None:
+            return self.lever
+        return self.torque_lever
 
     @property
     def total_mass(self) -> Number:
@@ -131,13 +140,24 @@ class SpherePair(TouchingPair):
 
 def sphere_pair(p: Mapping[str, Exact]) -> SpherePair:
     """The pair of the parameters of case two-spheres."""
-    levers = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
+    half = Fraction(1, 2)
+    none = Fraction(0)
+    all_of_it = Fraction(1)
+    # Of the slip and of the torque.
+    levers = {
+        "R": (none, none),
+        "R-d/2": (half, half),
+        "R-d": (all_of_it, all_of_it),
+        "slip-R": (none, half),
+    }
+    slip_lever, torque_lever = levers[str(p["branch"])]
     single = ("stiffness", "damping", "tangential_stiffness", "friction", "closing_speed", "angle")
     return SpherePair(
         masses=vector(p, "masses"),
         radii=vector(p, "radii"),
         spins=vector(p, "spins"),
-        lever=levers[str(p["branch"])],
+        lever=slip_lever,
+        torque_lever=torque_lever,
         ends_with_overlap=p["cutoff"] == "zero_overlap",
         **{name: number(p, name) for name in single},
     )

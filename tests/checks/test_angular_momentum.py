@@ -9,6 +9,7 @@ import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
+from refdem.core.balance import torque_reason
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.problem import Request
@@ -139,6 +140,17 @@ def test_a_law_that_changes_the_total_says_so_and_one_that_does_not_is_silent():
     assert all("a property of the law" in sentence for sentence in changed.values())
     assert not any("property of the law" in sentence for sentence in kept.values())
     assert not any("No torque" in sentence for sentence in kept.values())
+
+
+def test_the_lever_of_the_torque_decides_what_the_law_does_to_the_total():
+    """With slip at R and torque at R - d/2 the total stays; one lever R for both changes it."""
+    rubbing = {"friction": "1/4", "angle": "1/2", "tangential_stiffness": "96"}
+    instance = discovery.case("two-spheres").at(**rubbing, branch="slip-R")
+    assert torque_reason(instance.scene) is None
+    reference = discovery.engine("reference")
+    kept = sentences(reference, "two-spheres", **rubbing, branch="slip-R")
+    assert kept.keys() == {"contact-events", "rk4", "velocity-verlet"}
+    assert not any("property of the law" in sentence for sentence in kept.values())
 
 
 def test_all_spheres_of_a_law_that_changes_the_total_are_compared_with_truth():

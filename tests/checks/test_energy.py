@@ -185,6 +185,25 @@ def test_a_contact_with_tangential_springs_never_gains_energy():
     assert faster["balance"] == "fail"
 
 
+SLIDING = {"angle": "1", "friction": "1/16", "masses": "1,3"}
+
+
+@pytest.mark.parametrize("rubbing", [STICKING, SLIDING], ids=["spring", "sliding"])
+def test_nothing_is_said_of_energy_where_slip_and_torque_have_levers_of_their_own(rubbing):
+    """The power of such a law is not force times slip: energy may rise, and nobody is accused."""
+    given = rubbing | {"branch": "slip-R"}
+    found = findings(
+        "two-spheres",
+        lambda run: replace(
+            run,
+            channels={},
+            velocity=run.velocity * np.linspace(1, 1.5, len(run.t))[:, None, None],
+        ),
+        **given,
+    )
+    assert found == {"balance": "undecided", "finest": "undecided"}
+
+
 @pytest.mark.parametrize("theta0", ["1.5703125", "1.5", "3"])
 def test_the_scale_of_a_pendulums_energy_does_not_vanish_where_its_potential_does(theta0):
     instance = discovery.case("pendulum").at(theta0=theta0)

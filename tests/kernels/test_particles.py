@@ -15,7 +15,8 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 STEP = 2.0**-9
 STEPS = 24
-LEVER = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
+SLIP = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5, "slip-R": 0.0}
+TORQUE = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5, "slip-R": 0.5}
 
 
 class Twin:
@@ -41,7 +42,7 @@ class Twin:
         self.a, self.alpha = self.accelerations(self.v, self.w)
 
     def geometry(self, pair, v, w):
-        """Normal, overlap, its rate, slip, lever arms."""
+        """Normal, overlap, its rate, slip, lever arms of the torque."""
         i, j = pair
         radius = self.b.radius
         if j < 0:
@@ -54,11 +55,15 @@ class Twin:
             n = line / np.sqrt(line @ line)
             overlap = radius[i] + radius[j] - np.sqrt(line @ line)
             relative = v[i] - v[j]
-        arms = (
-            radius[i] - LEVER[self.law.branch] * overlap,
-            (0.0 if j < 0 else radius[j] - LEVER[self.law.branch] * overlap),
+        slip_arms, arms = (
+            (
+                radius[i] - share[self.law.branch] * overlap,
+                (0.0 if j < 0 else radius[j] - share[self.law.branch] * overlap),
+            )
+            for share in (SLIP, TORQUE)
         )
-        surface = relative + np.cross(arms[0] * w[i] + (arms[1] * w[j] if j >= 0 else 0.0), n)
+        spin = slip_arms[0] * w[i] + (slip_arms[1] * w[j] if j >= 0 else 0.0)
+        surface = relative + np.cross(spin, n)
         return n, overlap, relative @ n, surface - (surface @ n) * n, arms
 
     def accelerations(self, v, w):
@@ -174,10 +179,11 @@ LAWS = [
     {"damping": 3.0, "friction": 1e6, "tangential_stiffness": 300.0, "branch": "R-d/2"},
     {"friction": 1e6, "tangential_stiffness": 300.0, "branch": "R"},
     {"damping": 1.0, "friction": 1e6, "tangential_stiffness": 90.0, "branch": "R-d"},
+    {"damping": 1.0, "friction": 1e6, "tangential_stiffness": 300.0, "branch": "slip-R"},
 ]
 
 
-@pytest.mark.parametrize("law", LAWS, ids=["damped", "sticking", "arm R", "arm R-d"])
+@pytest.mark.parametrize("law", LAWS, ids=["damped", "sticking", "arm R", "arm R-d", "two arms"])
 def test_every_step_of_the_kernel_is_that_of_the_twin(law):
     scene = cluster(**law)
     twin = Twin(scene)

@@ -26,8 +26,6 @@ from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
-BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
-"""The part of the overlap by which the lever of the tangential force is shorter than the radius."""
 HOLDS, SLIPS, FREE, APART = range(4)
 """Modes: the spring holds, the contact slips, it has no friction, the spheres have parted."""
 INSIDE = 1 - 1e-14
@@ -125,8 +123,8 @@ class Oblique:
         angle_rate = q / (radius1 + radius2 - d)
         # g' = d'' = -q a' - N/m.
         overlap_acceleration = -q * angle_rate - inverse_mass * normal_force
-        lever1 = radius1 - BRANCH[law.branch] * d
-        lever2 = radius2 - BRANCH[law.branch] * d
+        lever1 = radius1 - law.torque_shortening * d
+        lever2 = radius2 - law.torque_shortening * d
         slip = lever1 * spin1 + lever2 * spin2 - q
         force_rate = law.stiffness * g + law.damping * overlap_acceleration
         friction = self._friction(mode, normal_force, force_rate, slip, s)

@@ -38,6 +38,7 @@ FEATURES = {
     "contact:friction",
     "contact:mindlin",
     "contact:tangential-restitution",
+    "contact:two-levers",
     "bodies_file",
     *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
 }
@@ -57,6 +58,7 @@ MEANINGS = {
     "contact:mindlin": "tangential spring of Hertz' law, which stiffens with its load",
     "contact:rigid": "impacts without duration, with a coefficient of restitution",
     "contact:tangential-restitution": "rigid impacts that give part of the slip back",
+    "contact:two-levers": "slip at the radius, torque of friction at R - overlap/2",
     "dashpot": "a force against the velocity of one anchor towards the other",
     "dashpot:van_der_pol": "a dashpot that depends on the distance of its anchors",
     "dimension:1": "motion along one line; who names no dimension runs in all three",

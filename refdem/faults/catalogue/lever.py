@@ -21,10 +21,10 @@ def _one_lever(sound: Parts) -> dict[str, Any]:
     """The lever of the first body serves for both (Lethe 300)."""
     first_lever: Any = None
 
-    def lever(law: Any, radius: Any, depth: Any) -> Any:
+    def lever(radius: Any, depth: Any, shortening: Any) -> Any:
         nonlocal first_lever
         if first_lever is None:
-            first_lever = sound.lever(law, radius, depth)
+            first_lever = sound.lever(radius, depth, shortening)
             return first_lever
         second_lever = first_lever
         first_lever = None
@@ -67,6 +67,21 @@ FAULTS = (
         sentence="Lever arm R - d/2 where the law says R.",
         on=("scrape-long",),
         sees=("angular-momentum", "law"),
+        levels=6,
+        before=_branch("R-d/2"),
+    ),
+    contact(
+        name="lever-of-slip-for-torque",
+        sentence="One lever R for both, where the law takes slip at R and torque at R - d/2.",
+        on=("scrape-two-levers",),
+        sees=("angular-momentum", "total"),
+        before=_branch("R"),
+    ),
+    contact(
+        name="lever-of-torque-for-slip",
+        sentence="One lever R - d/2 for both, where the law takes slip at R and torque at R - d/2.",
+        on=("hold-two-levers",),
+        sees=("error", "omega1.z"),
         levels=6,
         before=_branch("R-d/2"),
     ),

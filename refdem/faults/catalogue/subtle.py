@@ -98,8 +98,8 @@ def _first_radius(sound: Parts) -> dict[str, Any]:
     """The first radius of a run serves for all levers."""
     kept: dict[str, Any] = {}
 
-    def lever(law: Any, radius: Any, depth: Any) -> Any:
-        return sound.lever(law, kept.setdefault("radius", radius), depth)
+    def lever(radius: Any, depth: Any, shortening: Any) -> Any:
+        return sound.lever(kept.setdefault("radius", radius), depth, shortening)
 
     return forgetting(sound, kept.clear, lever=lever)
 

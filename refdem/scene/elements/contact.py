@@ -15,6 +15,11 @@ from refdem.scene.element import Array, Element
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 
+SHORTENINGS = {"R": (0.0, 0.0), "R-d": (1.0, 1.0), "R-d/2": (0.5, 0.5), "slip-R": (0.0, 0.5)}
+"""By `branch`: the shares of the overlap by which the levers of slip and of torque are shorter than
+the radius.
+"""
+
 
 class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     """One law for every pair of shapes in the scene, planes included.
@@ -25,7 +30,9 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     `tangential_stiffness = 0` with friction > 0 is sliding friction of full size whenever there is
     slip. The spring is 0 at the touch and turns with the plane of contact. `branch` is the lever
     arm of the tangential force, and that at which slip is measured: the radius R, R - overlap, or R
-    - overlap/2, with each sphere's own R.
+    - overlap/2, with each sphere's own R. `slip-R` has two levers: slip is measured at R, and the
+    torque of the tangential force has the lever R - overlap/2, as in the pair style granular of
+    LAMMPS. The power of its tangential force is then not force times slip.
     `cutoff`: the force ends with the overlap, or already when it would pull (zero_force). hertz:
     normal force
     `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring `tangential_stiffness *
@@ -46,7 +53,7 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     friction: Number = 0.0
     restitution: Number = 0.0
     tangential_restitution: Annotated[float | UnsetType, Dimension(0, 0, 0)] = UNSET
-    branch: Literal["R", "R-d", "R-d/2"] = "R-d/2"
+    branch: Literal["R", "R-d", "R-d/2", "slip-R"] = "R-d/2"
     cutoff: Literal["zero_overlap", "zero_force"] = "zero_overlap"
 
     def __post_init__(self) -> None:
@@ -62,6 +69,22 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         if isinstance(self.tangential_restitution, UnsetType):
             return 0.0
         return self.tangential_restitution
+
+    @property
+    def slip_shortening(self) -> float:
+        """The share c of the overlap d in the lever R - c d at which slip is measured."""
+        return SHORTENINGS[self.branch][0]
+
+    @property
+    def torque_shortening(self) -> float:
+        """The share c of the overlap d in the lever R - c d of the tangential force's torque."""
+        return SHORTENINGS[self.branch][1]
+
+    @property
+    def has_two_levers(self) -> bool:
+        """True if friction has a torque with another lever than that at which slip is measured."""
+        is_same = self.slip_shortening == self.torque_shortening
+        return self.friction > 0 and self.law != "rigid" and not is_same
 
     @property
     def conservative(self) -> bool:  # type: ignore[override]
@@ -89,8 +112,8 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return super().dimension(field)
 
     def features(self) -> frozenset[str]:
-        """The law, friction where there is some, and mindlin where its spring stiffens with the
-        load.
+        """The law, friction where there is some, mindlin where its spring stiffens with the load,
+        and two-levers where slip and torque have levers of their own.
         """
         names = {"contact", f"contact:{self.law}"}
         if self.friction > 0:
@@ -99,6 +122,8 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
             names.add("contact:damping")
         if self.law == "hertz" and self.friction > 0 and self.tangential_stiffness > 0:
             names.add("contact:mindlin")
+        if self.has_two_levers:
+            names.add("contact:two-levers")
         if self.slip_restitution > 0:
             names.add("contact:tangential-restitution")
         return frozenset(names)

@@ -10,7 +10,8 @@ Law, with overlap d = R1 + R2 - |r1 - r2|: normal force k d + c d'. cutoff zero_
 pulling too, until d = 0; zero_force: max(0, k d + c d'), so that from t = 2 al/w on the spheres fly
 freely, overlapping still for a while; `duration` is then the time at which the force ends. Friction
 of body i acts at the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2 (R-d/2) along the
-normal, for torque and for slip alike, and only while the normal force presses: the limit is
+normal, for torque and for slip alike (branch slip-R: R_i for slip, R_i - d/2 for torque), and only
+while the normal force presses: the limit is
 friction x max(0, k d + c d').
 
 Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by

@@ -3,8 +3,8 @@ sign changes on a grid and the secant.
 
 Geometry of a contact in the plane: r = r1 - r2, e = r/|r| the normal, t the tangent, e turned by
 +90 degrees; d = R1 + R2 - |r| the overlap, v_e and v_t the components of v = r'. The normal force
-on body 1 is F = k d - c v_e along e; friction f on body 1 acts along t, with the levers l_i = R_i -
-beta d, beta = 0, 1/2 or 1.
+on body 1 is F = k d - c v_e along e; friction f on body 1 acts along t. Slip has the levers l_i =
+R_i - beta d, beta = 0, 1/2 or 1, and the torque of friction L_i alike.
 
 Phases: "free" (no friction), "slip+" and "slip-" (the sign of the slip; |f| = mu F), "stick" (the
 spring is stretched, k_t > 0) and "hold" (the slip is kept at 0, k_t = 0). "apart" ends the contact.
@@ -190,7 +190,12 @@ class Spheres(Colliding):
         self.reach = self.radii[0] + self.radii[1]
         self.moments = [m * r * r * 2 / 5 for m, r in zip(masses, self.radii, strict=True)]
         self.mass = masses[0] * masses[1] / (masses[0] + masses[1])
-        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
+        # beta of the slip, and that of the torque.
+        branch = str(p["branch"])
+        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1), "slip-R": arb(0)}[branch]
+        self.torque_beta = self.beta
+        if branch == "slip-R":
+            self.torque_beta = arb(1) / 2
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
         self.k, self.c, self.kt, self.mu = (arb_of(p[name]) for name in names)
         self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
@@ -206,8 +211,12 @@ class Spheres(Colliding):
         return ex, ey, distance, along, across, force
 
     def levers(self, distance: Any) -> list[Any]:
-        """The levers l_i = R_i - beta d of friction."""
+        """The levers l_i = R_i - beta d of the slip."""
         return [radius - self.beta * (self.reach - distance) for radius in self.radii]
+
+    def torque_levers(self, distance: Any) -> list[Any]:
+        """The levers L_i = R_i - beta d of the torque of friction."""
+        return [radius - self.torque_beta * (self.reach - distance) for radius in self.radii]
 
     def slip(self, s: Sequence[Any]) -> Any:
         """The slip v_t - l1 w1 - l2 w2 of the surfaces."""
@@ -218,12 +227,14 @@ class Spheres(Colliding):
     def holding(self, s: Sequence[Any]) -> Any:
         """The f with slip' = 0, which is linear in f.
 
-        slip' = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 + l2^2/J2).
+        slip' = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1 L1/J1 + l2 L2/J2).
         """
         _, _, distance, along, across, _ = self.geometry(s)
         inverse_mass = 1 / self.mass + sum(
-            lever * lever / moment
-            for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+            lever * torque_lever / moment
+            for lever, torque_lever, moment in zip(
+                self.levers(distance), self.torque_levers(distance), self.moments, strict=True
+            )
         )
         return (along * across / distance + self.beta * along * (s[4] + s[5])) / inverse_mass
 
@@ -233,7 +244,7 @@ class Spheres(Colliding):
         return -self.k * along - self.c * (force / self.mass + across * across / distance)
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
-        """r' = v, m v' = F e + f t, J_i w_i' = -l_i f, stretch' = slip; m is the effective mass."""
+        """r' = v, m v' = F e + f t, J_i w_i' = -L_i f, stretch' = slip; m is the effective mass."""
 
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
@@ -242,7 +253,7 @@ class Spheres(Colliding):
             ay = (force * ey + f * ex) / self.mass
             spin_rates = [
                 -lever * f / moment
-                for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+                for lever, moment in zip(self.torque_levers(distance), self.moments, strict=True)
             ]
             return [s[2], s[3], ax, ay, *spin_rates, self.slip(s)]
 

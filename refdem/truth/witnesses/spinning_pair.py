@@ -65,8 +65,17 @@ class ContactState:
 
     @cached_property
     def arms(self) -> list[list[Any]]:
-        """The vectors (3) from the centres to where friction acts: (R_i - beta d) n, -n for 2."""
-        shortening = self.bodies.beta * self.overlap
+        """The vectors (3) from the centres to where slip is: (R_i - beta d) n, -n for 2."""
+        return self._shortened(self.bodies.beta)
+
+    @cached_property
+    def torque_arms(self) -> list[list[Any]]:
+        """The vectors (3) from the centres to where friction turns the bodies."""
+        return self._shortened(self.bodies.torque_beta)
+
+    def _shortened(self, beta: Any) -> list[list[Any]]:
+        """The vectors (R_i - beta d) n (3), -n for 2."""
+        shortening = beta * self.overlap
         return [
             [x * (radius - shortening) * sign for x in self.normal]
             for radius, sign in zip(self.bodies.radii, (1, -1), strict=True)
@@ -139,7 +148,12 @@ class Bodies:
         self.masses = [arb_of(mass) for mass in vector(p, "masses")]
         self.radii = [arb_of(radius) for radius in vector(p, "radii")]
         self.moments = [m * r * r * 2 / 5 for m, r in zip(self.masses, self.radii, strict=True)]
-        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
+        # beta of the slip, and that of the torque.
+        branch = str(p["branch"])
+        self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1), "slip-R": arb(0)}[branch]
+        self.torque_beta = self.beta
+        if branch == "slip-R":
+            self.torque_beta = arb(1) / 2
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
         self.k, self.c, self.kt, self.mu = (arb_of(number(p, name)) for name in names)
         self.pulls = p["cutoff"] == "zero_overlap" and number(p, "damping") > 0
@@ -177,7 +191,7 @@ class Bodies:
         total_force = plus(friction, contact.normal, -contact.force)
         rates: list[Any] = []
         for i, sign in ((0, 1), (1, -1)):
-            torque = crossed(contact.arms[i], friction)
+            torque = crossed(contact.torque_arms[i], friction)
             velocity = s[9 * i + 3 : 9 * i + 6]
             acceleration = [x * sign / self.masses[i] for x in total_force]
             spin_rate = [x * sign / self.moments[i] for x in torque]

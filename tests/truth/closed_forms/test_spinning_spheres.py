@@ -27,13 +27,17 @@ from refdem.truth.witnesses.taylor import Solution
 
 SPUN = {"masses": "1,3", "radii": "1/2,3/4", "spins": "1,3,1,2,-1,3", "friction": "1/8"}
 SLIDING = [
-    SPUN | {"branch": branch, "angle": "1/3", "damping": "2"} for branch in ("R", "R-d", "R-d/2")
+    SPUN | {"branch": branch, "angle": "1/3", "damping": "2"}
+    for branch in ("R", "R-d", "R-d/2", "slip-R")
 ]
 SPRUNG = SPUN | {"tangential_stiffness": "48", "damping": "2", "branch": "R-d"}
+SPRUNG_TWO_LEVERS = SPRUNG | {"branch": "slip-R"}
 WAYS = [(given, "slip", "slip") for given in SLIDING] + [
     (SPRUNG, "stick", "stick"),
     (SPRUNG, "slip", "clip"),
     (SPRUNG, "press", "free"),
+    (SPRUNG_TWO_LEVERS, "stick", "stick"),
+    (SPRUNG_TWO_LEVERS, "slip", "clip"),
 ]
 
 
@@ -143,7 +147,7 @@ WHOLE = {name: getattr(SpatialPhases, name) for name in ("slip", "limit")}
 def test_a_planted_fault_of_the_rates_is_seen(monkeypatch, fault):
     name, wrong = FAULTS[fault]
     monkeypatch.setattr(SpatialPhases, name, wrong)
-    assert max(rates_apart(*way) for way in WAYS[1:5]) > 1e-6
+    assert max(rates_apart(*way) for way in WAYS[1:6]) > 1e-6
 
 
 def test_what_ends_a_phase_is_zero_where_the_witness_says():

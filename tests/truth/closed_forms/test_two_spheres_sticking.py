@@ -47,6 +47,15 @@ CONTACTS = [
         {"spins": "0,0,3,0,0,-2", "friction": "1/8", "damping": "1/100", "branch": "R-d"} | UNEQUAL,
         "stick, slip back, pull, release",
     ),
+    (
+        {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "branch": "slip-R"}
+        | SPUN,
+        "slip, stick, slip back, pull, release",
+    ),
+    (
+        {"angle": "1/2", "friction": "1/4", "damping": "0", "branch": "slip-R"} | SPUN,
+        "stick, slip, release",
+    ),
 ]
 
 

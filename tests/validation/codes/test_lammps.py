@@ -22,3 +22,15 @@ def test_omega_taken_for_angular_momentum_closes_it(gates):
         "sum(a * w for",
         other,
     )
+
+
+def test_a_code_with_one_lever_for_slip_and_torque_closes_it(gates):
+    """`gran` has R for both, and is asked for slip at R and torque at R - d/2."""
+    gates.assert_closed(
+        "lammps",
+        "two-spheres[damping=0 angle=1/2 friction=1/4 tangential_stiffness=64 branch=slip-R]",
+        "error/omega1.z",
+        "lammps/elements.py",
+        '"gran": "R"',
+        '"gran": "slip-R"',
+    )

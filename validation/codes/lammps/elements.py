@@ -15,6 +15,10 @@ LAWS = {
     ),
 }
 """No tangential damping; that along the normal is per effective mass in `gran`."""
+BRANCHES = {"gran": "R", "granular": "slip-R"}
+"""The levers of friction in pairs: `gran` has R for slip and for torque, `granular` has R for slip
+and R - d/2 for torque.
+"""
 
 
 def joined(numbers):
@@ -32,10 +36,14 @@ def law(c, method, masses, planes):
         "friction of full size at any slip: it goes through a tangential spring",
     )
     cannot(
-        c["friction"] > 0 and method == "granular",
-        "friction in granular: slip at R, torque at R - d/2, a law that refdem lacks",
+        c["friction"] > 0 and method == "granular" and planes,
+        "friction in granular at walls: its torque has the lever R there, as in gran",
     )
-    cannot(c["friction"] > 0 and c["branch"] != "R", "a branch other than R in gran")
+    branch = BRANCHES[method]
+    cannot(
+        c["friction"] > 0 and c["branch"] != branch,
+        f"friction in {method} with another branch than {branch}",
+    )
     pulls = c["damping"] > 0 and c["cutoff"] == "zero_overlap"
     cannot(
         c["friction"] > 0 and pulls,

@@ -88,6 +88,7 @@ class WallPhases(PlanarPhases):
         self.speed = dyadic_root(near(pair.normal) ** 2 + near(pair.across) ** 2)
         self.length = self.time * self.speed
         self.bend = [pair.lever * self.length / pair.radius, Fraction(0)]
+        self.torque_bend = self.bend
         self.k = pair.stiffness * self.time**2 / m
         self.c = pair.damping * self.time / m
         self.kt = spring * self.time**2 / m
