@@ -21,6 +21,7 @@ from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 TERMS = 2.0
@@ -136,6 +137,7 @@ class Energy(Check):
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         claimed, basis = subject.kept("energy", variant.level)
+        claimed = claimed * _outgrown_by_force(subject, runs[variant].trajectory)
         of_places = subject.round_off(variant.level) * _position_rounding(subject)
         rounding = of_places + _summed_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
@@ -318,6 +320,30 @@ def _outgrown(subject: Subject, run: Trajectory) -> float:
         return 1.0
     fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
     return max(1.0, fastest / subject.instance.scales.speed)
+
+
+def _outgrown_by_force(subject: Subject, run: Trajectory) -> float:
+    """Factor by which velocities or accelerations outgrow their scales V and V/tau in a motion that
+    a drive or a spring that yields takes out of them; 1 elsewhere.
+
+    A state that is off by e in its scales changes the energy by
+
+        |dE| <= |F| e L + m |v| e V,   E_s = m V^2,
+
+    so that |dE|/E_s is up to e times (|a| tau/V + |v|/V).
+    """
+    scene = subject.instance.scene
+    yields = any(
+        spring.stiffness < 0 or spring.quadratic or spring.cubic < 0 for spring in scene.all(Spring)
+    )
+    if not yields and not scene.is_driven():
+        return 1.0
+    scales = subject.instance.scales
+    change = np.linalg.norm(np.diff(run.velocity, axis=0), axis=-1)
+    interval = np.abs(np.diff(run.t))[:, None]
+    acceleration = float(np.max(change / interval, initial=0.0))
+    fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
+    return max(1.0, fastest / scales.speed, acceleration * scales.tau / scales.speed)
 
 
 def _of_samples(measured: Imbalance) -> str:

@@ -243,3 +243,22 @@ def test_the_bound_of_a_balance_is_two_errors_of_the_state():
     found = {finding.quantity: finding for finding in record_of(task).findings}
     allowed, _ = task.subject.kept("energy", task.subject.levels[0])
     assert np.isclose(2.0 * allowed, found["balance"].bound, rtol=1e-12, atol=0.0).sum() == 1
+
+
+ESCAPES = {
+    "beta": "-0.0796",
+    "delta": "0.123",
+    "f0": "14.4",
+    "x0": "0.0619",
+    "duration": "1.481",
+    "samples": "16",
+}
+"""A drive takes the point out of the well of a spring that yields: it ends at 3 L with 3 V."""
+
+
+@pytest.mark.parametrize("method", ["verlet", "euler", "rk4"])
+def test_the_energy_of_a_motion_that_leaves_its_scales_is_known_to_what_it_has_become(method):
+    instance = discovery.case("driven-duffing").at(**ESCAPES)
+    task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("energy",))
+    outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
+    assert outcomes == {"balance": "pass", "finest": "pass"}
