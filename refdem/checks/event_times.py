@@ -7,6 +7,7 @@ from math import exp, inf, sqrt
 import numpy as np
 
 from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
+from refdem.checks._seen_late import may_see_late
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -349,8 +350,8 @@ def located(subject: Subject) -> bool:
 
 def ticks(subject: Subject, time: float) -> float:
     """Rounding [s] of a clock that is written, or summed step by step; plus one step for methods
-    that detect events at its end. A step that a method chooses by a tolerance ends at the next
-    sample at the latest.
+    that detect events at its end, or two where they may act on an impact in the step after that. A
+    step that a method chooses by a tolerance ends at the next sample at the latest.
     """
     level = subject.levels[-1]
     if subject.method.control == "step":
@@ -362,6 +363,9 @@ def ticks(subject: Subject, time: float) -> float:
         return rounding
     if subject.method.control == "tolerance":
         return rounding + subject.instance.problem.interval
+    if may_see_late(subject):
+        # An engine may tell an impact when it acts on it, in the step after the one that sees it.
+        return rounding + 2 * level
     return rounding + level
 
 

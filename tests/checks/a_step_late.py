@@ -11,7 +11,7 @@ Bodies that meet within a step overlap at its end, and keep the velocities of be
 import numpy as np
 
 from refdem.core.engine import Engine, Method
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -36,6 +36,9 @@ class StepLate(Engine):
     )
     steps_late = 0
     """Steps that a wrong version lets pass between an overlap and its impulse."""
+    told_after = None
+    """Steps between the time at which an overlap is seen and that at which the impact is told to
+    have been; None tells nothing."""
     restitution_factor = 1.0
     """What a wrong version multiplies the restitution by."""
 
@@ -62,13 +65,18 @@ class StepLate(Engine):
         state = _State(scene, self.restitution_factor)
         waiting = 0
         rows = [(state.r.copy(), state.v.copy())]
-        for _ in times[1:]:
-            for _ in range(stride):
-                if not state.overlaps():
+        events = []
+        for sample in range(len(times) - 1):
+            for step in range(stride):
+                overlapping = state.overlaps()
+                if not overlapping:
                     waiting = 0
                 elif waiting < self.steps_late:
                     waiting += 1
                 else:
+                    if self.told_after is not None:
+                        told = float(times[sample] + (step + self.told_after) * h)
+                        events.append(Event(time=told, kind="contact", body=overlapping[0][0]))
                     state.collide()
                 state.v += h * state.g
                 state.r += h * state.v
@@ -80,7 +88,12 @@ class StepLate(Engine):
         attitude[..., 0] = 1.0
         omega = np.broadcast_to(scene.bodies.omega, position.shape).copy()
         run = Trajectory(
-            t=times, position=position, velocity=velocity, attitude=attitude, omega=omega
+            t=times,
+            position=position,
+            velocity=velocity,
+            attitude=attitude,
+            omega=omega,
+            events=tuple(events),
         )
         return run, Cost(seconds=0.0, steps=stride * (len(times) - 1))
 
