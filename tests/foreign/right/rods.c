@@ -1,5 +1,6 @@
 /* Points on rigid rods, whose forces are solved for, all at once: RATTLE (`rattle`, Andersen 1983),
- * and Runge and Kutta's method of order 4 on the accelerations (`rk4`), which lets lengths drift. */
+ * and Runge and Kutta's method of order 4 on the accelerations (`rk4`), which lets lengths drift.
+ */
 #include "forces.h"
 
 enum { NEWTON = 12 };
