@@ -25,7 +25,8 @@ import msgspec
 import numpy as np
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
+# Behind what is installed: the tree has no kernels unless they are built in place.
+sys.path.append(str(ROOT))
 
 from refdem.campaign import in_process, plan, worker  # noqa: E402
 from refdem.campaign.specification import Specification  # noqa: E402
