@@ -307,12 +307,18 @@ class _Contact:
         """Intervals (T - 1,) near which the contact may begin or end: by its overlap, or where the
         law ends it at zero force.
         """
-        acts = self.surely_touches
-        if self.law.cutoff == "zero_force":
-            acts = acts & (self.force > 0)
         acts_near = _extreme_nearby(self.may_touch, np.logical_or)
-        acts_throughout = _extreme_nearby(acts, np.logical_and)
+        acts_throughout = _extreme_nearby(self.acts, np.logical_and)
         return np.asarray(acts_near & ~acts_throughout)
+
+    @property
+    def acts(self) -> Mask:
+        """Samples (T,) at which the contact surely acts: it touches, and its law has not ended it
+        at zero force.
+        """
+        if self.law.cutoff == "zero_force":
+            return np.asarray(self.surely_touches & (self.force > 0))
+        return self.surely_touches
 
     @cached_property
     def force(self) -> Array:
@@ -455,13 +461,14 @@ class _Contact:
         """The impulse of one step (T - 1,) [kg m/s] where forces of neighbouring steps are unlike,
         else 0: there weights of both signs do not cancel.
 
-        Friction is unlike where the slip may reverse; all of the force, at the start or end of a
-        contact.
+        Friction is unlike where the slip may reverse; all of the force, where the contact does not
+        act at both ends of the interval.
         """
+        acts_at_both_ends = self.acts[1:] & self.acts[:-1]
         low, high = self.normal_force_nearby
         push = np.maximum(np.abs(low), np.abs(high)) * self.step
         friction = np.where(self.slides_throughout, 0.0, self.law.friction * push)
-        return np.asarray(np.where(self.begins_or_ends, push, friction))
+        return np.asarray(np.where(acts_at_both_ends, friction, push))
 
 
 def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:

@@ -58,10 +58,21 @@ KINKS = frozenset({"contact", "friction", "catch", "piecewise_field", "wedge", "
 the stretch.
 """
 SOMETIMES = frozenset(
-    {"contact", "catch", "wedge", "piecewise_field", "uniform_gravity", "plane", "periodic_box"}
+    {
+        "contact",
+        "catch",
+        "wedge",
+        "piecewise_field",
+        "uniform_gravity",
+        "plane",
+        "periodic_box",
+        "drag",
+        "dashpot",
+    }
 )
-"""Elements whose force is constant or acts only for a while. With no others in the scene, there are
-long stretches in which every step adds the same amount to a body's position or velocity.
+"""Elements whose force is constant, acts only for a while, or comes to balance the constant ones,
+as drag does a weight. With no others in the scene, there are long stretches in which every step
+adds the same amount to a body's position or velocity.
 """
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.

@@ -5,7 +5,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.engine import Method
-from refdem.core.refinement import clock, levels, round_off, truncation
+from refdem.core.refinement import clock, flight, levels, round_off, truncation
 from refdem.errors import UsageError
 
 
@@ -196,3 +196,13 @@ def test_turns_by_equal_angles_stretch_alike_step_by_step():
     claimed = turning(sphere, step, 20 / steps)
     assert turning(swings, step, 20 / steps) == 0.0
     assert round_off(sphere, step, steps) / 2 < strayed < claimed / 3
+
+
+@pytest.mark.parametrize(
+    ("case", "adds"),
+    [("quadratic-drag", True), ("hard-wall", True), ("harmonic-oscillator", False)],
+)
+def test_a_body_that_drag_holds_at_its_last_speed_adds_the_same_at_every_step(case, adds):
+    instance = discovery.case(case).at()
+    second = Method(name="second", summary="", control="step", order=2)
+    assert (flight(instance, second, 2.0**-10) > 0) == adds

@@ -63,7 +63,7 @@ TOUCH = {"contact": 1}
 """A step that holds a touch has an error of first order, whatever the method."""
 LAGGING = {"contact": 1, "dashpot": 1, "drag": 1}
 """Forces of velocities that are half a step late."""
-SPLIT = {"symplectic": True, "conserves": ["momentum", "angular-momentum"]}
+SPLIT: dict[str, Any] = {"symplectic": True, "conserves": ["momentum", "angular-momentum"]}
 METHODS = {
     "kick-drift": _method("kick-drift", 1, **SPLIT),
     "drift-kick": _method("drift-kick", 1, **SPLIT),
