@@ -58,21 +58,14 @@ KINKS = frozenset({"contact", "friction", "catch", "piecewise_field", "wedge", "
 the stretch.
 """
 SOMETIMES = frozenset(
-    {
-        "contact",
-        "catch",
-        "wedge",
-        "piecewise_field",
-        "uniform_gravity",
-        "plane",
-        "periodic_box",
-        "drag",
-        "dashpot",
-    }
+    {"contact", "catch", "wedge", "piecewise_field", "uniform_gravity", "plane", "periodic_box"}
 )
-"""Elements whose force is constant, acts only for a while, or comes to balance the constant ones,
-as drag does a weight. With no others in the scene, there are long stretches in which every step
-adds the same amount to a body's position or velocity.
+"""Elements whose force is constant or acts only for a while. With no others in the scene, there are
+long stretches in which every step adds the same amount to a body's position or velocity.
+"""
+RESISTING = frozenset({"drag", "dashpot"})
+"""Elements whose force comes to balance a weight: the body then falls with the same speed at every
+step.
 """
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.
@@ -164,6 +157,8 @@ def flight(instance: Instance, method: Method, level: float) -> float:
 def _adds_equal_terms(scene: Scene) -> bool:
     """True if there are long stretches in which every step adds the same amount; see `flight`."""
     kinds = {element.kind for element in scene.elements}
+    if "uniform_gravity" in kinds:
+        kinds -= RESISTING
     return kinds <= SOMETIMES or "slider" in kinds
 
 

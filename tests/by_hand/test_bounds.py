@@ -117,6 +117,7 @@ def test_few_sweeps_over_many_bodies_are_no_factor():
         ([POINT], (SPRING, UniformGravity(g=(0, 0, -1))), False),
         ([POINT], (SPRING, Slider(a=0, axis=(1, 0, 0), friction=0.1, normal_force=1.0)), True),
         ([POINT], (Drag(a=0, b=-1, coefficient=1.0),), False),
+        ([POINT], (Drag(a=0, b=-1, coefficient=1.0), UniformGravity(g=(0, 0, -1))), True),
     ],
 )
 def test_equal_terms_are_rounded_once_a_step(bodies, elements, repeats):
