@@ -283,7 +283,7 @@ class Energy(Check):
         level = subject.levels[-1]
         order = subject.order
         of_step = subject.method.constant * (level / subject.instance.scales.tau) ** order
-        truncation = of_step * _outgrown(subject, run.trajectory)
+        truncation = of_step * _outgrown(subject, run.trajectory) * _gained(subject, run.trajectory)
         of_places = subject.round_off(level) * _position_rounding(subject)
         rounding = of_places + _summed_rounding(subject, level)
         allowed = TERMS * (truncation + rounding)
@@ -320,6 +320,17 @@ def _outgrown(subject: Subject, run: Trajectory) -> float:
         return 1.0
     fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
     return max(1.0, fastest / subject.instance.scales.speed)
+
+
+def _gained(subject: Subject, run: Trajectory) -> float:
+    """Factor by which the kinetic energy exceeds the scale of the energy, that of the start, in a
+    field that lends it more; 1 elsewhere.
+
+    The term G of the modified energy E + h^p G goes as the power of the forces, m v.a/2 for p = 1,
+    and so with the kinetic energy.
+    """
+    largest = float(np.max(kinetic(subject.instance.scene, run), initial=0.0))
+    return max(1.0, largest / energy_scale(subject.instance))
 
 
 def _outgrown_by_force(subject: Subject, run: Trajectory) -> float:

@@ -262,3 +262,24 @@ def test_the_energy_of_a_motion_that_leaves_its_scales_is_known_to_what_it_has_b
     task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("energy",))
     outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
     assert outcomes == {"balance": "pass", "finest": "pass"}
+
+
+def test_a_field_that_lends_energy_to_a_slow_point_lends_it_a_drift():
+    """The kinetic energy grows to six times that of the start within the run, and with it the part
+    of the energy by which a symplectic method is off.
+    """
+    given = {
+        "mass": "1.32",
+        "k1": "0.0122",
+        "x1": "-0.935",
+        "x2": "0.404",
+        "x0": "-1.05",
+        "v0": "0.0272",
+        "duration": "20.51",
+        "samples": "16",
+    }
+    instance = discovery.case("asymmetric-field").at(**given)
+    engine = discovery.engine("pymunk")
+    task = task_of(engine, "semi-implicit-euler", instance, truth_of(instance), 3, ("energy",))
+    drift = next(f for f in record_of(task).findings if f.quantity == "drift")
+    assert drift.outcome == "pass", drift.sentence
