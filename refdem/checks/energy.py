@@ -283,7 +283,7 @@ class Energy(Check):
         level = subject.levels[-1]
         order = subject.order
         of_step = subject.method.constant * (level / subject.instance.scales.tau) ** order
-        truncation = of_step * _outgrown(subject, run.trajectory) * _gained(subject, run.trajectory)
+        truncation = of_step * _outgrown(subject, run.trajectory)
         of_places = subject.round_off(level) * _position_rounding(subject)
         rounding = of_places + _summed_rounding(subject, level)
         allowed = TERMS * (truncation + rounding)
@@ -305,31 +305,23 @@ class Energy(Check):
 
 
 def _outgrown(subject: Subject, run: Trajectory) -> float:
-    """Factor by which velocities outgrow their scale in a fall without end; 1 elsewhere.
+    """Factor by which the error of the energy outgrows its scale, in a fall without end or in a
+    field that lends a slow body more energy than it had; 1 elsewhere.
 
     A symplectic method of order p keeps a modified energy E + h^p G(r, v) + ..., so that E changes
-    by h^p times the change of G. In a bounded motion G is bounded. Where nothing but uniform
-    gravity acts,
+    by h^p times the change of G. For p = 1, G is half the power of the forces:
 
-        G = -+ m g.v/2   for p = 1,
+        G = -+ m v.a/2.
 
-    grows with the velocity, for ever.
+    Where nothing but uniform gravity acts, G grows with the velocity, for ever. In any other field
+    G grows with the kinetic energy, which is bounded.
     """
-    falls = all(isinstance(element, UniformGravity) for element in subject.instance.scene.elements)
-    if not falls:
-        return 1.0
-    fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
-    return max(1.0, fastest / subject.instance.scales.speed)
-
-
-def _gained(subject: Subject, run: Trajectory) -> float:
-    """Factor by which the kinetic energy exceeds the scale of the energy, that of the start, in a
-    field that lends it more; 1 elsewhere.
-
-    The term G of the modified energy E + h^p G goes as the power of the forces, m v.a/2 for p = 1,
-    and so with the kinetic energy.
-    """
-    largest = float(np.max(kinetic(subject.instance.scene, run), initial=0.0))
+    scene = subject.instance.scene
+    falls = all(isinstance(element, UniformGravity) for element in scene.elements)
+    if falls:
+        fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
+        return max(1.0, fastest / subject.instance.scales.speed)
+    largest = float(np.max(kinetic(scene, run), initial=0.0))
     return max(1.0, largest / energy_scale(subject.instance))
 
 
