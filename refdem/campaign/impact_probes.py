@@ -82,22 +82,20 @@ class Meeting:
 def impact_probes() -> tuple[Probe, ...]:
     """Two spheres on a line, in a plane and in space, and a sphere and a wall."""
     along = np.array([1.0, 0.0, 0.0])
-    return (
-        _spheres("impact on a line", normal=along, slip=0 * along, drift=0.5 * along),
-        _spheres(
-            "impact in a plane",
-            normal=np.array([0.6, 0.8, 0.0]),
-            slip=np.array([-0.4, 0.3, 0.0]),
-            drift=np.array([0.5, -0.25, 0.0]),
-        ),
-        _spheres(
-            "impact in space",
-            normal=np.array([2.0, -1.0, 2.0]) / 3.0,
-            slip=np.array([0.25, 0.5, 0.0]),
-            drift=np.array([0.5, -0.25, 0.75]),
-        ),
-        _wall(),
+    on_a_line = _spheres("impact on a line", normal=along, slip=0 * along, drift=0.5 * along)
+    in_a_plane = _spheres(
+        "impact in a plane",
+        normal=np.array([0.6, 0.8, 0.0]),
+        slip=np.array([-0.4, 0.3, 0.0]),
+        drift=np.array([0.5, -0.25, 0.0]),
     )
+    in_space = _spheres(
+        "impact in space",
+        normal=np.array([2.0, -1.0, 2.0]) / 3.0,
+        slip=np.array([0.25, 0.5, 0.0]),
+        drift=np.array([0.5, -0.25, 0.75]),
+    )
+    return on_a_line, in_a_plane, in_space, _wall()
 
 
 def _spheres(name: str, *, normal: Array, slip: Array, drift: Array) -> Probe:

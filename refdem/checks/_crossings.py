@@ -54,8 +54,8 @@ class Crossing:
     - `bend` [1/s^2] bounds |g''|: nothing in the scene changes faster than once per tau.
     - `growth` [1/s] bounds the exponential rate at which state errors grow between two samples.
     - `bodies` are the bodies under one of which the event must be reported; empty if any will do.
-    - `margin` is the smallest error of the state, in units of its scales, with which another event
-      happens instead: a stop is none, or a body that crosses the belt's velocity sticks to it.
+    - `margin` is the smallest error of the state, in units of its scales, with which this event
+      does not happen: a body that should stick slides on.
     """
 
     time: float
@@ -188,7 +188,7 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]
     events = sorted((*value, kind) for kind, value in named if kind in ("stick", "slip", "cross"))
     if events:
-        known: Crossings = {"stick": [], "slip": [], "cross": []}
+        known: Crossings = {"stick": [], "slip": []}
     else:
         known = {}
     for index, (time, radius, kind) in enumerate(events):

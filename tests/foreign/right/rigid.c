@@ -338,19 +338,6 @@ static void solve(const char *method)
     if (is_late)
         for (int i = 0; i < pairs; i++)
             refuse_lasting(&pair[i]);
-    const double start = atof(text("times.0"));
-    const double interval = atof(text("times.1")) - start;
-    const counter stride = (counter)atol(text("stride"));
-    const counter samples = (counter)atol(text("times.count"));
-    const double h = interval / (double)stride;
-    add_sample(start);
-    for (counter n = 0; n < stride * (samples - 1); n++) {
-        const double t = start + (double)n * h;
-        if (is_late)
-            late(t, (real)h);
-        else
-            moreau(t, (real)h);
-        if ((n + 1) % stride == 0)
-            add_sample(start + (double)((n + 1) / stride) * interval);
-    }
+    const struct schedule s = asked_schedule();
+    march(&s, is_late ? late : moreau, NULL);
 }

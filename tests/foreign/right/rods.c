@@ -206,20 +206,7 @@ static void solve(const char *method)
         if (is_kind(&element[i], "rod"))
             rod[rods++] = &element[i];
     const int is_rattle = strcmp(method, "rattle") == 0;
-    const double start = atof(text("times.0"));
-    const double interval = atof(text("times.1")) - start;
-    const counter stride = (counter)atol(text("stride"));
-    const counter samples = (counter)atol(text("times.count"));
-    const double h = interval / (double)stride;
-    forces(start);
-    add_sample(start);
-    for (counter n = 0; n < stride * (samples - 1); n++) {
-        const double t = start + (double)n * h;
-        if (is_rattle)
-            rattle(t, (real)h);
-        else
-            rk4(t, (real)h);
-        if ((n + 1) % stride == 0)
-            add_sample(start + (double)((n + 1) / stride) * interval);
-    }
+    const struct schedule s = asked_schedule();
+    forces(s.start);
+    march(&s, is_rattle ? rattle : rk4, NULL);
 }

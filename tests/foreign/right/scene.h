@@ -257,6 +257,39 @@ static void add_sample(double t)
         add_row(t, i, &body[i]);
 }
 
+/* What is asked for: samples `interval` apart, with `stride` steps of length h from each to the
+ * next. */
+struct schedule {
+    double start, interval, h;
+    counter stride, samples;
+};
+
+static struct schedule asked_schedule(void)
+{
+    struct schedule s;
+    s.start = atof(text("times.0"));
+    s.interval = atof(text("times.1")) - s.start;
+    s.stride = (counter)atol(text("stride"));
+    s.samples = (counter)atol(text("times.count"));
+    s.h = s.interval / (double)s.stride;
+    return s;
+}
+
+/* Takes all steps, each from its time t, and keeps the samples. Steps are counted, times never
+ * compared. `after`, if not NULL, is called at the end of every step. */
+static void march(const struct schedule *s, void (*step)(double t, real h), void (*after)(double t))
+{
+    add_sample(s->start);
+    const counter steps = s->stride * (s->samples - 1);
+    for (counter n = 0; n < steps; n++) {
+        step(s->start + (double)n * s->h, (real)s->h);
+        if (after)
+            after(s->start + (double)(n + 1) * s->h);
+        if ((n + 1) % s->stride == 0)
+            add_sample(s->start + (double)((n + 1) / s->stride) * s->interval);
+    }
+}
+
 /* The text of some of the rows. */
 struct part {
     size_t begin, end;

@@ -43,6 +43,25 @@ static void kick(real h)
             b->v[k] += h * b->f[k] / b->m;
 }
 
+/* Forces in the middle of the step, where half of the way is done. */
+static void moreau(double t, real h)
+{
+    move(h / 2);
+    forces(t + h / 2);
+    kick(h);
+    rub(h);
+    move(h / 2);
+}
+
+/* Symplectic Euler with the forces at the start of the step. */
+static void implicit_friction(double t, real h)
+{
+    forces(t);
+    kick(h);
+    rub(h);
+    move(h);
+}
+
 static void solve(const char *method)
 {
     const int is_moreau = strcmp(method, "moreau") == 0;
@@ -55,21 +74,6 @@ static void solve(const char *method)
             if (is_kind(e, "slider") && is_kind(&element[j], "slider"))
                 refuse("more than one slider");
     }
-    const double start = atof(text("times.0"));
-    const double interval = atof(text("times.1")) - start;
-    const counter stride = (counter)atol(text("stride"));
-    const counter samples = (counter)atol(text("times.count"));
-    const double h = interval / (double)stride;
-    add_sample(start);
-    for (counter n = 0; n < stride * (samples - 1); n++) {
-        const double t = start + (double)n * h;
-        if (is_moreau)
-            move((real)(h / 2));
-        forces(is_moreau ? t + h / 2 : t);
-        kick((real)h);
-        rub((real)h);
-        move((real)(is_moreau ? h / 2 : h));
-        if ((n + 1) % stride == 0)
-            add_sample(start + (double)((n + 1) / stride) * interval);
-    }
+    const struct schedule s = asked_schedule();
+    march(&s, is_moreau ? moreau : implicit_friction, NULL);
 }

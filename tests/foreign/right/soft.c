@@ -392,20 +392,9 @@ static void solve(const char *method)
         m++;
     if (m == sizeof METHODS / sizeof *METHODS)
         refuse("this method");
-    const double start = atof(text("times.0"));
-    const double interval = atof(text("times.1")) - start;
-    const counter stride = (counter)atol(text("stride"));
-    const counter samples = (counter)atol(text("times.count"));
-    const double h = interval / (double)stride;
-    forces(start);
+    const struct schedule s = asked_schedule();
+    forces(s.start);
     if (strcmp(method, "leapfrog") == 0)
-        kick((real)(-h / 2));
-    add_sample(start);
-    const counter steps = stride * (samples - 1);
-    for (counter n = 0; n < steps; n++) {
-        METHODS[m].step(start + (double)n * h, (real)h);
-        tell(start + (double)(n + 1) * h);
-        if ((n + 1) % stride == 0)
-            add_sample(start + (double)((n + 1) / stride) * interval);
-    }
+        kick((real)(-s.h / 2));
+    march(&s, METHODS[m].step, tell);
 }

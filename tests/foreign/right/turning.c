@@ -190,7 +190,7 @@ static void momentum_rk4(int i, real h)
     unit_quaternion(b->q);
 }
 
-static const struct {
+static const struct rule {
     const char *name;
     void (*step)(int i, real h);
     int is_in_space;
@@ -204,6 +204,29 @@ static const struct {
     {"momentum-rk4", momentum_rk4, 1},
 };
 
+/* The method of this request. */
+static const struct rule *chosen;
+
+/* Centres fall exactly; bodies that have moments of inertia turn by the chosen rule. */
+static void fall_and_turn(double t, real h)
+{
+    (void)t;
+    for (int i = 0; i < bodies; i++) {
+        struct body *b = &body[i];
+        for (int k = 0; k < 3; k++) {
+            b->r[k] += h * (b->v[k] + h / 2 * gravity[k]);
+            b->v[k] += h * gravity[k];
+        }
+        if (!(b->J[0] > 0))
+            continue;
+        chosen->step(i, h);
+        if (chosen->is_in_space)
+            omega_of_momentum(b->w, b, b->q, momentum[i]);
+        else
+            turned(b->w, b->q, turning[i], 1);
+    }
+}
+
 static void solve(const char *method)
 {
     size_t m = 0;
@@ -211,6 +234,7 @@ static void solve(const char *method)
         m++;
     if (m == sizeof METHODS / sizeof *METHODS)
         refuse("this method");
+    chosen = &METHODS[m];
     memset(gravity, 0, sizeof gravity);
     for (int i = 0; i < elements; i++) {
         if (!is_kind(&element[i], "uniform_gravity"))
@@ -224,28 +248,6 @@ static void solve(const char *method)
             = {b->J[0] * turning[i][0], b->J[1] * turning[i][1], b->J[2] * turning[i][2]};
         turned(momentum[i], b->q, L, 1);
     }
-    const double start = atof(text("times.0"));
-    const double interval = atof(text("times.1")) - start;
-    const counter stride = (counter)atol(text("stride"));
-    const counter samples = (counter)atol(text("times.count"));
-    const real h = (real)(interval / (double)stride);
-    add_sample(start);
-    for (counter n = 0; n < stride * (samples - 1); n++) {
-        for (int i = 0; i < bodies; i++) {
-            struct body *b = &body[i];
-            for (int k = 0; k < 3; k++) {
-                b->r[k] += h * (b->v[k] + h / 2 * gravity[k]);
-                b->v[k] += h * gravity[k];
-            }
-            if (!(b->J[0] > 0))
-                continue;
-            METHODS[m].step(i, h);
-            if (METHODS[m].is_in_space)
-                omega_of_momentum(b->w, b, b->q, momentum[i]);
-            else
-                turned(b->w, b->q, turning[i], 1);
-        }
-        if ((n + 1) % stride == 0)
-            add_sample(start + (double)((n + 1) / stride) * interval);
-    }
+    const struct schedule s = asked_schedule();
+    march(&s, fall_and_turn, NULL);
 }
