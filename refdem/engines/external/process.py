@@ -102,7 +102,12 @@ class Supervised:
         return Ended(answer["status"], answer["seconds"], answer["left"])
 
     def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
-        """What it answers to a request; raises EngineError if it was ended itself."""
+        """What it answers to a request; raises EngineError if it was ended itself.
+
+        A wait that an exception interrupts, as Ctrl-C does, ends the supervisor: the answer still
+        to come would be taken for that to the next request.
+        """
+        line = b""
         _BUSY.add(self)
         try:
             text = json.dumps(request).encode() + b"\n"
@@ -112,8 +117,9 @@ class Supervised:
             line = b""
         finally:
             _BUSY.discard(self)
+            if not line:
+                self.close()
         if not line:
-            self.close()
             raise EngineError(
                 f"{request['command'][0]} was ended from outside, with the process that watched"
                 " over it"

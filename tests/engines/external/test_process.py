@@ -160,3 +160,25 @@ def test_a_program_that_cannot_be_started_is_named_with_the_reason(tmp_path: Pat
         with pytest.raises(EngineError, match=r"cannot be started: .*No such file") as raised:
             process.run(command, folder, sys.__stdout__.buffer, sys.__stderr__.buffer, limits)  # type: ignore[union-attr]
         assert one_line(str(raised.value)).endswith(str(raised.value).splitlines()[-1])
+
+
+class Interrupt(BaseException):
+    """What a handler of a signal raises, as Ctrl-C in a notebook does."""
+
+
+def interrupt(number: int, frame: object) -> None:
+    raise Interrupt
+
+
+def test_the_run_after_one_that_was_interrupted_is_told_by_its_own_status(ran: Ran) -> None:
+    """Runs of one session are told in the order of their answers."""
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Interrupt):
+            ran("time.sleep(60)")
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    for status in (3, 4):
+        with pytest.raises(EngineError, match=f"exit status {status}: own words"):
+            ran(says("own words", status))

@@ -5,6 +5,7 @@ keeps from one request to the next is seen.
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -171,6 +172,24 @@ def test_a_hang_costs_its_request_and_leaves_nothing(small: Path) -> None:
     assert until_gone(f"grandchild of {small / 'program.py'}")
     described(small)
     assert len(ran(small, "good", 32).t) == 9
+
+
+def test_a_request_that_is_interrupted_leaves_its_answer_to_nobody(small: Path) -> None:
+    """As Ctrl-C does in a notebook, where the session goes on."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 1.0)
+        with pytest.raises(KeyboardInterrupt):
+            ran(small, "hangs")
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert until_gone(f"grandchild of {small / 'program.py'}")
+    for steps in (16, 32):
+        assert len(ran(small, "good", steps).t) == 9
 
 
 def test_a_refusal_is_no_error_and_the_process_goes_on(small: Path) -> None:
