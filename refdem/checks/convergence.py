@@ -13,6 +13,7 @@ import numpy as np
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
+    difference,
     growth_shown,
     judged,
     observed_order,
@@ -157,10 +158,8 @@ def _change(subject: Subject, coarse: CompletedRun, fine: CompletedRun) -> float
     largest = 0.0
     for name, quantity in instance.quantities.items():
         if name in coarse_values and name in fine_values and not quantity.group:
-            difference = fine_values[name] - coarse_values[name]
-            if quantity.angle:
-                difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-            largest = max(largest, float(np.max(np.abs(difference))) / quantity.scale)
+            change = difference(fine_values[name], coarse_values[name], is_angle=quantity.angle)
+            largest = max(largest, float(np.max(np.abs(change))) / quantity.scale)
     return largest
 
 

@@ -19,6 +19,7 @@ from refdem.core.judgement import (
     Sight,
     certified,
     curve,
+    difference,
     judged,
     movements,
     no_truth,
@@ -303,10 +304,8 @@ def _changes(
     for name, quantity in instance.quantities.items():
         if name not in coarse or name not in fine:
             continue
-        difference = np.abs(fine[name] - coarse[name])[:count]
-        if quantity.angle:
-            difference = np.abs(np.remainder(difference + np.pi, 2 * np.pi) - np.pi)
-        largest = np.maximum(largest, difference / quantity.scale)
+        change = difference(fine[name][:count], coarse[name][:count], is_angle=quantity.angle)
+        largest = np.maximum(largest, np.abs(change) / quantity.scale)
     return largest
 
 

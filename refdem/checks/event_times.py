@@ -203,10 +203,12 @@ def one_to_one(
         else:
             distance = whole
         is_due = (crossing, allowed) in due
-        if of_bodies and (is_due or distance <= allowed):
+        is_told = bool(of_bodies) and (is_due or distance <= allowed)
+        if is_told:
             left.remove(partner)
             partners.append((crossing, allowed, partner))
-        if is_due:
+        # An event that may still come is compared only where it is reported.
+        if is_due or is_told:
             pairs.append((distance, allowed, crossing.time))
     for crossing, allowed, partner in partners:
         for event in left:

@@ -17,6 +17,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import kinked, scored
+from refdem.core.smoothness import singularities
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
@@ -52,6 +53,8 @@ class Limit(Check):
             return f"the step control of the method is {subject.method.control}, not a fixed step"
         if kinked(subject.instance, subject.method):
             return "kinks scatter the errors, so they do not follow a power of the step"
+        if _extrapolates_a_kink(subject):
+            return "a singular force leaves errors that scatter, where extrapolation needs a power"
         if subject.method.delay(subject.levels[0]) != 0:
             return "velocities lag by a time that depends on the step"
         if len(subject.levels) > 2:
@@ -103,6 +106,16 @@ class Limit(Check):
                 ),
             )
         ]
+
+
+def _extrapolates_a_kink(subject: Subject) -> bool:
+    """True if a force |s|^n makes an error of order n + 1 <= p + 1, which extrapolation with the
+    order p leaves, and which scatters from step to step.
+    """
+    if subject.method.locates_events:
+        return False
+    found = singularities(subject.instance.scene)
+    return any(singularity.order <= subject.order + 1 for _, singularity in found)
 
 
 CHECK = Limit()

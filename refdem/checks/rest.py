@@ -22,11 +22,7 @@ class Rest(Check):
         bodies = subject.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
             return "some body moves initially"
-        if subject.truth is not None and any(
-            np.ptp(values[: subject.truth.until]) > 0
-            for values in subject.truth.values.values()
-            if values
-        ):
+        if subject.truth is not None and subject.truth.moves():
             return "the case does not stay at rest"
         return None
 

@@ -343,8 +343,8 @@ def _errors(
         # The components of a group, as of an attitude, are compared together below.
         if quantity.group or name not in truth.values:
             continue
-        difference = _difference(values[:until], truth.value(name), is_angle=quantity.angle)
-        distance = np.maximum(0.0, np.abs(difference) - truth.radius(name))
+        apart = difference(values[:until], truth.value(name), is_angle=quantity.angle)
+        distance = np.maximum(0.0, np.abs(apart) - truth.radius(name))
         scaled[name] = distance / quantity.scale
     if all(name in observed and name in truth.values for name in ATTITUDE):
         scaled["attitude"] = _rotation_error(observed, truth)
@@ -356,12 +356,21 @@ def _errors(
     return scaled
 
 
-def _difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
-    """values - reference, each (T,); for angles the representative in [-pi, pi)."""
-    difference: Array = values - reference
-    if is_angle:
-        difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-    return difference
+def difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
+    """values - reference, each (T,); for angles the representative in [-pi, pi].
+
+    Sine and cosine of an angle of many turns are known to a rounding, its remainder to one of the
+    whole angle:
+
+        tan(a - b) = (sin a cos b - cos a sin b)/(cos a cos b + sin a sin b).
+    """
+    if not is_angle:
+        straight: Array = values - reference
+        return straight
+    across = np.sin(values) * np.cos(reference) - np.cos(values) * np.sin(reference)
+    along = np.cos(values) * np.cos(reference) + np.sin(values) * np.sin(reference)
+    turned: Array = np.arctan2(across, along)
+    return turned
 
 
 def _rotation_error(observed: dict[str, Array], truth: SampledTruth) -> Array:
@@ -395,7 +404,7 @@ def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
             start = np.zeros_like(values)
         else:
             start = values[0]
-        displacement = _difference(values, start, is_angle=quantity.angle)
+        displacement = difference(values, start, is_angle=quantity.angle)
         signals[name] = np.abs(displacement) / quantity.scale
     if all(name in truth.values for name in ATTITUDE):
         from refdem.mechanics.quaternion import angle_between
@@ -482,9 +491,9 @@ def _signed(
         if quantity.group or name not in truth.values:
             continue
         reference = truth.value(name)[:count]
-        difference = _difference(values[:count], reference, is_angle=quantity.angle)
+        apart = difference(values[:count], reference, is_angle=quantity.angle)
         is_known = np.isfinite(truth.radius(name)[:count])
-        rows.append(np.where(is_known, difference, 0.0) / quantity.scale)
+        rows.append(np.where(is_known, apart, 0.0) / quantity.scale)
     if all(name in observed and name in truth.values for name in ATTITUDE):
         rows += list(_small_rotations(observed, truth, count))
     return rows
@@ -550,9 +559,9 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     """Largest difference (T,) between two runs of any state of any body, each in its scale.
 
     The scales are L for positions, L/tau for velocities, the largest omega of `b` for omegas (at
-    least 1/tau where nothing spins at the start), and the angle by which that omega turns a body in
-    tau, or 1 rad, for the angle between attitudes. Without a scene it is the largest difference of
-    any quantity.
+    least 1/tau where nothing spins at the start, and what an impulse gives where bodies touch), and
+    the angle by which that omega turns a body in tau, or 1 rad, for the angle between attitudes.
+    Without a scene it is the largest difference of any quantity.
 
     An impact may make a small sphere spin much faster than at the start. tau of a motion that flies
     is that of its centres: a rounding u of omega is u omega t of the attitude, and one of the time
@@ -568,7 +577,8 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     scales = instance.scales
     bodies = instance.scene.bodies
     at_start = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
-    omega_scale = max(at_start, float(np.max(np.linalg.norm(b.omega, axis=2))))
+    largest_omega = float(np.max(np.linalg.norm(b.omega, axis=2)))
+    omega_scale = max(at_start, largest_omega, _spin_of_an_impulse(instance))
     angle_scale = max(1.0, omega_scale * scales.tau)
     differences = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
@@ -583,6 +593,22 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         differences.append(angles.max(axis=1, initial=0.0) / angle_scale)
     largest: Array = np.maximum.reduce(differences)
     return largest
+
+
+def _spin_of_an_impulse(instance: Instance) -> float:
+    """The largest spin [rad/s] that an impulse m V at the lever R gives a sphere, m V R/J; 0 where
+    nothing touches.
+
+    The impulse of a contact passes through the centre but for its rounding: of a fast sphere that
+    hardly spins, the spin is known to u m V R/J.
+    """
+    scene = instance.scene
+    bodies = scene.bodies
+    turns = (bodies.radius > 0) & bodies.inertia.all(axis=1)
+    if "contact" not in scene.features or not turns.any():
+        return 0.0
+    lever = bodies.mass[turns] * bodies.radius[turns] / bodies.inertia[turns].min(axis=1)
+    return float(np.max(lever)) * instance.scales.speed
 
 
 def perturbation(method: Method) -> int:

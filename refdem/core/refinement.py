@@ -94,7 +94,8 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
     """Relative round-off of places that are far from the origin compared with the scale L of their
-    motion, as of a large ball that bounces by a little.
+    motion, or with the length of a rod whose angle they tell, as of a large ball that bounces by a
+    little, or of a short rod at the end of a long one.
 
     An addition to a place r rounds it by up to u |r|, however little is added. A run without steps
     shows c u |r|/L, as any number. Steps make PLACE_ADDITIONS additions each, and of n steps
@@ -106,7 +107,8 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
     if not isinstance(problem, Motion):
         return 0.0
     farthest = float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
-    unit = method.round_off * farthest / instance.scales.length
+    rods = [rod.length for rod in problem.scene.all(Rod)]
+    unit = method.round_off * farthest / min([instance.scales.length, *rods])
     if method.control != "step":
         return ROUND_OFF_FACTOR * unit
     steps = steps_at(instance, method, level)

@@ -37,8 +37,9 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
     It cannot be computed where some force does not follow from position and velocity (contacts,
     friction that sticks), where bodies turn, and where the samples are fewer than five. The
     uncertainty is the difference to what one sample less in each polynomial gives (two less where
-    a force is singular), summed over the intervals: in the limit of close samples the error of a
-    smooth motion is smaller by another two orders.
+    a force is singular), the largest of neighbouring intervals, for it may pass zero in one, summed
+    over the intervals: in the limit of close samples the error of a smooth motion is smaller by
+    another two orders.
     """
     is_turning = bool(np.any(scene.bodies.inertia > 0))
     if is_turning or len(run.t) <= WINDOW:
@@ -53,7 +54,14 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
         return None
     fine, coarse = parts[0], parts[1]
     rounding = GAUSS_NODES * np.finfo(float).eps * np.abs(fine)
-    return Work(done=_summed(fine), uncertainty=_summed(np.abs(fine - coarse) + rounding))
+    uncertainty = of_neighbours(np.abs(fine - coarse)) + rounding
+    return Work(done=_summed(fine), uncertainty=_summed(uncertainty))
+
+
+def of_neighbours(intervals: Array) -> Array:
+    """The largest (T - 1,) of each interval and of the one on either side of it."""
+    padded = np.pad(intervals, 1)
+    return np.maximum.reduce([padded[:-2], intervals, padded[2:]])
 
 
 def _summed(intervals: Array) -> Array:

@@ -68,6 +68,9 @@ def test_places_far_away_are_rounded_by_their_distance():
     assert of_far_places(sprung, method(), 8.0) == 8 * U * 3
     assert of_far_places(sprung, method(), 1 / 64) == near(sqrt(6 * 512) * U * 3, rel=1e-14)
     assert of_far_places(free, method(), 1 / 64) == 512 * U * 3
+    # The angle of a rod of 1/4 m is known to the rounding of its ends over its length.
+    held = instance(bodies, (Rod(a=0, b=1, length=0.25),))
+    assert of_far_places(held, method("exact"), 0.0) == 8 * U * 12 / 0.25
 
 
 def test_a_run_resolves_no_more_than_far_places_show():

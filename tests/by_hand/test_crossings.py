@@ -514,7 +514,13 @@ def test_every_impact_takes_one_event_of_its_bodies_and_what_is_left_never_was()
 
 def test_an_impact_that_is_not_due_takes_an_event_within_its_bound_alone():
     listed = [Event(1.25, "contact", 0), Event(2.625, "contact", 2)]
-    assert event_times.one_to_one(listed, KNOWN, [], 9.0) == [(9.0, 0.0, 2.625)]
+    assert event_times.one_to_one(listed, KNOWN, [], 9.0) == [
+        (0.25, 0.25, 1.0),
+        (9.0, 0.0, 2.625),
+    ]
+    # One that is told before it is due is compared, and one that is not told is not missed.
+    early = [Event(1.25, "contact", 0)]
+    assert event_times.one_to_one(early, KNOWN, [], 9.0) == [(0.25, 0.25, 1.0)]
 
 
 def test_the_share_of_a_bound_of_zero_is_infinite():

@@ -182,6 +182,25 @@ def test_a_delay_of_the_finest_step_excuses_no_larger_error_and_nothing_where_no
     assert resting["state"].outcome == "fail", resting["state"].sentence
 
 
+@pytest.mark.parametrize("order", [0, 0.4, 1])
+def test_a_kink_near_a_sample_makes_errors_on_a_line_that_are_no_lack_of_order(judge, order):
+    """Of the turn of a body in drag, an edge of a field, a stop, an impact that a step nearly
+    meets: all errors are smaller than the claim allows at the finest step.
+    """
+    given = {"case": "asymmetric-field", "method": "second"}
+    small = judge("order", **given, fault=spoiled(1e-6, order))
+    assert small["state"].outcome == "undecided", small["state"].sentence
+    large = judge("order", **given, fault=spoiled(0.03, order))
+    assert large["state"].outcome == "fail", large["state"].sentence
+
+
+def test_a_coarse_step_that_ends_on_a_kink_is_no_lack_of_order(judge):
+    """Of a cradle: errors of 4e-6, and then 2.5e-3, 1.25e-3, 6.3e-4."""
+    fault = spoiled(1e-3, 1, (-9, -9, -9, 0, 0, 0))
+    found = judge("order", case="bouncing-ball", method="first", fault=fault)
+    assert found["state"].outcome == "undecided", found["state"].sentence
+
+
 ONE_PAIR = [
     ((1.0, 2**-1.98), "pass"),
     ((1.0, 2**-1.6), "undecided"),

@@ -5,8 +5,10 @@
 /* A gap of so many radii is none: rounding alone may have made it. */
 #ifdef SINGLE
 #define NEAR ((real)1e-5)
+#define SLOW ((real)1e-6)
 #else
 #define NEAR ((real)1e-12)
+#define SLOW ((real)1e-9)
 #endif
 
 static real gravity[3];
@@ -188,7 +190,7 @@ static void refuse_lasting(const struct pair *p)
     const real closing = closing_speed(p->a, p->b, n);
     const real pressed = p->b ? 0 : dot(gravity, n);
     const real near = NEAR * p->a->radius;
-    if (gap <= near && pressed > 0 && closing * closing <= (real)1e-9 * pressed * p->a->radius)
+    if (gap <= near && pressed > 0 && closing * closing <= SLOW * pressed * p->a->radius)
         refuse("contacts that last");
 }
 
