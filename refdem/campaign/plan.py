@@ -297,7 +297,13 @@ def _tasks(
     is_selection = bool(only or specification.checks)
     planned = []
     for without_truth, unsupported in supported:
-        subject = replace(without_truth, truth=truth, truth_reason=reason)
+        levels = without_truth.levels
+        if truth is not None and first_step(specification, instance) is None:
+            method = without_truth.method
+            levels = refinement.past_impacts(
+                instance, method, levels, truth, specification.most_steps
+            )
+        subject = replace(without_truth, levels=levels, truth=truth, truth_reason=reason)
         applicable = []
         left_out = {}
         candidates = names

@@ -9,7 +9,7 @@ import numpy as np
 
 from refdem.checks._crossings import rounding
 from refdem.checks._lying import lies
-from refdem.core.balance import energy_scale, kinetic, mechanical
+from refdem.core.balance import energy_scale, kinetic, kinetic_exchanged, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, judged, left_at_finest, sharpest, undecided, worst
@@ -378,13 +378,13 @@ def _is_above_planes(scene: Scene) -> bool:
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:
-    """Change of the kinetic energy since the start (T,), in units of the initial energy; 0 if all
-    of it is round-off.
+    """Change of the kinetic energy, or of its largest part, since the start (T,), in units of the
+    initial energy; 0 if all of it is round-off.
 
     It is the signal against which the sharpness of a bound on the balance is measured.
     """
-    kinetic_energy = kinetic(subject.instance.scene, run.trajectory)
-    change: Array = np.abs(kinetic_energy - kinetic_energy[0]) / energy_scale(subject.instance)
+    moved = kinetic_exchanged(subject.instance.scene, run.trajectory)
+    change: Array = moved / energy_scale(subject.instance)
     rounding = subject.round_off(subject.levels[0])
     if np.any(change > rounding):
         return change

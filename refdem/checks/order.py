@@ -22,6 +22,7 @@ from refdem.core.judgement import (
     certified,
     errors,
     judged,
+    moves,
     no_truth,
     observed_order,
     order_statement,
@@ -430,7 +431,7 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
     shows the order 1. A body at rest, as a box on a slope, meets no kink.
     """
     truth = subject.truth
-    if truth is None or subject.method.locates_events or not truth.moves():
+    if truth is None or subject.method.locates_events or not moves(truth):
         return False
     of_finest = bound(subject.instance, subject.method, min(steps), truth)
     return max(largest) <= float(of_finest.max())

@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, no_truth, undecided, worst
+from refdem.core.judgement import certified, moves, no_truth, undecided, worst
 from refdem.core.variant import Variant
 
 
@@ -22,7 +22,7 @@ class Rest(Check):
         bodies = subject.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
             return "some body moves initially"
-        if subject.truth is not None and subject.truth.moves():
+        if subject.truth is not None and moves(subject.truth):
             return "the case does not stay at rest"
         return None
 

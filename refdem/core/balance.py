@@ -40,6 +40,20 @@ def kinetic(scene: Scene, run: Trajectory) -> Array:
     return total
 
 
+def kinetic_exchanged(scene: Scene, run: Trajectory) -> Array:
+    """The largest change (T,) [J] since the start of the kinetic energy, or of a part of it: of one
+    body along one axis of space, or about one of its principal axes.
+
+    The kinetic energy of a body that tumbles freely is constant, while its axes exchange it.
+    """
+    bodies = scene.bodies
+    parts = energy.kinetic_parts(bodies.mass, bodies.inertia, run.velocity, run.attitude, run.omega)
+    total = kinetic(scene, run)
+    of_parts = np.abs(parts - parts[0]).max(axis=(1, 2), initial=0.0)
+    largest: Array = np.maximum(np.abs(total - total[0]), of_parts)
+    return largest
+
+
 def mechanical(scene: Scene, run: Trajectory) -> Array:
     """Kinetic plus potential energy (T,) [J] of the scene."""
     return kinetic(scene, run) + scene.potential(run.position, run.attitude)

@@ -356,6 +356,12 @@ def _errors(
     return scaled
 
 
+def moves(truth: SampledTruth) -> bool:
+    """True if a quantity changes from sample to sample, as far as it is certified."""
+    columns = [values[: truth.until] for values in truth.values.values() if values]
+    return any(np.ptp(column) > 0 for column in columns)
+
+
 def difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
     """values - reference, each (T,); for angles the representative in [-pi, pi].
 

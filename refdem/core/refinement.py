@@ -38,6 +38,12 @@ ORDER_LEVELS = 3
 """Levels that an order needs: two pairs, which must agree."""
 COUNTING_FLOOR = 20.0
 """A level counts for the order while its bound is at least this many times round-off."""
+IMPACT_STEPS = 2.0**15
+"""Steps that the finest level of a motion with impacts takes at most."""
+SHARP = 8.0
+"""Factor below the horizon at which the coarsest level of a motion with impacts ends, so that the
+finest of four is a hundredth of what an impact changes.
+"""
 TURN_ROUNDINGS = 3.0
 """Roundings by which the turns of a step stretch a vector: five of them, of half a rounding each,
 all of one sign.
@@ -358,6 +364,42 @@ def levels(
             break
         chosen.append(finer)
     return tuple(chosen)
+
+
+def past_impacts(
+    instance: Instance,
+    method: Method,
+    levels: tuple[float, ...],
+    truth: SampledTruth,
+    most_steps: float,
+) -> tuple[float, ...]:
+    """The levels, halved alike until the motion after its impacts can be judged too.
+
+    An impact that truth certifies enlarges errors S-fold, which `levels` does not know. Where a
+    method sees it at the end of a step, the coarsest level is to hold
+
+        C (1 + T/tau) (h/tau)^p S <= 0.1/SHARP,
+
+    as far as the finest takes at most IMPACT_STEPS steps. Velocities that lag keep their levels,
+    for truth was sampled at the delays of these.
+    """
+    has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
+    is_late = (
+        method.control == "step"
+        and not method.locates_events
+        and method.velocity_time == "synchronous"
+        and "contact:rigid" in instance.problem.features
+    )
+    if not has_impacts or not is_late or not levels or not truth.until:
+        return levels
+    most = min(most_steps, IMPACT_STEPS)
+    wanted = HORIZON / SHARP
+    while steps_at(instance, method, levels[-1] / 2) <= most:
+        allowed = bound(instance, method, levels[0], truth)
+        if allowed[-1] <= wanted:
+            break
+        levels = tuple(level / 2 for level in levels)
+    return levels
 
 
 def _final_truncation(instance: Instance, method: Method, power: float, step: float) -> float:

@@ -158,11 +158,6 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
         values, radii = self.earlier[delay]
         return msgspec.structs.replace(self, values=values, radii=radii)
 
-    def moves(self) -> bool:
-        """True if a quantity changes from sample to sample, as far as it is certified."""
-        columns = [values[: self.until] for values in self.values.values() if values]
-        return any(np.ptp(column) > 0 for column in columns)
-
     def growth(self) -> Array:
         """The largest S so far (until,): errors made at any earlier time are amplified by no
         more.

@@ -1,5 +1,5 @@
-"""Kinetic energy of rigid bodies: T = (sum m v.v + sum J_k omega_k^2)/2, with omega in body
-axes.
+"""Kinetic energy of rigid bodies: T = (sum m v.v + sum J_k omega_k^2)/2, with omega in body axes;
+and its parts, which a motion exchanges.
 """
 
 import numpy as np
@@ -21,3 +21,21 @@ def kinetic(mass: Array, inertia: Array, velocity: Array, attitude: Array, omega
     rotation = np.einsum("nk,tnk,tnk->t", inertia, omega_body, omega_body)
     energy: Array = 0.5 * (translation + rotation)
     return energy
+
+
+def kinetic_parts(
+    mass: Array, inertia: Array, velocity: Array, attitude: Array, omega: Array
+) -> Array:
+    """The parts (T, N, 6) [J] of the kinetic energy of every body: of translation along each axis
+    of space, m v_k^2/2, and of rotation about each principal axis, J_k omega_k^2/2.
+
+    All axes of a body with equal moments are principal ones, and those of space are taken. The
+    arguments are those of `kinetic`.
+    """
+    omega_body = rotated(conjugate(attitude), omega)
+    is_isotropic = np.ptp(inertia, axis=1) == 0
+    omega_body[:, is_isotropic] = omega[:, is_isotropic]
+    translation = mass[:, None] * velocity**2
+    rotation = inertia * omega_body**2
+    parts: Array = 0.5 * np.concatenate([translation, rotation], axis=2)
+    return parts
