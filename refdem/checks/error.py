@@ -201,12 +201,12 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     change cancel, 2^-p times the change before may be larger, and is taken.
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
-    it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, and what a
-    step that straddles a kink is off by is added. C h^p itself does not scatter, and the division
-    stays, in two cases. A method that claims a higher order than fixed steps can have across these
-    kinks cuts its steps there, and the part that is cut off has an error of h^(p+1), however long
-    it is. And a force that goes as |s|^n through its kink leaves an error of h^(n+1) (see
-    core/smoothness.py), which is of higher order than h^p where p < n + 1.
+    it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, the changes
+    of all levels count, and what a step that straddles a kink is off by is added. C h^p itself does
+    not scatter, and the division stays, in two cases. A method that claims a higher order than
+    fixed steps can have across these kinks cuts its steps there, and the part that is cut off has
+    an error of h^(p+1), however long it is. And a force that goes as |s|^n through its kink leaves
+    an error of h^(n+1) (see core/smoothness.py), which is of higher order than h^p where p < n + 1.
 
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
@@ -221,42 +221,69 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     if count < 2:
         return None
     count = subject.truth.until
-    order = subject.order
-    coarse, middle, fine = (
-        instance.observe(runs[Variant(level)].trajectory) for level in subject.levels[-3:]
-    )
-    earlier_change = _changes(instance, coarse, middle, count)
-    last_change = _changes(instance, middle, fine, count)
+    may_straddle = _may_straddle(subject)
+    used = subject.levels[-3:]
+    if may_straddle:
+        used = subject.levels
+    observed = [instance.observe(runs[Variant(level)].trajectory) for level in used]
+    changes = [_changes(instance, a, b, count) for a, b in pairwise(observed)]
+    fine = observed[-1]
     floor = subject.floor(subject.levels[-1])
     rounding = floor * subject.truth.growth()[:count]
-    safety = room_of(subject)
-    # The force goes as |s|^exponent through the sharpest kink; infinite where it has none.
-    exponent = min((limit.exponent for _, limit in singularities(instance.scene)), default=np.inf)
     # Factor by which the error falls from one level to the next.
-    ratio = 2.0**order
+    ratio = 2.0**subject.order
     if method.control == "tolerance":
         ratio = subject.levels[-2] / subject.levels[-1]
-        if not np.any(earlier_change > rounding):
+        if not np.any(changes[0] > rounding):
             return None
-    elif not kinked(instance, method) or _cuts_steps(subject):
-        safety /= ratio - 1.0
-    elif order < exponent + 1.0:
-        safety = CUT_PREDICTION_FACTOR / (ratio - 1.0)
-    # The larger of the last change and of what the one before implies for it, so far.
-    change = np.maximum.accumulate(np.maximum(earlier_change / ratio, last_change))
+    # The largest of the last change and of what those before imply for it, so far.
+    implied = [change / ratio**k for k, change in enumerate(reversed(changes))]
+    change = np.maximum.accumulate(np.maximum.reduce(implied))
     if method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.
         change = np.full(count, change[-1])
-    may_straddle = (
-        method.control == "step" and kinked(instance, method) and not method.locates_events
-    )
-    allowed: Array = safety * change + rounding
+    allowed: Array = _safety(subject, ratio, len(changes)) * change + rounding
     if may_straddle:
         step = subject.levels[-1]
+        exponent = _sharpest_kink(instance)
         # Within a step of its kink a force is at most (h/tau)^exponent of what it comes to.
         share = min(1.0, step / instance.scales.tau) ** exponent
         allowed = allowed + PREDICTION_FACTOR * share * (_kink_rate(instance, fine, count) * step)
     return allowed
+
+
+def _may_straddle(subject: Subject) -> bool:
+    """True if a fixed step may go across a kink."""
+    method = subject.method
+    return (
+        method.control == "step" and kinked(subject.instance, method) and not method.locates_events
+    )
+
+
+def _sharpest_kink(instance: Instance) -> float:
+    """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
+    one.
+    """
+    exponents = [limit.exponent for _, limit in singularities(instance.scene)]
+    return min(exponents, default=float(np.inf))
+
+
+def _safety(subject: Subject, ratio: float, count: int) -> float:
+    """Factor on the largest of `count` changes that bounds the error at the finest level; `ratio`
+    is that by which the error falls from one level to the next.
+
+    By chance, two changes are as rarely alike to 1/64 as three to 1/16.
+    """
+    safety = room_of(subject)
+    if subject.method.control == "tolerance":
+        return safety
+    if not kinked(subject.instance, subject.method) or _cuts_steps(subject):
+        return safety / (ratio - 1.0)
+    if subject.order < _sharpest_kink(subject.instance) + 1.0:
+        return CUT_PREDICTION_FACTOR / (ratio - 1.0)
+    if _may_straddle(subject):
+        safety **= 2 / count
+    return safety
 
 
 def _cuts_steps(subject: Subject) -> bool:

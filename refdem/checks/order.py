@@ -13,6 +13,8 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from refdem.checks._crossings import crossings, has_crossings, is_belt
+from refdem.checks._impacts import is_sequence
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -57,6 +59,9 @@ step moves on regularly, and errors that kinks scatter may lie on a line for som
 of 3000 motions of velocity Verlet across fields with two random edges, a deficit of 0.5 or more on
 a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
 """
+
+OCTAVES = 14
+"""Octaves of chance, 1 in 16,000, beyond which events do not lie near samples all at once."""
 
 WHOLE = 0.9
 """Deficit, nearly a whole order, at which a single pair of levels speaks against the claim.
@@ -429,12 +434,32 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
     levels: the errors lie on a line of the order p - m. So impacts that are seen at the ends of
     steps (m = p = 1) are late by the same time, and a force |s|s that passes zero (p = 3, m = 2)
     shows the order 1. A body at rest, as a box on a slope, meets no kink.
+
+    Of K events, each lies within 2^-n of a sample once in 2^n times, and all of them once in
+    2^(K n). Of impacts in sequence the first may make most of the error.
     """
     truth = subject.truth
+    scene = subject.instance.scene
     if truth is None or subject.method.locates_events or not moves(truth):
+        return False
+    tells_events = has_crossings(scene) and not is_sequence(scene)
+    if tells_events and _count_of_events(subject, truth) * len(steps) > OCTAVES:
         return False
     of_finest = bound(subject.instance, subject.method, min(steps), truth)
     return max(largest) <= float(of_finest.max())
+
+
+def _count_of_events(subject: Subject, truth: SampledTruth) -> int:
+    """Number of certified events, and of turns of a body that rubs, up to the last certified
+    sample.
+    """
+    known = crossings(subject, truth).values()
+    end = float(subject.instance.times[truth.until - 1])
+    events = {crossing.time for of_kind in known for crossing in of_kind if crossing.time <= end}
+    if not is_belt(subject.instance.scene) or "v" not in truth.values:
+        return len(events)
+    direction = np.sign(truth.value("v"))
+    return len(events) + int(np.count_nonzero(direction[1:] * direction[:-1] < 0))
 
 
 def _best_tail(steps: list[float], largest: list[float]) -> float:
