@@ -102,12 +102,16 @@ class Energy(Check):
         return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The balance at two levels; that dissipated work never decreases; and the secular drift of
-        symplectic methods.
+        """The balance at two levels, or at the finest alone where no claim decides more; that
+        dissipated work never decreases; and the secular drift of symplectic methods.
         """
-        findings = [self._balance(subject, _first_sharp(subject, runs), runs, "balance")]
+        findings = []
         if len(subject.levels) > 1:
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
+        balance = self._balance(subject, _first_sharp(subject, runs), runs, "balance")
+        is_finest_decided = any(finding.outcome != "undecided" for finding in findings)
+        if balance.outcome != "undecided" or not is_finest_decided:
+            findings.insert(0, balance)
         reports_work = _dissipated_work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
         may_fall = scene.is_driven() or _stiffens(scene) or _has_two_levers(scene)

@@ -4,7 +4,7 @@ as numbers that are computed on paper.
 SCALES: L = 4 m, tau = 1/2 s, L/tau = 8 m/s, T = 8 s, m (L/tau)^2 = 128 J.
 """
 
-from math import log, sqrt
+from math import cos, log, sin, sqrt
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +13,7 @@ import pytest
 from refdem.checks import cooling, energy, lyapunov, symmetry
 from refdem.core import discovery
 from refdem.core import symmetry as pictures
+from refdem.core.balance import kinetic_exchanged
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.maps import RectangleBilliard, StadiumBilliard
 from refdem.core.quantity import Scales
@@ -92,6 +93,50 @@ def test_the_balance_is_judged_at_the_first_level_that_sees_a_tenth_of_what_is_e
     # The largest share of its bound is at the earliest sample.
     assert found["balance"].value == near(0.48)
     assert found["balance"].bound == near(2 * (5 / 256 + 8 * U * sqrt(256)), **LIKE)
+
+
+def test_a_body_that_tumbles_exchanges_energy_between_its_axes():
+    """Its kinetic energy is constant: what it could have lost is what its axes pass on."""
+    body = Body(mass=1.0, inertia=(1.0, 2.0, 3.0), omega=(2.0, 0.0, 0.0))
+    of = instance([body])
+    # J omega^2/2 is 2 J about the first axis, and then about the second.
+    run = standing(of, omega=[[[2, 0, 0]], [[1, 3**0.5 / 2**0.5, 0]], *[[[0, 2**0.5, 0]]] * 3])
+    found = kinetic_exchanged(of.scene, run)
+    np.testing.assert_allclose(found, [0, 1.5, 2, 2, 2], rtol=1e-14)
+    # A sphere that turns about an axis of space exchanges nothing, however it is turned.
+    sphere = instance([Body(mass=1.0, inertia=(2.0,) * 3, omega=(0.0, 0.0, 1.0))])
+    turned = [[[cos(a), 0.0, sin(a), 0.0]] for a in (0.0, 0.5, 1.0, 1.5, 2.0)]
+    spun = standing(sphere, attitude=turned, omega=[[[0.0, 0.0, 1.0]]] * 5)
+    np.testing.assert_allclose(kinetic_exchanged(sphere.scene, spun), 0.0, atol=1e-15)
+    # Of a circular orbit the axes of space exchange m v^2/2.
+    orbit = instance([POINT])
+    ways = [[[8.0, 0, 0]], [[0, 8.0, 0]], [[-8.0, 0, 0]], [[0, -8.0, 0]], [[8.0, 0, 0]]]
+    half = 0.5 * POINT.mass * 64
+    round_it = kinetic_exchanged(orbit.scene, standing(orbit, velocity=ways))
+    np.testing.assert_allclose(round_it, [0, half, 0, half, 0])
+
+
+def test_the_balance_of_the_finest_level_stands_alone_where_claims_decide_nothing():
+    of = instance([POINT], (SPRING,))
+
+    def turned(*speeds):
+        """Speeds at the samples, the velocity turned by up to 16 degrees."""
+        ways = ([1, 0, 0], [0.96, 0.28, 0], [0.96, -0.28, 0], [1, 0, 0], [0.96, 0.28, 0])
+        pairs = zip(speeds, ways, strict=True)
+        return standing(of, velocity=[[[v * x for x in way]] for v, way in pairs])
+
+    def found(coarse, fine, levels=LEVELS):
+        return judged(of, lambda v: coarse if v.level == levels[0] else fine, method(), levels)
+
+    even = turned(8.0, 8.0, 8.0, 8.0, 8.0)
+    uneven = turned(8.0, 8.0, 8.0625, 8.0, 8.0)
+    # 0.28^2 64 = 5 J of 100 are exchanged between x and y; 2 (5/256) is more than a tenth of it.
+    alone = found(uneven, even)
+    assert set(alone) == {"finest"}
+    assert alone["finest"].outcome == "pass"
+    # With two levels nothing is extrapolated, and nothing decided.
+    blind = found(even, even, LEVELS[1:])
+    assert {blind[name].outcome for name in ("balance", "finest")} == {"undecided"}
 
 
 def test_places_far_away_and_slow_meetings_round_the_energy_of_contacts():

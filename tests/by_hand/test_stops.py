@@ -50,6 +50,23 @@ def test_a_stop_is_the_last_sample_that_moves_but_for_an_interval_and_what_is_to
     assert found.bound == near(allowed + (2.0 + unseen) / 0.5, **LIKE)
 
 
+@pytest.mark.parametrize("way", [(0.0, 0.25, 0.0), (0.0, -0.25, 0.25), (0.25, 0.0, 0.125)])
+def test_creep_is_the_largest_distance_of_two_places_after_the_stop(way):
+    """A body that creeps away and comes back has crept."""
+    slider = Slider(a=0, friction=0.5, normal_force=8.0)
+    of = instance(
+        [Body(mass=2.0)], (Spring(a=0, b=-1, stiffness=2.0), slider), quantities={"x": 4.0}
+    )
+    scalars = {"stop_time": (1.0, 0.0), "stop_position": (0.5, 0.0)}
+    known = truth(TIMES, {"x": [0.0] * 5, "v": [0.0] * 5}, scalars=scalars)
+    # tau = 1/2 s: what comes within the bound of the stop does not count, and 2 s are more.
+    run = standing(of, position=[[[x, 0.0, 0.0]] for x in (0.0, 0.5, *way)])
+    subject = Subject(of, method(), (H,), known)
+    found = findings(stop.CHECK, subject, run)["creep"]
+    after = np.array([0.5, *way])
+    assert found.value == near(float(after.max() - after.min()) / 4.0)
+
+
 def test_a_body_that_never_moves_visibly_stops_at_the_start():
     subject, _ = stopped((0.0,) * 5)
     visible = float(subject.bound(H)[-1]) * 8

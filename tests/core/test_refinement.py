@@ -3,9 +3,19 @@
 import numpy as np
 import pytest
 
+from refdem.campaign.in_process import truth_of
 from refdem.core import discovery
 from refdem.core.engine import Method
-from refdem.core.refinement import clock, flight, levels, round_off, truncation
+from refdem.core.refinement import (
+    IMPACT_STEPS,
+    bound,
+    clock,
+    flight,
+    levels,
+    past_impacts,
+    round_off,
+    truncation,
+)
 from refdem.errors import UsageError
 
 
@@ -206,3 +216,42 @@ def test_a_body_that_drag_holds_at_its_last_speed_adds_the_same_at_every_step(ca
     instance = discovery.case(case).at()
     second = Method(name="second", summary="", control="step", order=2)
     assert (flight(instance, second, 2.0**-10) > 0) == adds
+
+
+PAIRS = [
+    ("hard-spheres", {}),
+    ("hard-spheres", {"offset": "1/2,0", "masses": "1,5", "radii": "1/2,1"}),
+    ("billiard-break", {"rows": "2", "restitution": "3/4"}),
+    ("hard-wall", {}),
+]
+
+
+@pytest.mark.parametrize(("case", "given"), PAIRS)
+def test_levels_go_on_until_the_motion_after_its_impacts_can_be_judged(case, given):
+    """The bound at the end, S of the impacts in it, is an eightieth at the coarsest level."""
+    motion = discovery.case(case).at(**given)
+    truth = truth_of(motion)
+    first_order = Method(name="m", summary="", control="step", order=1)
+    before = levels(motion, first_order, 4, 3e5)
+    assert bound(motion, first_order, before[0], truth)[-1] > 0.1
+    after = past_impacts(motion, first_order, before, truth, 3e5)
+    assert len(after) == len(before)
+    assert motion.times[-1] / after[-1] <= IMPACT_STEPS
+    reached = bound(motion, first_order, after[0], truth)[-1]
+    as_fine_as_allowed = motion.times[-1] / after[-1] > IMPACT_STEPS / 2
+    assert reached <= 0.1 / 8 or as_fine_as_allowed
+    assert bound(motion, first_order, after[-1], truth)[-1] < 0.01
+
+
+def test_levels_stay_where_nothing_meets_or_a_method_sees_impacts_as_they_happen():
+    motion = discovery.case("hard-spheres").at()
+    truth = truth_of(motion)
+    given = {"name": "m", "summary": "", "control": "step", "order": 1}
+    before = levels(motion, Method(**given), 4, 3e5)
+    for claims in ({"locates_events": True}, {"velocity_time": "minus-half-step"}):
+        assert past_impacts(motion, Method(**given, **claims), before, truth, 3e5) == before
+    coarse = past_impacts(motion, Method(**given), before, truth, 2 * motion.times[-1] / before[-1])
+    assert coarse == tuple(level / 2 for level in before)
+    rolling = discovery.case("rolling").at()
+    of_rolling = levels(rolling, Method(**given), 4, 3e5)
+    assert past_impacts(rolling, Method(**given), of_rolling, truth_of(rolling), 3e5) == of_rolling
