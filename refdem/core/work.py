@@ -61,7 +61,8 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
 def of_neighbours(intervals: Array) -> Array:
     """The largest (T - 1,) of each interval and of the one on either side of it."""
     padded = np.pad(intervals, 1)
-    return np.maximum.reduce([padded[:-2], intervals, padded[2:]])
+    largest: Array = np.maximum.reduce([padded[:-2], intervals, padded[2:]])
+    return largest
 
 
 def _summed(intervals: Array) -> Array:
