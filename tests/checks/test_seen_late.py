@@ -70,8 +70,9 @@ def test_a_wall_seen_one_step_late_fails_where_impacts_are_claimed_to_be_located
 @pytest.mark.parametrize("restitution", RESTITUTIONS)
 @pytest.mark.parametrize("velocity", VELOCITIES[:2])
 def test_a_wall_seen_two_steps_late_fails(restitution, velocity):
+    """Where samples are as close as steps, for the velocity of before is seen too late there."""
     engine = changed(steps_late=1)
-    given = {"restitution": restitution, "velocity": velocity, "friction": "0"}
+    given = {"restitution": restitution, "velocity": velocity, "friction": "0", "samples": "1024"}
     assert ("error", "v.y") in failures(engine, "hard-wall", **given)
 
 
