@@ -18,8 +18,6 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 DURATION = 30.0
 """Duration in tau: at the default parameters the energy passes to the other pendulum within it."""
-OF_EQUAL_BOBS = 2.0
-"""Largest squared rate of a rod over 2 E/I, for equal bobs on equal rods."""
 
 
 class CoupledPendulums(Case):
@@ -105,16 +103,15 @@ class CoupledPendulums(Case):
         return float(p.stiffness * min(by_rods, by_energy))
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2, and 1/tau^2 = g/l1 + g/l2 + k/m1 + k/m2 + 2 E/I, or the rate of one rod, or
-        F/(m l), if that is more.
+        """L = l1 + l2, and 1/tau^2 = g/l1 + g/l2 + k/m1 + k/m2 + 2 E/I, or the square of the faster
+        rate at the start, or F/(m l), if that is more.
 
         The first four terms are the sum of the squared rates of the two modes near the bottom. E is
         the energy above rods that hang and a spring without force, I = m1 l1^2 + m2 l2^2, so that 2
         E/I is of the size of the squared rate at which all of the energy turns both rods. A light
-        bob that has all of it turns its rod at 2 E/(m l^2), which is 2 times 2 E/I for equal bobs
-        and rods; the same part of it is taken. A spring that is stretched far pulls a light bob as
-        a strong gravity does: F is the largest force that the energy and the lengths of the rods
-        allow, m l that of the bob that it turns faster.
+        bob may begin faster than that. A spring that is stretched far pulls a light bob as a strong
+        gravity does: F is the largest force that the energy and the lengths of the rods allow, m l
+        that of the bob that it turns faster.
         """
         inertia = float(p.masses @ p.lengths**2)
         kinetic = 0.5 * float(p.masses @ (p.lengths * p.thetadot0) ** 2)
@@ -124,9 +121,9 @@ class CoupledPendulums(Case):
         modes = p.gravity * float(np.sum(1 / p.lengths)) + p.stiffness * float(np.sum(1 / p.masses))
         energy = kinetic + potential
         of_both = modes + 2 * energy / inertia
-        of_one = 2 * energy / float(np.min(p.masses * p.lengths**2)) / OF_EQUAL_BOBS
+        at_start = float(np.max(p.thetadot0**2))
         pulled = self._largest_force(p, energy) / float(np.min(p.masses * p.lengths))
-        tau = 1.0 / float(np.sqrt(max(of_both, of_one, pulled)))
+        tau = 1.0 / float(np.sqrt(max(of_both, at_start, pulled)))
         return Scales(
             length=float(p.lengths.sum()),
             tau=tau,

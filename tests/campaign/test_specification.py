@@ -109,5 +109,7 @@ def test_campaign_full_refines_breaks_further_than_the_rest():
     full = named("full")
     levels = {entry.levels for entry in full.case if entry.id == "billiard-break"}
     assert levels == {9}
-    assert {entry.levels for entry in full.case if entry.id != "billiard-break"} == {UNSET}
-    assert {entry.levels for entry in named("main").case} == {UNSET}
+    # A few rows need bounds that are a half or a quarter of those at four levels.
+    few = {UNSET, 5, 6}
+    assert {entry.levels for entry in full.case if entry.id != "billiard-break"} == few
+    assert {entry.levels for entry in named("main").case} == few
