@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from refdem.checks._kinks import may_straddle, sharpest_kink, straddled
 from refdem.checks._seen_late import errors_of
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
@@ -14,7 +15,6 @@ from refdem.core.finding import Finding, Level
 from refdem.core.judgement import (
     CUT_PREDICTION_FACTOR,
     MIXED,
-    PREDICTION_FACTOR,
     Array,
     Sight,
     certified,
@@ -221,9 +221,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     if count < 2:
         return None
     count = subject.truth.until
-    may_straddle = _may_straddle(subject)
+    straddles = may_straddle(subject)
     used = subject.levels[-3:]
-    if may_straddle:
+    if straddles:
         used = subject.levels
     observed = [instance.observe(runs[Variant(level)].trajectory) for level in used]
     changes = [_changes(instance, a, b, count) for a, b in pairwise(observed)]
@@ -243,29 +243,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         # A few steps with chosen orders say little, so the change of the whole run counts.
         change = np.full(count, change[-1])
     allowed: Array = _safety(subject, ratio, len(changes)) * change + rounding
-    if may_straddle:
-        step = subject.levels[-1]
-        exponent = _sharpest_kink(instance)
-        # Within a step of its kink a force is at most (h/tau)^exponent of what it comes to.
-        share = min(1.0, step / instance.scales.tau) ** exponent
-        allowed = allowed + PREDICTION_FACTOR * share * (_kink_rate(instance, fine, count) * step)
+    if straddles:
+        allowed = allowed + straddled(subject, subject.levels[-1], fine, count)
     return allowed
-
-
-def _may_straddle(subject: Subject) -> bool:
-    """True if a fixed step may go across a kink."""
-    method = subject.method
-    return (
-        method.control == "step" and kinked(subject.instance, method) and not method.locates_events
-    )
-
-
-def _sharpest_kink(instance: Instance) -> float:
-    """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
-    one.
-    """
-    exponents = [limit.exponent for _, limit in singularities(instance.scene)]
-    return min(exponents, default=float(np.inf))
 
 
 def _safety(subject: Subject, ratio: float, count: int) -> float:
@@ -279,9 +259,9 @@ def _safety(subject: Subject, ratio: float, count: int) -> float:
         return safety
     if not kinked(subject.instance, subject.method) or _cuts_steps(subject):
         return safety / (ratio - 1.0)
-    if subject.order < _sharpest_kink(subject.instance) + 1.0:
+    if subject.order < sharpest_kink(subject.instance) + 1.0:
         return CUT_PREDICTION_FACTOR / (ratio - 1.0)
-    if _may_straddle(subject):
+    if may_straddle(subject):
         safety **= 2 / count
     return safety
 
@@ -303,24 +283,6 @@ def _cuts_steps(subject: Subject) -> bool:
     exponents += [limit.exponent for _, limit in singularities(scene)]
     # A force that goes as |s|^n allows fixed steps the order n + 1.
     return subject.order > max(exponents) + 1.0
-
-
-def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
-    """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
-    each sample.
-
-    A step that straddles a kink uses the force from before the kink for its remainder, and is off
-    by that rate times the remainder, or less where the force does not jump. Halved steps end at the
-    same times, so every step longer than the remainder is off by the same: halvings do not show
-    this error.
-    """
-    fastest = np.zeros(len(instance.times) - 1)
-    for name, quantity in instance.quantities.items():
-        if name in run and not quantity.angle:
-            fastest = np.maximum(fastest, np.abs(np.diff(run[name])) / quantity.scale)
-    beside = np.maximum(np.append(0.0, fastest), np.append(fastest, 0.0))
-    so_far: Array = np.maximum.accumulate(beside)[:count] / abs(instance.problem.interval)
-    return so_far
 
 
 def _changes(

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from refdem.checks._kinks import may_straddle, straddled
 from refdem.checks.order import WHOLE
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -276,14 +277,16 @@ def _defect_from_observed_error(
     of equal steps may have a structure that grows on the way back only: that of symplectic Euler is
     an offset of the start (Hairer, Lubich and Wanner 2006, chapter IX), and the way back starts
     elsewhere. These are given all of S. Round-off is added, since an error may be small by chance,
-    as where no number has to be rounded.
+    as where no number has to be rounded, and so is what a step that straddles a kink is off by. Of
+    the steps that a tolerance makes beside a kink one run says nothing.
     """
     truth = certified(subject)
     assert truth is not None
     compared_level = _compared_level(subject, level)
-    if truth.until < len(subject.instance.times) or (
-        subject.method.control == "tolerance" and compared_level == level
-    ):
+    if truth.until < len(subject.instance.times):
+        return math.inf
+    has_kinks = kinked(subject.instance, subject.method)
+    if subject.method.control == "tolerance" and (has_kinks or compared_level == level):
         return math.inf
     if subject.method.control == "tolerance":
         safety = PREDICTION_FACTOR
@@ -292,6 +295,9 @@ def _defect_from_observed_error(
     run = runs[Variant(compared_level)].trajectory
     observed = safety * float(largest_so_far(subject, compared_level, run, truth)[-1])
     reached = observed + subject.floor(level)
+    if may_straddle(subject):
+        seen = subject.instance.observe(run)
+        reached += float(straddled(subject, compared_level, seen, truth.until)[-1])
     # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])

@@ -9,7 +9,7 @@ from math import inf, log2, sqrt
 import numpy as np
 import pytest
 
-from refdem.checks import convergence, error, order, reversal
+from refdem.checks import _kinks, convergence, error, order, reversal
 from refdem.checks.order import (
     CHECK,
     Misfits,
@@ -459,11 +459,11 @@ def test_changes_of_angles_are_those_modulo_a_turn():
     fine = {"theta": np.array([-3.0, 1.0]), "x": np.array([0.0, 0.0])}
     found = error._changes(of, coarse, fine, 2)
     np.testing.assert_allclose(found, [2 * (2 * np.pi - 6.0), 0.5], rtol=1e-13)
-    rates = error._kink_rate(
+    rates = _kinks._kink_rate(
         of, {"x": np.array([0, 4.0, 2.0, 2.0, 2.0]), "theta": np.arange(5.0)}, 5
     )
     assert rates.tolist() == [0.5] * 5
-    later = error._kink_rate(of, {"x": np.array([0, 0.0, 0.0, 2.0, 2.0])}, 4)
+    later = _kinks._kink_rate(of, {"x": np.array([0, 0.0, 0.0, 2.0, 2.0])}, 4)
     assert later.tolist() == [0.0, 0.0, 0.25, 0.25]
 
 
@@ -571,7 +571,9 @@ def test_the_way_back_may_add_as_much_as_the_way_forward_is_seen_to_have():
     [
         ((SPRING,), "step", 4),
         ((SPRING, RUBBING), "step", 64),
-        ((SPRING, RUBBING), "tolerance", 4),
+        ((SPRING,), "tolerance", 4),
+        # Steps that a tolerance makes beside a kink are others on the way back.
+        ((SPRING, RUBBING), "tolerance", inf),
     ],
 )
 def test_the_error_that_is_seen_forward_has_room_for_kinks_in_fixed_steps(elements, control, room):
@@ -582,6 +584,19 @@ def test_the_error_that_is_seen_forward_has_room_for_kinks_in_fixed_steps(elemen
     run = CompletedRun(wrong_by(of, {compared: 1e-6})(Variant(compared)), Cost(seconds=0.0))
     found = reversal._defect_from_observed_error(subject, {Variant(compared): run}, levels[-1])
     reached = room * 1e-6 + 20 * subject.noise(levels[-1])
+    assert found == near(2 * (reached + reached**2), rel=1e-9)
+
+
+@pytest.mark.parametrize(("elements", "part"), [((SPRING, RUBBING), 1.0), ((SPRING,), 0.0)])
+def test_the_way_back_may_add_what_a_step_across_a_kink_is_off_by(elements, part):
+    """x moves by 2 m of 4 m in the last 2 s, so a force that jumps leaves 4 h/(4 s) a step."""
+    of = swinging(elements)
+    subject = Subject(of, method(), LEVELS, known_of())
+    moved = wrong_by(of, {H: np.array([0, 0, 0, 0, 0.5])})(Variant(H))
+    run = CompletedRun(moved, Cost(seconds=0.0))
+    found = reversal._defect_from_observed_error(subject, {Variant(H): run}, H)
+    room = 4 if part == 0 else 64
+    reached = room * 0.5 + 20 * subject.noise(H) + part * 4 * 0.25 * H
     assert found == near(2 * (reached + reached**2), rel=1e-9)
 
 

@@ -1,0 +1,62 @@
+"""What a step across a kink of the force is off by.
+
+A step that straddles a kink uses the force from before the kink for its remainder. Where in the
+step the kink lies is as good as random, so one run may be off by next to nothing by chance, and the
+same run at another step, or on its way back, is not.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.case import Instance
+from refdem.core.check import Array, Subject
+from refdem.core.judgement import PREDICTION_FACTOR
+from refdem.core.refinement import kinked
+from refdem.core.smoothness import singularities
+
+
+def may_straddle(subject: Subject) -> bool:
+    """True if a fixed step may go across a kink."""
+    method = subject.method
+    return (
+        method.control == "step" and kinked(subject.instance, method) and not method.locates_events
+    )
+
+
+def sharpest_kink(instance: Instance) -> float:
+    """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
+    one.
+    """
+    exponents = [limit.exponent for _, limit in singularities(instance.scene)]
+    return min(exponents, default=float(np.inf))
+
+
+def straddled(subject: Subject, step: float, run: Mapping[str, Array], count: int) -> Array:
+    """Bound (count,) on what a step [s] that straddles a kink is off by, in units of the scales.
+
+    `run` holds what was observed at that step. Within a step of its kink a force that goes as |s|^n
+    is at most (h/tau)^n of what it comes to.
+    """
+    instance = subject.instance
+    share = min(1.0, step / instance.scales.tau) ** sharpest_kink(instance)
+    off: Array = PREDICTION_FACTOR * share * (_kink_rate(instance, run, count) * step)
+    return off
+
+
+def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
+    """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
+    each sample.
+
+    A step that straddles a kink uses the force from before the kink for its remainder, and is off
+    by that rate times the remainder, or less where the force does not jump. Halved steps end at the
+    same times, so every step longer than the remainder is off by the same: halvings do not show
+    this error.
+    """
+    fastest = np.zeros(len(instance.times) - 1)
+    for name, quantity in instance.quantities.items():
+        if name in run and not quantity.angle:
+            fastest = np.maximum(fastest, np.abs(np.diff(run[name])) / quantity.scale)
+    beside = np.maximum(np.append(0.0, fastest), np.append(fastest, 0.0))
+    so_far: Array = np.maximum.accumulate(beside)[:count] / abs(instance.problem.interval)
+    return so_far
