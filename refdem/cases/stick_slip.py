@@ -117,11 +117,24 @@ class StickSlip(Case):
 
     def scales(self, p: Parameters) -> Scales:
         """L = a mu0 + |gamma| + |x0| + |v0|, the stretch that balances friction, drive and start;
-        tau = 1/max(1, eta), the faster of spring and drive; T = 20 tau.
+        tau is the shortest time of spring, drive and friction; T = 20 of the shorter time of spring
+        and drive.
+
+        Friction that grows with the speed damps the motion at the rate a dmu/du, that is 2 a
+        lambda1 u (a lambda1 if linear). The largest u is that of the start or, as the mass comes
+        back, that of the belt and of what friction, drive and the place at the start make.
         """
-        tau = 1.0 / max(1.0, p.eta)
-        length = p.a * p.mu0 + abs(p.gamma) + abs(p.x0) + abs(p.v0)
-        return Scales(length=length, tau=tau, duration=20 * tau)
+        oscillation = max(1.0, p.eta)
+        swing = p.a * p.mu0 + abs(p.gamma) + abs(p.x0)
+        fastest = max(abs(p.v0 - p.belt), abs(p.belt) + swing)
+        damping = p.a * p.lambda1
+        if p.friction_law == "quadratic":
+            damping *= 2.0 * fastest
+        return Scales(
+            length=swing + abs(p.v0),
+            tau=1.0 / max(oscillation, damping),
+            duration=20.0 / oscillation,
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

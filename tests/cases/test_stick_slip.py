@@ -1,0 +1,35 @@
+"""The scales of stick-slip: no rate of the motion is left out of tau."""
+
+import pytest
+
+from refdem.core import discovery
+from refdem.scene.elements.slider import Slider
+
+FAST = [
+    {"v0": "805", "belt": "505", "lambda1": "0.00226", "a": "31.6"},
+    {"v0": "-40", "lambda1": "0.1"},
+    {"belt": "-200", "lambda1": "0.03"},
+    {"lambda1": "7", "friction_law": "linear"},
+    {"x0": "300", "lambda1": "0.2"},
+]
+
+
+@pytest.mark.parametrize("given", FAST)
+def test_tau_is_no_longer_than_friction_takes_to_slow_the_mass(given):
+    instance = discovery.case("stick-slip").at(**given)
+    (slider,) = instance.scene.all(Slider)
+    start = float(instance.scene.bodies.velocity[0, 0])
+    belt = slider.belt_velocity
+    # The slope of the friction with the speed, by central differences, at the start and at rest.
+    for speed in (abs(start - belt), abs(belt)):
+        change = 1e-4 * speed
+        slope = (slider.coefficient(speed + change) - slider.coefficient(speed - change)) / (
+            2 * change
+        )
+        assert instance.scales.tau <= 1.001 / (slider.normal_force * slope)
+
+
+def test_the_default_duration_is_one_of_the_oscillation_however_fast_friction_acts():
+    instance = discovery.case("stick-slip").at(lambda1="3", eta="2")
+    assert instance.scales.tau < 0.1
+    assert instance.times[-1] == 10.0
