@@ -47,7 +47,9 @@ METHODS_A_SETTING = 6
 """Pairs made of one setting: its truth is proved once."""
 TRUTH_SECONDS = 3.0
 PAIR_SECONDS = 20.0
-"""Seconds of processor after which a proof, or a pair, is given up and counted."""
+"""Seconds after which a proof, or a pair, is given up and counted."""
+REPEATED_SECONDS = 100.0
+"""The same of a proof where one pair alone is asked for."""
 DECADES = (0.5, 1.0, 3.0)
 """A setting multiplies its numbers by up to 10 to one of these powers, either way."""
 DRAWS = 200
@@ -304,12 +306,14 @@ def delays(instance: Instance, campaigns: list[tuple[Engine, Specification]]) ->
     return tuple(sorted(found - {0.0}))
 
 
-def proved(instance: Instance, lags: tuple[float, ...]) -> SampledTruth | None:
+def proved(
+    instance: Instance, lags: tuple[float, ...], seconds: float = TRUTH_SECONDS
+) -> SampledTruth | None:
     """The certified samples of an instance, and so many seconds before them; None if there are none
     within the limit.
     """
     try:
-        with limited(TRUTH_SECONDS):
+        with limited(seconds):
             data = worker.sampled_truth(instance.case.id, instance.p.given, lags)
     except OutOfTimeError:
         return None
@@ -337,7 +341,7 @@ def repeated(label: str, program: str, method_name: str, levels: int, most_steps
     method = engine.method(method_name)
     asked = specification(method, levels, most_steps)
     count = Count()
-    truth = proved(instance, delays(instance, [(engine, asked)]))
+    truth = proved(instance, delays(instance, [(engine, asked)]), REPEATED_SECONDS)
     if truth is None:
         count.uncertified += 1
     else:
@@ -370,7 +374,7 @@ def judge(
         )
         return
     outcomes = collections.Counter(finding.outcome for finding in record.findings)
-    if "unsupported" in outcomes:
+    if outcomes["unsupported"] and not outcomes["fail"]:
         count.unsupported += 1
         return
     count.judged += bool(outcomes["pass"] or outcomes["fail"])

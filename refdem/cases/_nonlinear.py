@@ -7,6 +7,7 @@ An undamped motion without drive has the energy E = v^2/2 + alpha x^2/2 + beta x
 w0^2 x^2/2 + eps x^3/3; it is bounded inside the well, whose rim is the potential's maximum.
 """
 
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -28,6 +29,17 @@ BETA = Parameter(
 ESCAPE = (
     "the motion would go to infinity; expected a start below the escape energy, inside the well"
 )
+
+CARRIED = (
+    "the drive carries the mass over the rim of its well, from where the motion goes to infinity;"
+    " expected a weaker drive or a shorter duration"
+)
+RIM_STEPS = 20
+"""Steps of the search for a passage over the rim in one shortest time of drive and motion."""
+MOST_RIM_STEPS = 20_000
+"""Steps of that search at most: 1000 shortest times, after which a driven motion has forgotten how
+it began.
+"""
 
 
 def scene(p: Parameters, stiffness: float, *elements: Element, **spring: Any) -> Scene:
@@ -89,6 +101,36 @@ def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
     is_outside = eps * x0 <= -(w0**2)
     is_above_rim = 6 * eps**2 * energy >= w0**6
     return bool(is_outside or is_above_rim)
+
+
+def is_carried_out(
+    p: Parameters,
+    acceleration: Callable[[float, float], float],
+    is_outside: Callable[[float], bool],
+    rate: float,
+    duration: float,
+) -> bool:
+    """True if the damped and driven motion from x0, v0 comes to a place that is outside its well.
+
+    x'' = acceleration(x, t) - 2 delta x' is integrated in binary64 by Heun's method, with
+    RIM_STEPS steps in 1/`rate` [s]. A motion that only just passes the rim, or just not, may be
+    taken for the other: it stays near the rim, where the scales hold for it.
+    """
+    h = 1.0 / (RIM_STEPS * rate)
+    count = min(MOST_RIM_STEPS, int(np.ceil(duration / h)))
+    damping = 2.0 * float(p.delta)
+    x = float(p.x0)
+    v = float(p.v0)
+    for step in range(count):
+        t = step * h
+        a = acceleration(x, t) - damping * v
+        ahead = v + h * a
+        a_ahead = acceleration(x + h * v, t + h) - damping * ahead
+        x += h * (v + ahead) / 2.0
+        v += h * (a + a_ahead) / 2.0
+        if is_outside(x):
+            return True
+    return False
 
 
 def duffing_reach(p: Parameters) -> float:

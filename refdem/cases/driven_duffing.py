@@ -2,6 +2,8 @@
 has depends on the past.
 """
 
+import math
+
 from refdem.cases import _line, _nonlinear
 from refdem.cases._line import Array
 from refdem.core.case import Case, given
@@ -56,6 +58,28 @@ class DrivenDuffing(Case):
                 f" {_nonlinear.ESCAPE}"
             )
         _line.refuse_nothing(self.scales(p).length)
+        if self._is_carried_out(p):
+            raise UsageError(f"f0 {p.f0:g} at drive {p.drive:g}: {_nonlinear.CARRIED}")
+
+    def _is_carried_out(self, p: Parameters) -> bool:
+        """True if the drive carries the mass over the rim, at x^2 = -alpha/beta for beta < 0."""
+        if p.beta >= 0 or p.f0 == 0:
+            return False
+        alpha = float(p.alpha)
+        beta = float(p.beta)
+        f0 = float(p.f0)
+        drive = float(p.drive)
+
+        def acceleration(x: float, t: float) -> float:
+            return -(alpha + beta * x * x) * x + f0 * math.cos(drive * t)
+
+        def is_outside(x: float) -> bool:
+            return x * x >= -alpha / beta
+
+        scales = self.scales(p)
+        return _nonlinear.is_carried_out(
+            p, acceleration, is_outside, 1.0 / scales.tau, p.duration or scales.duration
+        )
 
     def scene(self, p: Parameters) -> Scene:
         """The mass with spring, dashpot and drive: x'' = -alpha x - beta x^3 - 2 delta x' + f0

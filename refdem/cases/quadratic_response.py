@@ -2,6 +2,8 @@
 and mixes them.
 """
 
+import math
+
 import numpy as np
 
 from refdem.cases import _line, _nonlinear
@@ -67,6 +69,29 @@ class QuadraticResponse(Case):
             raise UsageError(
                 f"x0 {p.x0:g}, v0 {p.v0:g} with w0 {p.w0:g}, eps {p.eps:g}: {_nonlinear.ESCAPE}"
             )
+        if self._is_carried_out(p):
+            amplitudes = ", ".join(f"{amplitude:g}" for amplitude in p.f0)
+            raise UsageError(f"f0 {amplitudes}: {_nonlinear.CARRIED}")
+
+    def _is_carried_out(self, p: Parameters) -> bool:
+        """True if the drives carry the mass over the rim, at x = -w0^2/eps."""
+        if p.eps == 0 or not np.any(p.f0):
+            return False
+        stiffness = float(p.w0) ** 2
+        eps = float(p.eps)
+        forces = list(zip(p.f0.tolist(), p.drive.tolist(), strict=True))
+
+        def acceleration(x: float, t: float) -> float:
+            pushes: float = sum(f * math.cos(w * t) for f, w in forces)
+            return -(stiffness + eps * x) * x + pushes
+
+        def is_outside(x: float) -> bool:
+            return eps * x <= -stiffness
+
+        scales = self.scales(p)
+        return _nonlinear.is_carried_out(
+            p, acceleration, is_outside, 1.0 / scales.tau, p.duration or scales.duration
+        )
 
     def scene(self, p: Parameters) -> Scene:
         """The mass with spring, dashpot and drives: x'' = -w0^2 x - eps x^2 - 2 delta x' + sum f_i

@@ -118,14 +118,18 @@ class StickSlip(Case):
     def scales(self, p: Parameters) -> Scales:
         """L = a mu0 + |gamma| + |x0| + |v0|, the stretch that balances friction, drive and start;
         tau is the shortest time of spring, drive and friction; T = 20 of the shorter time of spring
-        and drive.
+        and drive. A belt that runs backwards does not balance its steady pull but doubles it: the
+        mass then comes to rest at -2 a mu(|b|).
 
         Friction that grows with the speed damps the motion at the rate a dmu/du, that is 2 a
         lambda1 u (a lambda1 if linear). The largest u is that of the start or, as the mass comes
         back, that of the belt and of what friction, drive and the place at the start make.
         """
         oscillation = max(1.0, p.eta)
-        swing = p.a * p.mu0 + abs(p.gamma) + abs(p.x0)
+        coefficient = p.mu0
+        if p.belt < 0:
+            coefficient = max(p.mu0, 2.0 * self.slider(p).coefficient(abs(p.belt)))
+        swing = p.a * coefficient + abs(p.gamma) + abs(p.x0)
         fastest = max(abs(p.v0 - p.belt), abs(p.belt) + swing)
         damping = p.a * p.lambda1
         if p.friction_law == "quadratic":

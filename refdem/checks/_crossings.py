@@ -13,7 +13,7 @@ at each certified time. Both follow from the scene's own force laws:
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from math import copysign, inf, sin, sqrt
+from math import copysign, exp, inf, sin, sqrt
 
 import numpy as np
 
@@ -40,6 +40,9 @@ MOST = 16
 """
 ALIKE = 1e-9
 """Relative difference of closing speeds below which contacts that start together end together."""
+
+MOST_GROWTH = 100.0
+"""Largest exponent of an error's growth, exp(100): nothing is predictable beyond."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,29 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
     if lies(subject.instance.scene):
         return sticking(subject, truth)
     return in_sequence(subject, truth)
+
+
+def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
+    """The bound on the state at an event, E(t) = bound(next sample) exp(growth (t - last sample)).
+
+    The bound of the next sample covers errors at samples only, so growth since the sample before is
+    added.
+    """
+    following = min(int(np.searchsorted(times, crossing.time)), len(bound) - 1)
+    last_sample = float(times[max(0, following - 1)])
+    elapsed = max(0.0, crossing.time - last_sample)
+    return float(bound[following]) * exp(min(crossing.growth * elapsed, MOST_GROWTH))
+
+
+def shift(error: float, crossing: Crossing) -> float:
+    """The smallest t > 0 [s] with rate t - bend t^2/2 = error; infinity without one.
+
+    It is 2 error/(rate + sqrt(rate^2 - 2 bend error)), the root in a form without cancellation.
+    """
+    discriminant = crossing.rate * crossing.rate - 2 * crossing.bend * error
+    if discriminant > 0:
+        return 2 * error / (crossing.rate + sqrt(discriminant))
+    return inf
 
 
 def is_belt(scene: Scene) -> bool:

@@ -75,11 +75,13 @@ class ContactImpulse(Check):
     the method.
 
     normal: the mean normal force lies between the smallest and the largest that the law gives at
-    the four samples around the interval. They are several steps apart, so forces of the step before
-    or after are covered. What is allowed beyond is the curvature of the force between samples; the
-    change of c d' in a step, since a dashpot may see the velocity of another instant than the
-    spring sees the place of; and a step's impulse where the force jumps between the samples. An
-    error that does not depend on the step is visible at the coarsest one.
+    the four samples around the interval, so that forces of the step before or after are covered.
+    What is allowed beyond is the curvature of the force between samples, by the time scale of the
+    contact and by the way in which spheres pass each other; half of its change where a method takes
+    forces of earlier steps with negative weights; the change of c d' in a step, since a dashpot may
+    see the velocity of another instant than the spring sees the place of; and a step's impulse
+    where the force jumps between the samples. An error that does not depend on the step is visible
+    at the coarsest one.
 
     sliding: where a sphere slides along a wall without a tangential spring, each force obeys |Ft| =
     mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys it
@@ -204,6 +206,10 @@ class ContactImpulse(Check):
         interval_share = interval / contact.tau
         relative_change = np.where(contact.begins_or_ends, interval_share, interval_share**2 / 2.0)
         curvature = contact.largest_force * interval * relative_change
+        # Where spheres pass each other, their overlap leaves its chord as their paths are straight.
+        passing = contact.force_of_passing * interval
+        # A sum of multistep weights 3/2 and -1/2 keeps half of the first and of the last force.
+        extrapolated = contact.kept_by_multistep_weights
         # A dashpot that sees the velocity of another instant, by up to a step.
         mixed_states = contact.change_of_dashpot * interval
         # A step across the jump of the force at a touch, with a negative weight.
@@ -216,7 +222,8 @@ class ContactImpulse(Check):
             quantity="normal",
             t=contact.run.t[1:],
             values=np.maximum(below, above) / unit,
-            allowed=(curvature + mixed_states + jump + tilt) / unit + rounding,
+            allowed=(curvature + passing + extrapolated + mixed_states + jump + tilt) / unit
+            + rounding,
             unit="1",
             basis=(
                 "the impulse must lie between those of the smallest and largest forces"
@@ -264,6 +271,7 @@ class _Contact:
     rate: Array
     normal: Array
     overlap_rounding: float
+    looks_back: bool
 
     @classmethod
     def of(cls, subject: Subject, run: Trajectory, step: float) -> "_Contact":
@@ -280,6 +288,7 @@ class _Contact:
             rate=rate,
             normal=normal,
             overlap_rounding=TERMS * subject.method.round_off * farthest,
+            looks_back=not subject.method.complete_state,
         )
 
     @property
@@ -359,6 +368,42 @@ class _Contact:
         low = _extreme_nearby(candidates.min(axis=0), np.minimum)
         high = _extreme_nearby(candidates.max(axis=0), np.maximum)
         return low, high
+
+    @cached_property
+    def force_of_passing(self) -> Array:
+        """The force (T - 1,) [N] by which the law answers to the bend of the overlap around each
+        interval, where spheres pass each other.
+
+        The overlap d = R1 + R2 - |r| of a straight path has d'' = -v_t^2/|r|, with the part v_t of
+        the relative velocity across the normal, and leaves its chord by |d''| dt^2/8. Forces of the
+        step before and after are as far from it as 4 times that.
+        """
+        if len(self.scene.bodies) != 2:
+            return np.zeros(len(self.run.t) - 1)
+        branch = self.run.position[:, 1] - self.run.position[:, 0]
+        relative = self.run.velocity[:, 1] - self.run.velocity[:, 0]
+        distance = np.linalg.norm(branch, axis=-1)
+        across = np.linalg.norm(relative, axis=-1) ** 2 - self.rate**2
+        bend = np.maximum(across, 0.0) / distance
+        sagitta = _extreme_nearby(bend, np.maximum) * np.diff(self.run.t) ** 2 / 2.0
+        deepest = np.maximum(_extreme_nearby(self.overlap, np.maximum), 0.0)
+        still = np.zeros_like(deepest)
+        deeper = _normal_force(self.law, deepest + sagitta, still)
+        return np.asarray(np.abs(deeper - _normal_force(self.law, deepest, still)))
+
+    @property
+    def kept_by_multistep_weights(self) -> Array:
+        """The impulse (T - 1,) [kg m/s] of half of the change of the force in one step, for methods
+        that look back to earlier steps; 0 for others.
+
+        Over steps i to j the rule of Adams and Bashforth adds up to
+
+            sum (3/2 F_n - 1/2 F_(n-1)) h = sum F_n h + (F_j - F_(i-1)) h/2.
+        """
+        low, high = self.normal_force_nearby
+        if not self.looks_back:
+            return np.zeros_like(low)
+        return (high - low) * self.step / 2.0
 
     @cached_property
     def change_of_dashpot(self) -> Array:

@@ -19,6 +19,7 @@ from refdem.core.variant import Variant
 from refdem.core.work import fastest_drive, work_along
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
@@ -329,9 +330,10 @@ def _outgrown(subject: Subject, run: Trajectory) -> float:
     return max(1.0, largest / energy_scale(subject.instance))
 
 
-def _outgrown_by_force(subject: Subject, run: Trajectory) -> float:
-    """Factor by which velocities or accelerations outgrow their scales V and V/tau in a motion that
-    a drive or a spring that yields takes out of them; 1 elsewhere.
+def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
+    """Factor, or factors (T,), by which velocities or accelerations outgrow their scales V and
+    V/tau in a motion that a drive or a spring that yields takes out of them, or by which the
+    kinetic energy outgrows its own in a field that lends a slow body more than it had; 1 elsewhere.
 
     A state that is off by e in its scales changes the energy by
 
@@ -340,6 +342,9 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> float:
     so that |dE|/E_s is up to e times (|a| tau/V + |v|/V).
     """
     scene = subject.instance.scene
+    if scene.all(PiecewiseField):
+        so_far = np.maximum.accumulate(kinetic(scene, run))
+        return np.asarray(np.maximum(1.0, so_far / energy_scale(subject.instance)))
     yields = any(
         spring.stiffness < 0 or spring.quadratic or spring.cubic < 0 for spring in scene.all(Spring)
     )
@@ -402,7 +407,10 @@ def _first_sharp(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Vari
     exchanged = _exchanged(subject, runs[subject.finest])
     for variant in subject.plain:
         claimed, _ = subject.kept("energy", variant.level)
-        if variant in runs and not sharpest(TERMS * claimed, exchanged).is_blind:
+        if variant not in runs:
+            continue
+        claimed = claimed * _outgrown_by_force(subject, runs[variant].trajectory)
+        if not sharpest(TERMS * claimed, exchanged).is_blind:
             return variant
     return Variant(subject.levels[0])
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from refdem.checks._beside_impacts import errors_of
 from refdem.checks._kinks import may_straddle, sharpest_kink, straddled
-from refdem.checks._seen_late import errors_of
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
@@ -35,6 +35,8 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
 
+STARTING = 4
+"""Steps within which a multistep method may still be under the influence of how it was started."""
 COURSE = 10.0
 """Bound, in scales, beyond which the motion may have changed its course; runs with different steps
 may then agree by chance.
@@ -210,6 +212,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
 
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
+
+    Nor does it where a multistep method has made fewer than STARTING steps at the coarsest of these
+    levels: it starts with another rule, which has another constant.
     """
     method = subject.method
     instance = subject.instance
@@ -245,6 +250,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     allowed: Array = _safety(subject, ratio, len(changes)) * change + rounding
     if straddles:
         allowed = allowed + straddled(subject, subject.levels[-1], fine, count)
+    if method.control == "step" and not method.complete_state:
+        times = instance.times[:count]
+        allowed = np.where(np.abs(times - times[0]) < STARTING * used[0], np.inf, allowed)
     return allowed
 
 

@@ -2,12 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import exp, inf, sqrt
+from math import inf
 
 import numpy as np
 
-from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
-from refdem.checks._seen_late import may_see_late
+from refdem.checks._beside_impacts import may_see_late
+from refdem.checks._crossings import (
+    Crossing,
+    Crossings,
+    crossings,
+    error_at,
+    has_crossings,
+    shift,
+)
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -26,8 +33,6 @@ from refdem.core.variant import Variant
 
 KINDS = ("contact", "release", "stick", "slip", "stop")
 """Kinds of events that truth may certify; others are not judged."""
-MOST_GROWTH = 100.0
-"""Largest exponent of an error's growth, exp(100): nothing is predictable beyond."""
 Judged = list[tuple[Crossing, float]]
 """Crossings, each with the time [s] by which a reported event may differ from it."""
 
@@ -293,18 +298,6 @@ def late_by(
     return found
 
 
-def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
-    """The bound on the state at an event, E(t) = bound(next sample) exp(growth (t - last sample)).
-
-    The bound of the next sample covers errors at samples only, so growth since the sample before is
-    added.
-    """
-    following = min(int(np.searchsorted(times, crossing.time)), len(bound) - 1)
-    last_sample = float(times[max(0, following - 1)])
-    elapsed = max(0.0, crossing.time - last_sample)
-    return float(bound[following]) * exp(min(crossing.growth * elapsed, MOST_GROWTH))
-
-
 def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     """Bound (until,) on the error of the run by what it shows itself, at every certified sample.
 
@@ -332,17 +325,6 @@ def interpolated(subject: Subject, crossing: Crossing) -> float:
     of_chord = crossing.bend * level**2 / (8 * crossing.rate)
     extra_order = max(0.0, subject.order - 2.0)
     return of_chord * float((level / subject.instance.scales.tau) ** extra_order)
-
-
-def shift(error: float, crossing: Crossing) -> float:
-    """The smallest t > 0 [s] with rate t - bend t^2/2 = error; infinity without one.
-
-    It is 2 error/(rate + sqrt(rate^2 - 2 bend error)), the root in a form without cancellation.
-    """
-    discriminant = crossing.rate * crossing.rate - 2 * crossing.bend * error
-    if discriminant > 0:
-        return 2 * error / (crossing.rate + sqrt(discriminant))
-    return inf
 
 
 def located(subject: Subject) -> bool:

@@ -3,6 +3,7 @@ whatever the step.
 """
 
 from collections.abc import Mapping
+from math import ceil
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from refdem.scene import Scene
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 
+LOOKS_BACK = 4
+"""Steps of which a multistep method takes velocities: r' - r is v h once they are all alike."""
 BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 """Elements that leave a body alone except where it touches."""
 
@@ -68,6 +71,9 @@ class Flight(Check):
         rounding = subject.round_off(subject.levels[-1])
         displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         is_free = _is_in_free_flight(scene, run, displacement, rounding)
+        if subject.method.control == "step" and not subject.method.complete_state:
+            interval = float(np.min(np.abs(np.diff(run.t))))
+            is_free = _for_some_time(is_free, ceil(LOOKS_BACK * subject.levels[-1] / interval))
         if not is_free.any():
             return []
         deviation = _nearest_image(scene, run.position[1:] - run.position[:-1] - displacement)
@@ -118,6 +124,16 @@ def _is_in_free_flight(
     for plane in scene.all(Plane):
         is_free &= (end - np.array(plane.point)) @ np.array(plane.normal) > scene.bodies.radius
     result: Array = is_free
+    return result
+
+
+def _for_some_time(is_free: Array, intervals: int) -> Array:
+    """True (T - 1, N) where a body is in free flight, and was for so many intervals before."""
+    result = is_free
+    for back in range(1, intervals + 1):
+        earlier = np.zeros_like(is_free)
+        earlier[back:] = is_free[:-back]
+        result = np.logical_and(result, earlier)
     return result
 
 

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from refdem.checks._beside_impacts import nearest_velocities
+from refdem.checks._crossings import has_crossings
 from refdem.checks.contact_impulse import alternating_slip
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, CompletedRun, Subject
@@ -138,6 +140,9 @@ class Symmetry(Check):
         if _flips_nothing(subject, runs, difference, rounding):
             decided = np.zeros(len(growth))
         bounds = rounding + decided
+        difference = np.minimum(
+            difference, _least_beside_impacts(subject, runs, variant, base, bounds)
+        )
         count = scored(bounds)
         if count < 2:
             why = "round-off may exceed a tenth of the scale before the second sample"
@@ -199,6 +204,31 @@ class Symmetry(Check):
                 f" at {coarsest / finest:.0f} times the step {float(np.max(coarse)):.2g}),"
             ),
         )
+
+
+def _least_beside_impacts(
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
+    variant: Variant,
+    base: Trajectory,
+    bounds: Array,
+) -> Array:
+    """The smallest difference (T,) of an image from the plain run, either of them as it may be
+    seen beside its impacts, where a rounding decides on which side of the impact a sample is;
+    infinite without certified impacts.
+
+    `bounds` (T,) is by how much the states of both may differ.
+    """
+    least = np.full(len(base.t), np.inf)
+    truth = certified(subject)
+    if truth is None or not has_crossings(subject.instance.scene):
+        return least
+    view = symmetry.of(subject.instance, variant.change)
+    image = view.undone(runs[variant].trajectory)
+    for run, other in ((base, image), (image, base)):
+        for seen in nearest_velocities(subject, variant.level, run, truth, bounds):
+            least = np.minimum(least, distances(subject.instance, seen, other))
+    return least
 
 
 def _rotation_difference(

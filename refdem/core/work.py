@@ -18,6 +18,15 @@ Array = NDArray[np.float64]
 
 WINDOW = 4
 """Samples through which each polynomial goes: degree 7."""
+EVENLY = 5.0
+"""Factor by which a change may be reduced less in one interval than in the run as a whole."""
+SAFETY = 1.5
+"""Factor on the last change of the work.
+
+Measured on 1371 driven oscillators of van der Pol, whose samples are up to 2 rad of their fastest
+motion apart: the error is at most 0.68 of the uncertainty; of the last change alone it is up to 11
+times as much, where that is small by chance.
+"""
 GAUSS_NODES = 8
 """Places in each interval at which the power is taken (Gauss and Legendre)."""
 
@@ -36,25 +45,32 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
 
     It cannot be computed where some force does not follow from position and velocity (contacts,
     friction that sticks), where bodies turn, and where the samples are fewer than five. The
-    uncertainty is the difference to what one sample less in each polynomial gives (two less where
-    a force is singular), the largest of neighbouring intervals, for it may pass zero in one, summed
-    over the intervals: in the limit of close samples the error of a smooth motion is smaller by
-    another two orders.
+    uncertainty is SAFETY times the difference to what one sample less in each polynomial gives, the
+    largest of neighbouring intervals, for it may pass zero in one, summed over the intervals: in
+    the limit of close samples the error of a smooth motion is smaller by another two orders. It may
+    pass zero in all of them, so that the difference before it, to two samples less, counts as well,
+    reduced by EVENLY times the ratio of both over the whole run (not reduced where a force is
+    singular: as a drag where the motion turns back, for which higher degrees gain nothing).
     """
     is_turning = bool(np.any(scene.bodies.inertia > 0))
     if is_turning or len(run.t) <= WINDOW:
         return None
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
-    # Where a force has a kink, as a drag where the motion turns back, higher degrees gain nothing.
-    lower = WINDOW - 1
-    if singularities(scene):
-        lower = WINDOW - 2
-    parts = [_interval_work(scene, run, nodes, weights, window) for window in (WINDOW, lower)]
-    if parts[0] is None or parts[1] is None:
-        return None
-    fine, coarse = parts[0], parts[1]
+    parts = []
+    for window in (WINDOW, WINDOW - 1, WINDOW - 2):
+        part = _interval_work(scene, run, nodes, weights, window)
+        if part is None:
+            return None
+        parts.append(part)
+    fine, coarse, coarsest = parts
+    last = np.abs(fine - coarse)
+    before = np.abs(coarse - coarsest)
+    reduction = 1.0
+    if not singularities(scene) and np.any(before):
+        reduction = min(1.0, EVENLY * float(np.max(last) / np.max(before)))
+    changes = SAFETY * np.maximum(last, reduction * before)
     rounding = GAUSS_NODES * np.finfo(float).eps * np.abs(fine)
-    uncertainty = of_neighbours(np.abs(fine - coarse)) + rounding
+    uncertainty = of_neighbours(changes) + rounding
     return Work(done=_summed(fine), uncertainty=_summed(uncertainty))
 
 

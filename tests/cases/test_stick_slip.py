@@ -1,5 +1,7 @@
 """The scales of stick-slip: no rate of the motion is left out of tau."""
 
+from fractions import Fraction
+
 import pytest
 
 from refdem.core import discovery
@@ -33,3 +35,13 @@ def test_the_default_duration_is_one_of_the_oscillation_however_fast_friction_ac
     instance = discovery.case("stick-slip").at(lambda1="3", eta="2")
     assert instance.scales.tau < 0.1
     assert instance.times[-1] == 10.0
+
+
+def test_a_belt_that_runs_backwards_pulls_twice_and_the_scale_says_so():
+    """With the belt at -50 m/s the mass rests where the spring holds two times a mu(50)."""
+    given = {"belt": "-50", "lambda1": "0.002", "gamma": "0", "x0": "-1", "duration": "12"}
+    instance = discovery.case("stick-slip").at(**given, samples="8")
+    (slider,) = instance.scene.all(Slider)
+    rest = 2 * slider.normal_force * slider.coefficient(50.0)
+    assert float(instance.truth().at(Fraction(12))["x"].mid) == pytest.approx(-rest, rel=0.02)
+    assert rest <= instance.scales.length <= 1.1 * rest

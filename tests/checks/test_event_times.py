@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import truth_of
-from refdem.checks._crossings import Crossing, crossings
-from refdem.checks.event_times import CHECK, interpolated, shift
+from refdem.checks._crossings import Crossing, crossings, shift
+from refdem.checks.event_times import CHECK, interpolated
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request

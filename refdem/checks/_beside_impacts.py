@@ -1,0 +1,175 @@
+"""Errors at the samples beside an impact, where a run may show the velocities of its other side.
+
+A run whose places are off by E sees an impact at t* earlier or later, by about E/|g'|, where g is
+the gap that closes. An engine that gathers contacts when a step begins and then advances sees it
+one step h late besides: the bodies overlap at the end of the step in which they meet, and their
+velocities change in the step that follows. So velocities are those of before the impact at samples
+up to t* + E/|g'| + h, and those of after it from t* - E/|g'| on. No step is so short that this
+error of a velocity falls; it is the time in which it is there that falls with h, and so does the
+error of a place, which the claim covers.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from dataclasses import replace as replace_columns
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from refdem.checks._crossings import crossings, error_at, is_impact, shift
+from refdem.checks._impacts import falling, is_sequence
+from refdem.core.check import Array, Subject
+from refdem.core.judgement import errors, made_of_velocities, room_of
+from refdem.core.refinement import ROUND_OFF_FACTOR, steps_at
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+
+Whole = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+def errors_of(
+    subject: Subject, level: float, run: Trajectory, truth: SampledTruth
+) -> dict[str, Array]:
+    """`judgement.errors` of a run. At samples beside an impact a velocity has the smaller of its
+    errors against the truth of that sample and of the sample on the other side of the impact.
+
+    So a velocity must be the one after the impact or the one before it; places are judged as
+    everywhere.
+    """
+    delay = subject.method.delay(level)
+    scaled = errors(subject.instance, run, truth, delay)
+    if not _meets(subject):
+        return scaled
+    of_velocities = made_of_velocities(subject.instance, run) & set(scaled)
+    of_places = [scaled[name] for name in scaled.keys() - of_velocities]
+    if not of_places:
+        return scaled
+    error = _error_before(subject, level, truth, np.maximum.reduce(of_places))
+    for beside in beside_impacts(subject, level, truth, error):
+        if not 0 < beside.after < truth.until:
+            continue
+        across = errors(subject.instance, run, truth_at(truth, beside.other_side()), delay)
+        for name in of_velocities:
+            scaled[name] = np.minimum(scaled[name], across[name])
+    return scaled
+
+
+def _error_before(subject: Subject, level: float, truth: SampledTruth, of_places: Array) -> Array:
+    """Bound (until,) on the error of the state before an impact that comes next before each sample:
+    the smaller one of what the method claims and of what the run shows.
+
+    The run shows, with a factor of safety, the largest error of a place up to the sample before, to
+    which the impact itself adds nothing.
+    """
+    before = np.concatenate([[0.0], np.maximum.accumulate(of_places)[:-1]])
+    rounding = subject.floor(level) * truth.growth()
+    shown: Array = room_of(subject) * before + rounding
+    return np.minimum(shown, subject.bound(level))
+
+
+def _meets(subject: Subject) -> bool:
+    """True for fixed steps where rigid bodies meet."""
+    if subject.method.control != "step":
+        return False
+    scene = subject.instance.scene
+    return is_impact(scene) or is_sequence(scene)
+
+
+def may_see_late(subject: Subject) -> bool:
+    """True for fixed steps that claim first order and not to locate events, where rigid bodies
+    meet.
+
+    A higher order across impacts, and located events, claim that impacts are seen in time.
+    """
+    return _meets(subject) and not subject.method.locates_events and subject.order <= 1
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """The samples beside an impact: True in `late` (T,) for those after it that a run may show as
+    before it, in `early` (T,) for those before it that a run may show as after it. `after` is the
+    number of the first sample after the impact.
+    """
+
+    late: Mask
+    early: Mask
+    after: int
+
+    def other_side(self) -> Whole:
+        """The numbers (T,) of the samples that show what a run may: for those beside the impact the
+        sample on its other side, for others the sample itself.
+        """
+        own = np.arange(len(self.late))
+        return np.where(self.late, self.after - 1, np.where(self.early, self.after, own))
+
+
+def beside_impacts(
+    subject: Subject, level: float, truth: SampledTruth, error: Array
+) -> Iterator[Beside]:
+    """The samples beside each certified impact, of which there are some, in runs at a level whose
+    state is off by `error` (T,), in units of the scales, at the first T samples.
+    """
+    method = subject.method
+    times = subject.instance.times[: len(error)] - method.delay(level)
+    roundings = ROUND_OFF_FACTOR
+    seen_after = 0.0
+    if method.control == "step":
+        roundings = max(roundings, steps_at(subject.instance, method, level))
+    if may_see_late(subject):
+        seen_after = level
+    for impact in crossings(subject, truth).get("contact", []):
+        # A step may end at the impact itself, to the rounding of a clock.
+        rounding = impact.radius + method.round_off * roundings * abs(impact.time)
+        moved = shift(error_at(impact, error, times), impact) + rounding
+        since = times - impact.time
+        after = int(np.searchsorted(since, 0.0))
+        late = (since >= 0.0) & (since <= moved + seen_after)
+        early = (since < 0.0) & (since >= -moved)
+        if late.any() or early.any():
+            yield Beside(late, early, after)
+
+
+def nearest_velocities(
+    subject: Subject, level: float, run: Trajectory, truth: SampledTruth, error: Array
+) -> list[Trajectory]:
+    """The run as it may be seen beside its impacts: for each of these, with the velocities that it
+    has before and with those that it has after the samples beside the impact.
+
+    `error` (T,) is by how much its state may be off. Velocities change by g t on the way from
+    one sample to another where bodies fall.
+    """
+    seen = []
+    gravity = falling(subject.instance.scene)
+    for beside in beside_impacts(subject, level, truth, error):
+        samples = np.flatnonzero(beside.late | beside.early)
+        before = max(0, min(int(samples[0]), beside.after) - 1)
+        after = min(len(run.t) - 1, max(int(samples[-1]), beside.after) + 1)
+        for source in (before, after):
+            velocity = run.velocity.copy()
+            omega = run.omega.copy()
+            fallen = (run.t[samples] - run.t[source])[:, None, None] * gravity
+            velocity[samples] = run.velocity[source] + fallen
+            omega[samples] = run.omega[source]
+            seen.append(replace_columns(run, velocity=velocity, omega=omega))
+    return seen
+
+
+def truth_at(truth: SampledTruth, samples: Whole) -> SampledTruth:
+    """The truth whose sample number k has the values of sample number `samples[k]`."""
+    earlier = {
+        delay: (_taken(values, samples), _taken(radii, samples))
+        for delay, (values, radii) in truth.earlier.items()
+    }
+    return replace(
+        truth,
+        values=_taken(truth.values, samples),
+        radii=_taken(truth.radii, samples),
+        earlier=earlier,
+    )
+
+
+def _taken(columns: dict[str, list[float]], samples: Whole) -> dict[str, list[float]]:
+    """Every column with its values at these samples."""
+    return {name: [column[k] for k in samples] for name, column in columns.items()}
