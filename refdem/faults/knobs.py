@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from refdem.core.engine import Engine
@@ -17,13 +16,17 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.faults.change import of_pace, of_results, scaled
 from refdem.faults.fault import Carrier, Fault
+from refdem.faults.numbers import (
+    NOT_FACTORS,
+    Misreading,
+    is_numeric,
+    of_column,
+    of_field,
+    of_radii,
+)
 from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 from refdem.scene import Scene, Sphere
-from refdem.scene.shapes import Shape
-
-NOT_FACTORS = frozenset({"a", "b", "axis", "normal"})
-"""Fields of elements that name bodies or directions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,14 +51,14 @@ def misread(scene: Scene) -> Iterator[Knob]:
     yield from _misread_elements(scene)
     for name in ("mass", "inertia", "velocity", "omega"):
         if np.any(getattr(scene.bodies, name)):
-            yield _misread(f"body-{name}", f"{name} of the bodies", _column(name, ...))
+            yield _misread(f"body-{name}", f"{name} of the bodies", of_column(name, ...))
     if np.any(scene.bodies.inertia):
         for axis in range(3):
-            column = _column("inertia", (slice(None), axis))
+            column = of_column("inertia", (slice(None), axis))
             yield _misread(f"inertia-{axis + 1}", f"moment of inertia {axis + 1}", column)
     yield from _misread_masses(scene)
     if any(isinstance(shape, Sphere) for shape in scene.bodies.shapes):
-        yield _misread("radius", "radius of the spheres", _radii)
+        yield _misread("radius", "radius of the spheres", of_radii)
 
 
 def _misread_elements(scene: Scene) -> Iterator[Knob]:
@@ -64,9 +67,9 @@ def _misread_elements(scene: Scene) -> Iterator[Knob]:
         kind = element.kind.replace("_", "-")
         for name in element.__struct_fields__:
             value = getattr(element, name)
-            if name not in NOT_FACTORS and _is_numeric(value) and np.any(value):
+            if name not in NOT_FACTORS and is_numeric(value) and np.any(value):
                 description = f"{name} of element {number} ({kind})"
-                yield _misread(f"{kind}-{name}", description, _field(number, name))
+                yield _misread(f"{kind}-{name}", description, of_field(number, name))
 
 
 def _misread_masses(scene: Scene) -> Iterator[Knob]:
@@ -74,11 +77,7 @@ def _misread_masses(scene: Scene) -> Iterator[Knob]:
     if len(scene.bodies) != 2:
         return
     for body in range(2):
-        yield _misread(f"mass-of-body-{body}", f"mass of body {body}", _column("mass", body))
-
-
-Misreading = Callable[[Request, float], Request]
-"""From a request and a factor, the request with a number multiplied by that factor."""
+        yield _misread(f"mass-of-body-{body}", f"mass of body {body}", of_column("mass", body))
 
 
 def _misread(name: str, description: str, misreading: Misreading) -> Knob:
@@ -99,53 +98,6 @@ def _misread(name: str, description: str, misreading: Misreading) -> Knob:
         name=name,
         says=lambda amplitude: f"the {description} is {1.0 + amplitude:.6g} times what was asked",
         carrier=carrier,
-    )
-
-
-def _field(number: int, name: str) -> Misreading:
-    """The misreading of the field `name` of element `number` of the scene."""
-
-    def change(request: Request, factor: float) -> Request:
-        scene = request.problem.scene
-        elements = list(scene.elements)
-        misread_value = scaled(factor)(getattr(elements[number], name))
-        elements[number] = msgspec.structs.replace(elements[number], **{name: misread_value})
-        return request.with_scene(Scene(scene.bodies, tuple(elements)))
-
-    return change
-
-
-def _column(name: str, where: Any) -> Misreading:
-    """The misreading of the column `name` of the bodies at an index `where` of NumPy."""
-
-    def change(request: Request, factor: float) -> Request:
-        scene = request.problem.scene
-        column = np.array(getattr(scene.bodies, name), float)
-        column[where] *= factor
-        changed: dict[str, Any] = {name: column}
-        bodies = replace(scene.bodies, **changed)
-        return request.with_scene(Scene(bodies, scene.elements))
-
-    return change
-
-
-def _radii(request: Request, factor: float) -> Request:
-    """The request with all radii multiplied by a factor."""
-    scene = request.problem.scene
-    shapes: list[Shape] = []
-    for shape in scene.bodies.shape:
-        if isinstance(shape, Sphere):
-            shapes.append(Sphere(radius=factor * shape.radius))
-        else:
-            shapes.append(shape)
-    bodies = replace(scene.bodies, shape=tuple(shapes))
-    return request.with_scene(Scene(bodies, scene.elements))
-
-
-def _is_numeric(value: Any) -> bool:
-    """True of a float and of a tuple of floats."""
-    return isinstance(value, float) or (
-        isinstance(value, tuple) and all(isinstance(x, float) for x in value)
     )
 
 

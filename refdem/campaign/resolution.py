@@ -1,0 +1,315 @@
+"""Resolution: the smallest relative misreading of a number of the scene that closes the gate.
+
+The number is multiplied by 1 + a in every request that an engine gets, and its runs are judged as
+if it had been read right. The smallest a at which a finding fails is found by trial: errors grow in
+proportion to a, so that one failure foretells the threshold. A pass is worth what it would have
+seen.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from refdem.campaign import plan
+from refdem.campaign.in_process import record_of
+from refdem.campaign.plan import Task
+from refdem.campaign.schedule import Job, Progress, Schedule, counted
+from refdem.campaign.specification import Specification
+from refdem.campaign.truths import sampled_truths
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.engine import Engine
+from refdem.core.finding import Finding, Record
+from refdem.core.judgement import distances
+from refdem.core.problem import Motion, Request
+from refdem.core.resolution import Seen
+from refdem.core.run import Failure, Run
+from refdem.core.store import Store
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.faults.fault import Carrier, Fault
+from refdem.faults.numbers import Number, numbers
+
+SECONDS = 600.0
+"""CPU time [s] after which the numbers of one method on one case are given up."""
+FIRST = 1e-3
+"""The misreading that is tried first."""
+LEAST = 1e-12
+"""The smallest misreading that is tried: a few thousand roundings of binary64."""
+CLOSE = 1.5
+"""Ratio of the smallest misreading that was seen and the largest that was not, at the end."""
+MOST_TRIALS = 16
+"""Trials after which the smallest misreading seen so far counts."""
+STILL = 1e-12
+"""Change of a run, in units of its scales and of the misreading, that is none: round-off."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The findings of a run with a number misread, and its finest run; or why there is none."""
+
+    findings: tuple[Finding, ...] = ()
+    finest: Run | None = None
+    refused: str = ""
+
+    @property
+    def run(self) -> Trajectory:
+        """The trajectory of the finest run of a trial that was not refused."""
+        assert self.finest is not None
+        assert self.finest.trajectory is not None
+        return self.finest.trajectory
+
+    @property
+    def excess(self) -> float:
+        """The largest ratio of a value and its bound; 0 if no finding fails, infinite if one fails
+        that has no finite ratio.
+        """
+        margins = [finding.margin for finding in self.findings if finding.outcome == "fail"]
+        if not margins:
+            return 0.0
+        return max(math.inf if margin is None else 10.0**-margin for margin in margins)
+
+    @property
+    def by(self) -> str:
+        """The check and quantity that is farthest beyond its bound."""
+        failing = [finding for finding in self.findings if finding.outcome == "fail"]
+        worst = min(failing, key=lambda finding: finding.margin or -math.inf)
+        return f"{worst.check}/{worst.quantity}"
+
+
+def measured(
+    specification: Specification, store: Store, workers: int, progress: Progress
+) -> list[Seen]:
+    """What every method of every engine of a campaign would notice, in the order of its rows; each
+    method on each case in a worker process.
+    """
+    engines, _ = plan.engines(specification)
+    rows = [row for row in plan.rows(specification, engines) if row.is_judged]
+    # Static questions and maps have no scene.
+    rows = [row for row in rows if isinstance(row.instance.problem, Motion)]
+    found: dict[tuple[str, str, str], list[Seen]] = {}
+    with Schedule(workers, SECONDS) as schedule:
+        asked = [(row.instance, row.delays) for row in rows]
+        truths = sampled_truths(schedule, store, asked, progress)
+        jobs = []
+        for row, truth in zip(rows, truths, strict=True):
+            for engine, supported in row.subjects:
+                names = [subject.method.name for subject, reason in supported if reason is None]
+                jobs += [
+                    _job(specification, row.instance, truth, engine.address, name) for name in names
+                ]
+        results = schedule.results(jobs)
+        for job, result in counted(results, "resolution", len(jobs), progress):
+            if isinstance(result, Failure):
+                label, address, method = job.key
+                reason = f"it could not be measured: {result.sentence}"
+                failed = Seen(
+                    label=label, engine=address, method=method, number="any number", reason=reason
+                )
+                found[job.key] = [failed]
+            else:
+                found[job.key] = msgspec.msgpack.decode(result, type=list[Seen])
+    return [seen for job in jobs for seen in found[job.key]]
+
+
+def _job(
+    specification: Specification, instance: Instance, truth: SampledTruth, address: str, method: str
+) -> Job:
+    """The job of one method on one case."""
+    narrow = msgspec.structs.replace(specification, case=[], engines=[], method=method)
+    return Job(
+        (instance.label, address, method),
+        of_method,
+        (
+            msgspec.json.encode(narrow),
+            instance.case.id,
+            instance.p.given,
+            msgspec.msgpack.encode(truth),
+            address,
+        ),
+    )
+
+
+def of_method(
+    specification: bytes, case: str, given: dict[str, str], truth: bytes, address: str
+) -> bytes:
+    """What the one method that the specification names would notice, as MessagePack of a list of
+    Seen.
+    """
+    asked = msgspec.json.decode(specification, type=Specification)
+    instance = discovery.case(case).at(**given)
+    sampled = msgspec.msgpack.decode(truth, type=SampledTruth)
+    engine = discovery.engine(address)
+    return msgspec.msgpack.encode(list(resolutions(asked, engine, instance, sampled)))
+
+
+def resolutions(
+    specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
+) -> Iterator[Seen]:
+    """What the method that the specification names would notice, for each number of the scene.
+
+    Only checks count that read plain runs of the refinement levels: pictures, reversed and
+    perturbed runs are misread alike.
+    """
+    (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
+    narrow = msgspec.structs.replace(specification, checks=_checks(task))
+    judge = _Judge(narrow, engine, instance, truth)
+    sound = judge.trial(None, 0.0)
+    is_accused = any(finding.outcome in ("fail", "error") for finding in sound.findings)
+    for number in numbers(instance.scene):
+        if is_accused:
+            yield judge.unseen(number, "a finding fails without any misreading")
+        else:
+            yield judge.seen(number, sound)
+
+
+def _checks(task: Task) -> list[str]:
+    """Names of the checks that read nothing but plain runs of the refinement levels."""
+    plain = set(task.subject.plain)
+    return [check.name for check in task.checks if set(check.needs(task.subject)) <= plain]
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """Judges runs of one method in which a number is misread."""
+
+    specification: Specification
+    engine: Engine
+    instance: Instance
+    truth: SampledTruth
+
+    def seen(self, number: Number, sound: Trial) -> Seen:
+        """What is noticed of a number; `sound` is the run without any misreading."""
+        seen = self.unseen(number, "")
+        sign = 1.0
+        first = self.trial(number, sign * FIRST)
+        if first.refused:
+            # As a restitution of 1, which no larger one may replace.
+            sign = -1.0
+            first = self.trial(number, sign * FIRST)
+        if first.refused:
+            return msgspec.structs.replace(seen, reason=first.refused)
+        found = threshold(lambda amount: self.trial(number, sign * amount), first)
+        if found.seen is not None:
+            return msgspec.structs.replace(seen, smallest=found.seen, by=found.by)
+        return msgspec.structs.replace(seen, reason=self._reason(sound, first))
+
+    def unseen(self, number: Number, reason: str) -> Seen:
+        """Nothing is noticed of a number, for a reason."""
+        return Seen(
+            label=self.instance.label,
+            engine=self.engine.name,
+            method=self.specification.method,
+            number=number.name,
+            reason=reason,
+        )
+
+    def _reason(self, sound: Trial, first: Trial) -> str:
+        """Why no misreading of a number was noticed."""
+        change = float(np.max(distances(self.instance, first.run, sound.run)))
+        if change <= STILL:
+            return "the motion does not depend on it"
+        return (
+            f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, within every"
+            " bound, and misread by all of itself no finding fails either"
+        )
+
+    def trial(self, number: Number | None, amount: float) -> Trial:
+        """The runs with a number multiplied by 1 + amount, judged; without a number as they are."""
+        engine = self.engine
+        if number is not None:
+            misreads = number.misread
+
+            def before(request: Request) -> Request:
+                return misreads(request, 1.0 + amount)
+
+            fault = Fault(
+                name=f"{number.name} x {1.0 + amount!r}",
+                kind="misread",
+                sentence="",
+                on=(),
+                sees=("", ""),
+                before=before,
+            )
+            engine = Carrier(self.engine, fault)
+        (task,) = plan.tasks(
+            self.specification, self.instance, (), engine, self.truth, self.truth.reason
+        )
+        runs: dict[Variant, Run] = {}
+        record = record_of(task, runs)
+        finest = runs.get(task.subject.finest)
+        refused = _refused(record, runs.values())
+        return Trial(record.findings, finest, refused)
+
+
+def _refused(record: Record, runs: Iterable[Run]) -> str:
+    """Why some run of a record ended without a trajectory; empty if none did."""
+    for run in runs:
+        if run.failure is not None:
+            return f"it cannot be misread here: {run.failure.sentence}"
+    return ""
+
+
+@dataclass
+class Threshold:
+    """The search for the smallest misreading that some finding fails: it lies between `unseen`, the
+    largest that none failed, and `seen`, the smallest that one did, by the check and quantity `by`.
+
+    An excess of r over a bound at a misreading a foretells a threshold of a/r. The next trial lies
+    a little above that where r is large, and else a little below, so that the threshold soon lies
+    between two trials whose ratio is CLOSE.
+    """
+
+    unseen: float = 0.0
+    seen: float | None = None
+    by: str = ""
+
+    def add(self, amount: float, trial: Trial) -> None:
+        """Notes what came of a trial."""
+        if trial.excess == 0.0:
+            self.unseen = max(self.unseen, amount)
+        elif self.seen is None or amount < self.seen:
+            self.seen = amount
+            self.by = trial.by
+
+    @property
+    def is_found(self) -> bool:
+        """True if nothing more is to be tried."""
+        if self.seen is None:
+            return self.unseen >= 1.0
+        return self.seen <= LEAST or self.seen <= CLOSE * self.unseen
+
+    def next_amount(self, amount: float, trial: Trial) -> float:
+        """The misreading to try after that of `amount`."""
+        excess = trial.excess
+        if excess == 0.0:
+            following = 10.0 * amount
+        elif not math.isfinite(excess):
+            following = amount / 10.0
+        elif excess > 2.0:
+            following = 1.2 * amount / excess
+        else:
+            following = 0.8 * amount / excess
+        if self.seen is not None and not self.unseen < following < self.seen:
+            following = math.sqrt(max(self.unseen, LEAST) * self.seen)
+        return min(1.0, max(LEAST, following))
+
+
+def threshold(trial: Callable[[float], Trial], first: Trial) -> Threshold:
+    """The threshold of what a trial of an amount tells; `first` is the trial of FIRST."""
+    found = Threshold()
+    amount = FIRST
+    latest = first
+    for _ in range(MOST_TRIALS):
+        found.add(amount, latest)
+        if found.is_found:
+            break
+        amount = found.next_amount(amount, latest)
+        latest = trial(amount)
+        if latest.refused:
+            break
+    return found

@@ -1,0 +1,79 @@
+"""refdem resolution: which misreading of each number of a scene would close the gate."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from refdem.cli import completion, options
+from refdem.errors import UsageError
+
+
+def command(
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(
+            autocompletion=completion.cases, help="Cases, also as `pendulum[theta0=2]`."
+        ),
+    ] = None,
+    engine: options.Engines = None,
+    method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
+    campaign: Annotated[
+        str, typer.Option(help="The rows of this campaign, in place of cases.")
+    ] = "",
+    levels: Annotated[
+        int,
+        typer.Option(help="Steps at most, each half of the one before.", min=1, max=10),
+    ] = 4,
+    out: Annotated[Path | None, typer.Option(help="Folder for resolution.md.")] = None,
+    jobs: options.Jobs = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Finds the smallest relative misreading of each number of a scene that a run would notice.
+
+    Each number (a mass, a stiffness, a friction, a start, ...) is multiplied by 1 + a in every
+    request that an engine gets, and its runs are judged as if it had been read right. The smallest
+    a at which some finding fails is found by trial, between 1e-12 and 1. Nothing is said of what is
+    right: a pass is worth what it would have seen. Exit status 0.
+
+    Example: refdem resolution hard-spheres --engine pymunk --engine rebound
+    """
+    import msgspec
+
+    from refdem.campaign import resolution
+    from refdem.campaign.plan import present
+    from refdem.campaign.specification import Entry, Specification, named
+    from refdem.cli.outputs import refuse_unwritable
+    from refdem.cli.progress import Progress
+    from refdem.cli.run import workers
+    from refdem.core.parameters import labelled
+    from refdem.core.store import Store, default_path
+    from refdem.report import resolution as page
+    from refdem.report.files import written
+
+    if bool(case) == bool(campaign):
+        raise UsageError(
+            "expected cases (`refdem list cases`) or --campaign NAME, and not both; for example"
+            " `refdem resolution hard-spheres`"
+        )
+    if campaign:
+        specification = named(campaign)
+    else:
+        entries = [Entry(*labelled(label)) for label in case or []]
+        specification = Specification(name="resolution", case=entries, levels=levels)
+    specification = msgspec.structs.replace(
+        specification, engines=engine or specification.engines, method=method
+    )
+    specification, absent = present(specification)
+    if out is not None:
+        refuse_unwritable(out)
+    store = Store(default_path())
+    found = resolution.measured(specification, store, workers(jobs), Progress())
+    if not found:
+        raise UsageError("nothing was measured: no engine that was asked for runs these cases")
+    if out is not None:
+        written(out / "resolution.md", page.markdown(found))
+    if json:
+        print(msgspec.json.format(msgspec.json.encode(found)).decode())
+    else:
+        print("\n".join([*page.lines(found), *absent]))

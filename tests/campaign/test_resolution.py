@@ -1,0 +1,145 @@
+"""Resolution: the smallest misreading of a number that a run would notice, found by trial."""
+
+import numpy as np
+import pytest
+
+from refdem.campaign import plan
+from refdem.campaign.in_process import truth_of
+from refdem.campaign.resolution import CLOSE, FIRST, LEAST, Threshold, Trial, resolutions, threshold
+from refdem.campaign.specification import Specification
+from refdem.core import discovery
+from refdem.core.finding import Finding
+from refdem.core.problem import Request
+from refdem.core.resolution import Seen, sentence
+from refdem.faults.numbers import numbers
+
+
+def judged(value, bound=1.0):
+    """A trial whose one finding has this value."""
+    outcome = "fail" if value > bound else "pass"
+    finding = Finding(
+        check="error", quantity="x", outcome=outcome, sentence="", value=value, bound=bound
+    )
+    return Trial((finding,))
+
+
+@pytest.mark.parametrize("limit", [3e-12, 1e-9, 2.2e-4, 0.9e-3, 1.1e-3, 0.04, 0.7])
+@pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
+def test_a_threshold_is_found_whatever_the_power_with_which_errors_grow(limit, power):
+    trials = []
+
+    def trial(amount):
+        trials.append(amount)
+        return judged((amount / limit) ** power)
+
+    found = threshold(trial, trial(FIRST))
+    assert found.by == "error/x"
+    assert limit < found.seen <= CLOSE * limit * (1 + 1e-12)
+    if power == 1.0:
+        assert len(trials) <= 8
+
+
+def test_what_no_finding_fails_up_to_all_of_the_number_is_not_seen():
+    assert threshold(lambda amount: judged(0.5), judged(0.5)).seen is None
+
+
+def test_what_always_fails_is_seen_at_the_least_misreading():
+    found = threshold(lambda amount: judged(np.inf), judged(np.inf))
+    assert found.seen == pytest.approx(LEAST)
+
+
+def test_a_trial_above_the_smallest_one_changes_nothing():
+    found = Threshold(unseen=1e-4, seen=1e-3, by="error/x")
+    found.add(1e-2, judged(100.0))
+    assert (found.unseen, found.seen) == (1e-4, 1e-3)
+
+
+def seen_by_number(label, engine, method, **given):
+    instance = discovery.case(label).at(**given)
+    asked = Specification(name="test", case=[], levels=4, method=method)
+    found = resolutions(asked, discovery.engine(engine), instance, truth_of(instance))
+    return {seen.number: seen for seen in found}
+
+
+def test_a_free_body_shows_its_moments_and_its_spin_and_never_its_mass():
+    found = seen_by_number("free-rigid-body", "reference", "splitting-free-body")
+    assert found["mass"].smallest is None
+    assert found["mass"].reason == "the motion does not depend on it"
+    for axis in (1, 2, 3):
+        assert found[f"moment of inertia {axis}"].smallest < 1e-6
+    assert found["spin"].smallest < 1e-9
+
+
+def test_two_rigid_spheres_in_pymunk_show_restitution_and_friction_after_their_impact():
+    given = {"friction": "1/4", "spins": "0,0,1,0,0,-2", "masses": "1,3", "radii": "1/2,3/4"}
+    found = seen_by_number("hard-spheres", "pymunk", "semi-implicit-euler", **given)
+    assert found["restitution of the contact"].smallest < 0.01
+    assert found["friction of the contact"].smallest < 0.05
+    assert found["inertia of body 0"].smallest < 0.05
+    assert found["inertia of body 1"].smallest < 0.05
+
+
+def test_a_method_that_fails_anyway_notices_nothing():
+    """Its step is far too large for the order that it claims."""
+    instance = discovery.case("pendulum").at()
+    engine = discovery.engine("pymunk")
+    asked = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
+    truth = truth_of(instance)
+    wrong = {name: [value + 0.1 for value in values] for name, values in truth.values.items()}
+    from msgspec.structs import replace
+
+    found = list(resolutions(asked, engine, instance, replace(truth, values=wrong)))
+    assert found
+    assert {seen.reason for seen in found} == {"a finding fails without any misreading"}
+
+
+LABELS = ["two-spheres", "pendulum", "double-pendulum", "rolling", "stick-slip", "granular-gas"]
+
+
+@pytest.mark.parametrize("label", LABELS)
+def test_every_number_of_a_scene_can_be_misread_and_changes_the_request(label):
+    instance = discovery.case(label).at()
+    request = Request(problem=instance.problem, method="", step=instance.problem.interval)
+    names = [number.name for number in numbers(instance.scene)]
+    assert len(names) == len(set(names)) > 1
+    for number in numbers(instance.scene):
+        misread = number.misread(request, 1.5)
+        assert misread.packed() != request.packed()
+        assert number.misread(request, 1.0).packed() == request.packed()
+
+
+def test_longer_rods_hold_their_bodies_farther_out():
+    instance = discovery.case("double-pendulum").at()
+    request = Request(problem=instance.problem, method="", step=instance.problem.interval)
+    (length,) = [n for n in numbers(instance.scene) if n.name == "length of the rods"]
+    longer = length.misread(request, 1.25).problem.scene
+    before = instance.scene.bodies.position
+    np.testing.assert_allclose(
+        np.linalg.norm(np.diff(longer.bodies.position, axis=0)),
+        1.25 * np.linalg.norm(np.diff(before, axis=0)),
+    )
+
+
+def test_the_sentence_names_what_is_seen_first_and_what_is_not_with_its_reason():
+    given = {"label": "case", "engine": "code", "method": "euler"}
+    found = [
+        Seen(number="friction", smallest=0.02, by="error/x", **given),
+        Seen(number="inertia of body 1", reason="it never spins", **given),
+        Seen(number="restitution", smallest=0.003, by="error/x", **given),
+    ]
+    assert sentence(found) == (
+        "Would have noticed: restitution 0.3 %, friction 2 %,"
+        " inertia of body 1: nothing, since it never spins."
+    )
+    assert sentence([]) == ""
+
+
+def test_only_checks_that_read_plain_runs_count():
+    instance = discovery.case("free-rigid-body").at()
+    asked = Specification(name="test", case=[], levels=3, method="rk4")
+    (task,) = plan.tasks(asked, instance, (), discovery.engine("mujoco"), truth_of(instance), "")
+    from refdem.campaign.resolution import _checks
+
+    names = _checks(task)
+    assert {"error", "energy"} <= set(names)
+    assert not {"symmetry", "reversal", "determinism"} & set(names)

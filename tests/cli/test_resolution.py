@@ -1,0 +1,37 @@
+"""refdem resolution: tables what a run would notice, and refuses what it cannot measure."""
+
+import msgspec
+import pytest
+from typer.testing import CliRunner
+
+from refdem.cli.app import app
+from refdem.core.resolution import Seen
+from refdem.errors import UsageError
+
+RUNNER = CliRunner()
+
+
+def test_the_command_measures_a_case_and_writes_a_page(tmp_path):
+    words = ["resolution", "harmonic-oscillator", "--engine", "rebound", "--method", "leapfrog"]
+    result = RUNNER.invoke(app, [*words, "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert "stiffness of the spring" in result.stdout
+    page = (tmp_path / "resolution.md").read_text()
+    assert page.startswith("# Resolution")
+    assert "| stiffness of the spring |" in page
+    as_json = RUNNER.invoke(app, [*words, "--json"])
+    found = msgspec.json.decode(as_json.stdout, type=list[Seen])
+    assert {seen.number for seen in found} >= {"mass", "stiffness of the spring"}
+
+
+@pytest.mark.parametrize("words", [[], ["pendulum", "--campaign", "main"]])
+def test_cases_or_a_campaign_are_expected_and_not_both(words):
+    result = RUNNER.invoke(app, ["resolution", *words])
+    assert isinstance(result.exception, UsageError)
+    assert "expected cases" in str(result.exception)
+
+
+def test_a_question_without_a_scene_has_nothing_to_misread():
+    result = RUNNER.invoke(app, ["resolution", "rotations"])
+    assert isinstance(result.exception, UsageError)
+    assert "nothing was measured" in str(result.exception)
