@@ -81,6 +81,23 @@ METHODS = {
         "implicit-midpoint", 2, order_with=TOUCH, reversible=True, **SPLIT
     ),
 }
+LOOKING_BACK: dict[str, Any] = {
+    "order_with": TOUCH,
+    "complete_state": False,
+    "conserves": ["momentum"],
+}
+"""Earlier steps are part of the state of these methods."""
+MULTISTEP = {
+    "stoermer": _method("stoermer", 2, order_with=TOUCH, symplectic=True),
+    "beeman": _method("beeman", 2, **LOOKING_BACK),
+    "newmark": _method(
+        "newmark", 2, order_with=TOUCH, reversible=True, symplectic=True, conserves=["momentum"]
+    ),
+    "generalized-alpha": _method("generalized-alpha", 2, **LOOKING_BACK),
+    "adams-bashforth-2": _method("adams-bashforth-2", 2, **LOOKING_BACK),
+    "adams-bashforth-moulton-4": _method("adams-bashforth-moulton-4", 4, **LOOKING_BACK),
+    "bdf2": _method("bdf2", 2, **LOOKING_BACK),
+}
 ADAPTIVE = _method("adaptive", 5, control="tolerance", conserves=["momentum"])
 LEAPFROG = _method("leapfrog", 2, order_with=LAGGING, backward=False, conserves=["momentum"])
 IN_SPACE = {"conserves": ["momentum", "angular-momentum"]}
@@ -125,7 +142,7 @@ class Program:
         its steps by a tolerance tells none.
         """
         is_stepping = all(method.get("control") != "tolerance" for method in self.methods)
-        return self.source in ("soft", "rigid") and is_stepping
+        return self.source in ("soft", "multistep", "rigid") and is_stepping
 
     def built(self, folder: Path) -> Path:
         """The refdem.toml of the program, compiled into a folder of its own below `folder`."""
@@ -240,6 +257,15 @@ PROGRAMS = (
         SOFT,
         _some(METHODS, "verlet-predicted"),
         engine={"serve": True},
+    ),
+    Program("multistep", "multistep", SOFT, tuple(MULTISTEP.values())),
+    Program(
+        "multistep-single",
+        "multistep",
+        SOFT,
+        _some(MULTISTEP, "beeman", "newmark", "generalized-alpha", "adams-bashforth-2", "bdf2"),
+        ("SINGLE",),
+        SINGLE,
     ),
     Program("turning", "turning", TURNING, tuple(TURNS.values())),
     Program(

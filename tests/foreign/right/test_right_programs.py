@@ -67,6 +67,22 @@ FORMER = [
     ),
     # A field that lends a slow body 470 times the energy that it had.
     ("asymmetric-field[mass=0.00161 x2=5.85 duration=0.4012 samples=16]", "soft", "drift-kick"),
+    # Multistep weights may be negative: an impulse is no mean of the forces within its interval.
+    (
+        "two-spheres[damping=0 angle=1.5 duration=0.0625 samples=16]",
+        "multistep",
+        "adams-bashforth-2",
+    ),
+    # A multistep method looks back over steps in which velocities still changed.
+    ("two-spheres[damping=0 duration=0.3 samples=32]", "multistep", "adams-bashforth-2"),
+    # A multistep method starts with another rule, which has another error constant.
+    ("two-body-orbit[duration=0.866 samples=16]", "multistep", "adams-bashforth-moulton-4"),
+    # The same of a motion whose forces depend on velocities.
+    (
+        "van-der-pol[v0=-2.8 duration=0.6189 samples=16]",
+        "multistep",
+        "adams-bashforth-moulton-4",
+    ),
 ]
 """Settings, programs and methods that were accused once, each with the reason why it was wrong."""
 
