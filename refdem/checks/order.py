@@ -88,6 +88,10 @@ LOWERING = ("constraint", "dashpot", "drag", "internal_damping", "rotation")
 forces that depend on velocities, joints, bodies that turn. The first that a scene has is the key
 of `order_with` that a failed order is told (with kinks `_declaration_hint` names it).
 """
+STARTED = 32
+"""Steps of a multistep method among which the 3 or 4 that start it change an order by less than its
+tolerance.
+"""
 WHOLE_ORDER = 0.25
 """Largest distance of an observed order from the whole number that it is taken for."""
 
@@ -635,7 +639,8 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     samples that all of them score.
 
     Where the sensitivity takes every bound past a tenth before the end, levels are compared on the
-    samples that the third finest scores, or the fourth finest where kinks scatter the errors.
+    samples that the third finest scores, or the fourth finest where kinks scatter the errors. A
+    multistep method shows its order once its first steps, of another rule, are few among all.
     """
     truth = subject.truth
     assert truth is not None
@@ -651,12 +656,14 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     if common < 2:
         return [], 0
     allowed: dict[float, Array] = {h: subject.bound(h)[:common] for h in levels}
+    longest_step = moving_time(truth)
+    if not subject.method.complete_state:
+        times = subject.instance.times
+        longest_step = min(longest_step, abs(float(times[common - 1] - times[0])) / STARTED)
     counting = [
         h
         for h in levels
-        if scored_samples[h] >= common
-        and allowed[h][-1] >= _floor(subject, h)
-        and h < moving_time(truth)
+        if scored_samples[h] >= common and allowed[h][-1] >= _floor(subject, h) and h < longest_step
     ]
     return counting, common
 

@@ -20,6 +20,7 @@ from refdem.core.judgement import (
     judged,
     largest_so_far,
     no_truth,
+    observed_order,
     order_statement,
     room_of,
     undecided,
@@ -29,6 +30,8 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 
+CANCELLING = 0.5
+"""Order beyond the claimed one with which an error falls where its leading terms cancel."""
 MAX_RETURN_HALVINGS = 4
 """Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
 motion may be predictable forward and not back.
@@ -71,6 +74,7 @@ class Reversal(Check):
             Variant(level),
             compared,
             *(Variant(level, change) for change in changes),
+            *(Variant(h) for h in pair),
             *(Variant(h, "reversed") for h in pair),
         )
         return tuple(dict.fromkeys(variants))
@@ -202,12 +206,25 @@ def _extrapolated_defect(
 ) -> float:
     """Bound on the defect at a level: that of a coarser level divided by 2^(p octaves), with room;
     infinite if unknown.
+
+    Where the error of the way forward falls faster than claimed, as on a circular orbit, terms
+    cancel, and may cancel in the coarser defect more than in this one: the larger of the defect and
+    of the error forward counts.
     """
     if not _has_order(subject) or len(subject.levels) < 3:
         return math.inf
-    coarse = _defect(subject, runs[Variant(subject.levels[-2], "reversed")].trajectory, "reversed")
     order = subject.order
-    octaves = math.log2(subject.levels[-2] / level)
+    coarser = subject.levels[-2]
+    coarse = _defect(subject, runs[Variant(coarser, "reversed")].trajectory, "reversed")
+    truth = certified(subject)
+    if truth is not None:
+        forward, finest = (
+            float(largest_so_far(subject, h, runs[Variant(h)].trajectory, truth)[-1])
+            for h in subject.levels[-2:]
+        )
+        if observed_order(forward, finest) > order + CANCELLING:
+            coarse = max(coarse, forward)
+    octaves = math.log2(coarser / level)
     of_order: float = PREDICTION_FACTOR * coarse / 2.0 ** (order * octaves)
     return of_order + subject.floor(level) * growth
 

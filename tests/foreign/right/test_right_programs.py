@@ -65,6 +65,14 @@ FORMER = [
         "soft",
         "rk4",
     ),
+    # Terms of a circular orbit that cancel on the way back at one step and not at the next.
+    ("two-body-orbit[eccentricity=0 duration=10 samples=16]", "soft", "dormand-prince"),
+    # An order that is read off two, four and eight steps, three of which are those of the start.
+    (
+        "two-body-orbit[duration=2.887 samples=16]",
+        "multistep",
+        "adams-bashforth-moulton-4",
+    ),
     # A field that lends a slow body 470 times the energy that it had.
     ("asymmetric-field[mass=0.00161 x2=5.85 duration=0.4012 samples=16]", "soft", "drift-kick"),
     # Multistep weights may be negative: an impulse is no mean of the forces within its interval.
