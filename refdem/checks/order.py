@@ -399,10 +399,10 @@ class Order(Check):
         # a line, by Student's quantile for their degrees of freedom.
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
         scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
-        # Errors that kinks make smaller at coarse steps may rise a little, and not for ever.
-        is_by_kinks = _kinks_explain(subject, steps, largest) and (
-            _best_tail(steps, largest) >= -RISE
-        )
+        # Errors that kinks make smaller at coarse steps may rise a little, and not for ever: at two
+        # levels the coarser error may be small by chance.
+        may_rise = len(steps) == 2 or _best_tail(steps, largest) >= -RISE
+        is_by_kinks = may_rise and _kinks_explain(subject, steps, largest)
         if deficit > 0.5 and (deficit <= scatter or is_by_kinks):
             why = (
                 f"kinks scatter the errors; {len(steps)} levels above round-off cannot"

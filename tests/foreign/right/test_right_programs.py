@@ -73,6 +73,13 @@ FORMER = [
         "multistep",
         "adams-bashforth-moulton-4",
     ),
+    # Two levels above round-off, of which an impact leaves the coarser one a small error.
+    (
+        "newtons-cradle[radii=0.0641,4.43,0.143,1.2,0.331,1.55,0.0848"
+        " velocities=-1.12,0.836,2.56,-0.95,-0.301,1.68,0.563 duration=0.1035 samples=16]",
+        "rigid-single",
+        "moreau",
+    ),
     # A field that lends a slow body 470 times the energy that it had.
     ("asymmetric-field[mass=0.00161 x2=5.85 duration=0.4012 samples=16]", "soft", "drift-kick"),
     # Multistep weights may be negative: an impulse is no mean of the forces within its interval.
