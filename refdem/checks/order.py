@@ -13,6 +13,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from refdem.checks._beside_impacts import errors_of
 from refdem.checks._crossings import crossings, has_crossings, is_belt
 from refdem.checks._impacts import is_sequence
 from refdem.core.check import Check, CompletedRun, Subject
@@ -22,7 +23,6 @@ from refdem.core.judgement import (
     SMALL,
     Array,
     certified,
-    errors,
     judged,
     moves,
     no_truth,
@@ -621,12 +621,11 @@ def _declaration_hint(subject: Subject, slope: float) -> str:
 def _errors_at_levels(
     subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth
 ) -> Seen:
-    """Scaled errors of every quantity, at every level from which an order is read."""
+    """Scaled errors of every quantity, at every level from which an order is read; beside an impact
+    those of a velocity against either side of it.
+    """
     levels = order_levels(subject.instance, subject.method, subject.levels)
-    return {
-        h: errors(subject.instance, runs[Variant(h)].trajectory, truth, subject.method.delay(h))
-        for h in levels
-    }
+    return {h: errors_of(subject, h, runs[Variant(h)].trajectory, truth) for h in levels}
 
 
 def _largest(scaled: Mapping[str, Array], common: int) -> float:
