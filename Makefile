@@ -2,7 +2,7 @@
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
 .PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
-.PHONY: kernel-lines coverage alarms manual docs lint
+.PHONY: kernel-lines coverage alarms manual resolution docs lint
 .PHONY: develop codes field lock clean help
 
 PYTHON ?= python3
@@ -38,6 +38,7 @@ help:
 	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
+	@echo 'make resolution the smallest misreading of every number that campaign main would notice, into reports/resolution.md'
 	@echo 'make docs       build the site, tutorial, reference and results in one, into reports/site'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
 	@echo 'make field      widely used codes, each in .venv-field, under their gates; CODES=name for some; reports/field'
@@ -110,6 +111,10 @@ certify: .venv/refdem
 
 manual: .venv/refdem
 	$(BIN)/refdem manual reports
+
+# The smallest misreading of every number of every scene that each method would notice: 10 minutes.
+resolution: .venv/refdem
+	$(BIN)/refdem resolution --campaign main --out reports
 
 # Without the sources beside it, so that Sphinx reads the refdem that is installed.
 docs: .venv/refdem .venv/for-docs

@@ -35,6 +35,7 @@ include_patterns = [
     "reports/bench.md",
     "reports/findings.md",
     "reports/mutants.md",
+    "reports/resolution.md",
     "reports/stress.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",
