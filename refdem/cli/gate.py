@@ -1,6 +1,7 @@
 """refdem gate: a program against truth and against its accepted past."""
 
 import os
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,9 @@ from refdem.errors import UsageError
 if TYPE_CHECKING:
     from refdem.core.finding import Sheet
     from refdem.gate.gate import Gate
+
+MOST_WORDS = 2000
+"""Characters of a line on what a gate would have noticed: twenty numbers with their reasons."""
 
 
 def command(
@@ -31,6 +35,16 @@ def command(
         Path | None, typer.Option(help="File for the Markdown summary of a pull request.")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the whole report.")] = None,
+    resolution: Annotated[
+        bool,
+        typer.Option(
+            "--resolution",
+            help=(
+                "Also say which misreading of each number of the scenes the gate would have"
+                " noticed; the program runs some twenty times more for each number."
+            ),
+        ),
+    ] = False,
     jobs: options.Jobs = None,
 ) -> None:
     """Runs the gate of a program: every finding against truth, and against the baseline.
@@ -67,11 +81,24 @@ def command(
         sheets = gate.against_baseline(sheets)
     print("\n".join(lines(sheets)))
     _write(sheets, gate, junit, out)
+    if resolution:
+        print("\n".join(_noticed(gate)))
     if markdown is not None:
         written_to(markdown, gate_markdown.markdown(gate.engine.name, sheets), "--markdown")
     if os.environ.get("GITHUB_ACTIONS") == "true":
         print("\n".join(gate_markdown.annotations(sheets)))
     raise typer.Exit(_verdict(gate, exit_status(sheets)))
+
+
+def _noticed(gate: "Gate") -> list[str]:
+    """A line for each case and method: what the gate would have noticed of its numbers."""
+    from refdem.core.resolution import sentence
+
+    printed = []
+    groups = groupby(gate.resolution(), key=lambda seen: (seen.label, seen.method))
+    for (label, method), group in groups:
+        printed.append(one_line(f"{label}, {method}: {sentence(group)}", MOST_WORDS))
+    return printed
 
 
 def _verdict(gate: "Gate", status: int) -> int:

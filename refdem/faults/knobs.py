@@ -21,7 +21,7 @@ from refdem.faults.numbers import (
     Misreading,
     is_numeric,
     of_column,
-    of_field,
+    of_fields,
     of_radii,
 )
 from refdem.faults.sound import SOUND
@@ -69,7 +69,7 @@ def _misread_elements(scene: Scene) -> Iterator[Knob]:
             value = getattr(element, name)
             if name not in NOT_FACTORS and is_numeric(value) and np.any(value):
                 description = f"{name} of element {number} ({kind})"
-                yield _misread(f"{kind}-{name}", description, of_field(number, name))
+                yield _misread(f"{kind}-{name}", description, of_fields(number, name))
 
 
 def _misread_masses(scene: Scene) -> Iterator[Knob]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.scene import Scene, Sphere
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
 from refdem.scene.shapes import Shape
 
@@ -50,13 +51,18 @@ def _of_elements(scene: Scene) -> Iterator[Number]:
         words = element.kind.replace("_", " ")
         if kinds.count(element.kind) > 1:
             words += f" {kinds[:place].count(element.kind)}"
+        if isinstance(element, PiecewiseField):
+            # Its force is continuous: both flanks are misread together.
+            yield Number(name=f"strength of the {words}", misread=of_fields(place, "k1", "k2"))
+            yield Number(name=f"edges of the {words}", misread=of_fields(place, "x1", "x2"))
+            continue
         for name in element.__struct_fields__:
             value = getattr(element, name)
             if name in NOT_FACTORS or isinstance(element, Rod):
                 continue
             if is_numeric(value) and np.any(value):
                 title = name.replace("_", " ")
-                yield Number(name=f"{title} of the {words}", misread=of_field(place, name))
+                yield Number(name=f"{title} of the {words}", misread=of_fields(place, name))
 
 
 def _of_bodies(scene: Scene) -> Iterator[Number]:
@@ -95,18 +101,20 @@ def _of_moments(scene: Scene, owner: str, where: Any) -> Iterator[Number]:
         yield Number(name=name, misread=of_column("inertia", (where, axis)))
 
 
-def of_field(number: int, name: str) -> Misreading:
-    """The misreading of the field `name` of element `number` of the scene."""
+def of_fields(number: int, *names: str) -> Misreading:
+    """The misreading of some fields of element `number` of the scene."""
 
     def change(request: Request, factor: float) -> Request:
         scene = request.problem.scene
         elements = list(scene.elements)
-        value = getattr(elements[number], name)
-        if isinstance(value, tuple):
-            misread: Any = tuple(factor * x for x in value)
-        else:
-            misread = factor * value
-        elements[number] = msgspec.structs.replace(elements[number], **{name: misread})
+        misread: dict[str, Any] = {}
+        for name in names:
+            value = getattr(elements[number], name)
+            if isinstance(value, tuple):
+                misread[name] = tuple(factor * x for x in value)
+            else:
+                misread[name] = factor * value
+        elements[number] = msgspec.structs.replace(elements[number], **misread)
         return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
     return change

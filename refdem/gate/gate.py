@@ -8,12 +8,14 @@ from pathlib import Path
 import msgspec
 
 from refdem.campaign.campaign import Campaign
+from refdem.campaign.resolution import measured
 from refdem.campaign.schedule import Progress
 from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import DECIDED, Finding, Record, Sheet, findings_of
 from refdem.core.parameters import labelled
+from refdem.core.resolution import Seen
 from refdem.core.selection import Selection
 from refdem.core.store import Store, default_path
 from refdem.engines.external import load
@@ -70,6 +72,12 @@ class Gate:
             reasons = "; ".join(sentences) or "no case"
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
         return sheets
+
+    def resolution(self) -> list[Seen]:
+        """What the program would have noticed of each number of its scenes: it runs some twenty
+        times more for each of them.
+        """
+        return measured(self.specification(), self.store, self.jobs, self.progress)
 
     def against_baseline(self, sheets: list[Sheet]) -> list[Sheet]:
         """The sheets with every record compared with the baseline; raises UsageError if there is

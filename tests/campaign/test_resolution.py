@@ -93,7 +93,15 @@ def test_a_method_that_fails_anyway_notices_nothing():
     assert {seen.reason for seen in found} == {"a finding fails without any misreading"}
 
 
-LABELS = ["two-spheres", "pendulum", "double-pendulum", "rolling", "stick-slip", "granular-gas"]
+LABELS = [
+    "asymmetric-field",
+    "two-spheres",
+    "pendulum",
+    "double-pendulum",
+    "rolling",
+    "stick-slip",
+    "granular-gas",
+]
 
 
 @pytest.mark.parametrize("label", LABELS)

@@ -1,6 +1,7 @@
 """The gate opens for what was accepted, and closes for what is wrong, worse, lost or absent."""
 
 import json
+import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -169,3 +170,15 @@ def test_what_crashes_cannot_be_accepted_and_leaves_the_baseline_alone(program):
     assert done.returncode == 2
     assert "nothing was decided" in done.stderr
     assert (program.folder / "refdem-baseline.jsonl").read_bytes() == before
+
+
+def test_the_gate_says_what_it_would_have_noticed_and_a_misreading_of_that_size_closes_it(program):
+    program.bless()
+    done = program.gate("--resolution")
+    assert done.returncode == 0, done.stdout
+    (said,) = [line for line in done.stdout.splitlines() if "Would have noticed" in line]
+    assert said.startswith("harmonic-oscillator, leapfrog: ")
+    size = float(re.search(r"stiffness of the spring ([0-9.e-]+)", said)[1])
+    assert 0 < size < 1e-6
+    program.spoil('spring["stiffness"] /', f'spring["stiffness"] * (1 + {2 * size!r}) /')
+    assert program.gate().returncode == 1
