@@ -61,12 +61,14 @@ def _error_before(subject: Subject, level: float, truth: SampledTruth, of_places
     the smaller one of what the method claims and of what the run shows.
 
     The run shows, with a factor of safety, the largest error of a place up to the sample before, to
-    which the impact itself adds nothing.
+    which the impact itself adds nothing. Places that are off by more than they may be excuse
+    nothing, as those of a run that missed an impact: 0.
     """
     before = np.concatenate([[0.0], np.maximum.accumulate(of_places)[:-1]])
+    claimed = subject.bound(level)
     rounding = subject.floor(level) * truth.growth()
-    shown: Array = room_of(subject) * before + rounding
-    return np.minimum(shown, subject.bound(level))
+    shown = room_of(subject) * before + rounding
+    return np.where(before > claimed, 0.0, np.minimum(shown, claimed))
 
 
 def _meets(subject: Subject) -> bool:
