@@ -30,12 +30,10 @@ ESCAPE = (
     "the motion would go to infinity; expected a start below the escape energy, inside the well"
 )
 
-CARRIED = (
-    "the drive carries the mass over the rim of its well, from where the motion goes to infinity;"
-    " expected a weaker drive or a shorter duration"
-)
 RIM_STEPS = 20
 """Steps of the search for a passage over the rim in one shortest time of drive and motion."""
+LOST = 1e3
+"""Places of the rim beyond which a motion is taken to go to infinity."""
 MOST_RIM_STEPS = 20_000
 """Steps of that search at most: 1000 shortest times, after which a driven motion has forgotten how
 it began.
@@ -103,34 +101,40 @@ def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
     return bool(is_outside or is_above_rim)
 
 
-def is_carried_out(
+def reach_outside(
     p: Parameters,
     acceleration: Callable[[float, float], float],
-    is_outside: Callable[[float], bool],
-    rate: float,
+    rate: Callable[[float], float],
+    rim: float,
     duration: float,
-) -> bool:
-    """True if the damped and driven motion from x0, v0 comes to a place that is outside its well.
+) -> float:
+    """The largest |x| [m] of the damped and driven motion from x0, v0 if a drive carries it over
+    the rim of its well, else 0.
 
     x'' = acceleration(x, t) - 2 delta x' is integrated in binary64 by Heun's method, with
-    RIM_STEPS steps in 1/`rate` [s]. A motion that only just passes the rim, or just not, may be
-    taken for the other: it stays near the rim, where the scales hold for it.
+    RIM_STEPS steps in 1/`rate(x)` [s]. `rim` is the place of the rim.
     """
-    h = 1.0 / (RIM_STEPS * rate)
-    count = min(MOST_RIM_STEPS, int(np.ceil(duration / h)))
     damping = 2.0 * float(p.delta)
     x = float(p.x0)
     v = float(p.v0)
-    for step in range(count):
-        t = step * h
+    t = 0.0
+    largest = abs(x)
+    is_out = False
+    for _ in range(MOST_RIM_STEPS):
+        if t >= duration or largest > LOST * abs(rim):
+            break
+        h = 1.0 / (RIM_STEPS * rate(x))
         a = acceleration(x, t) - damping * v
         ahead = v + h * a
         a_ahead = acceleration(x + h * v, t + h) - damping * ahead
         x += h * (v + ahead) / 2.0
         v += h * (a + a_ahead) / 2.0
-        if is_outside(x):
-            return True
-    return False
+        t += h
+        largest = max(largest, abs(x))
+        is_out = is_out or x / rim >= 1.0
+    if is_out:
+        return largest
+    return 0.0
 
 
 def duffing_reach(p: Parameters) -> float:

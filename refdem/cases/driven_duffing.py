@@ -3,6 +3,7 @@ has depends on the past.
 """
 
 import math
+from dataclasses import replace
 
 from refdem.cases import _line, _nonlinear
 from refdem.cases._line import Array
@@ -58,28 +59,6 @@ class DrivenDuffing(Case):
                 f" {_nonlinear.ESCAPE}"
             )
         _line.refuse_nothing(self.scales(p).length)
-        if self._is_carried_out(p):
-            raise UsageError(f"f0 {p.f0:g} at drive {p.drive:g}: {_nonlinear.CARRIED}")
-
-    def _is_carried_out(self, p: Parameters) -> bool:
-        """True if the drive carries the mass over the rim, at x^2 = -alpha/beta for beta < 0."""
-        if p.beta >= 0 or p.f0 == 0:
-            return False
-        alpha = float(p.alpha)
-        beta = float(p.beta)
-        f0 = float(p.f0)
-        drive = float(p.drive)
-
-        def acceleration(x: float, t: float) -> float:
-            return -(alpha + beta * x * x) * x + f0 * math.cos(drive * t)
-
-        def is_outside(x: float) -> bool:
-            return x * x >= -alpha / beta
-
-        scales = self.scales(p)
-        return _nonlinear.is_carried_out(
-            p, acceleration, is_outside, 1.0 / scales.tau, p.duration or scales.duration
-        )
 
     def scene(self, p: Parameters) -> Scene:
         """The mass with spring, dashpot and drive: x'' = -alpha x - beta x^3 - 2 delta x' + f0
@@ -92,11 +71,38 @@ class DrivenDuffing(Case):
         return _nonlinear.scene(p, p.alpha, *elements, cubic=p.beta)
 
     def scales(self, p: Parameters) -> Scales:
-        """L is the free amplitude plus the driven one by harmonic balance; tau from the largest
-        stiffness alpha + 3 beta L^2 on the way.
+        """L is the free amplitude plus the driven one by harmonic balance, or the place to which a
+        drive carries the mass out of its well; tau from the largest stiffness alpha + 3 beta L^2 on
+        the way.
         """
         length = _nonlinear.duffing_reach(p) + _nonlinear.balanced_amplitude(p)
-        return _nonlinear.scales(p, p.alpha, length, 3 * p.beta * length**2, p.drive)
+        inside = _nonlinear.scales(p, p.alpha, length, 3 * p.beta * length**2, p.drive)
+        outside = self._reach_outside(p, p.duration or inside.duration)
+        if outside <= length:
+            return inside
+        scales = _nonlinear.scales(p, p.alpha, outside, 3 * p.beta * outside**2, p.drive)
+        return replace(scales, duration=inside.duration)
+
+    def _reach_outside(self, p: Parameters, duration: float) -> float:
+        """The largest |x| [m] where the drive carries the mass over a rim, at x^2 = -alpha/beta for
+        beta < 0; else 0.
+        """
+        if p.beta >= 0 or p.f0 == 0:
+            return 0.0
+        alpha = float(p.alpha)
+        beta = float(p.beta)
+        f0 = float(p.f0)
+        drive = float(p.drive)
+        rim = math.sqrt(-alpha / beta)
+
+        def acceleration(x: float, t: float) -> float:
+            return -(alpha + beta * x * x) * x + f0 * math.cos(drive * t)
+
+        def rate(x: float) -> float:
+            return max(drive, math.sqrt(alpha - 3.0 * beta * x * x))
+
+        sides = [_nonlinear.reach_outside(p, acceleration, rate, r, duration) for r in (rim, -rim)]
+        return max(sides)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

@@ -3,6 +3,7 @@ and mixes them.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -69,29 +70,26 @@ class QuadraticResponse(Case):
             raise UsageError(
                 f"x0 {p.x0:g}, v0 {p.v0:g} with w0 {p.w0:g}, eps {p.eps:g}: {_nonlinear.ESCAPE}"
             )
-        if self._is_carried_out(p):
-            amplitudes = ", ".join(f"{amplitude:g}" for amplitude in p.f0)
-            raise UsageError(f"f0 {amplitudes}: {_nonlinear.CARRIED}")
 
-    def _is_carried_out(self, p: Parameters) -> bool:
-        """True if the drives carry the mass over the rim, at x = -w0^2/eps."""
+    def _reach_outside(self, p: Parameters, duration: float) -> float:
+        """The largest |x| [m] where the drives carry the mass over the rim, at x = -w0^2/eps; else
+        0.
+        """
         if p.eps == 0 or not np.any(p.f0):
-            return False
+            return 0.0
         stiffness = float(p.w0) ** 2
         eps = float(p.eps)
         forces = list(zip(p.f0.tolist(), p.drive.tolist(), strict=True))
+        fastest = float(np.max(p.drive))
 
         def acceleration(x: float, t: float) -> float:
             pushes: float = sum(f * math.cos(w * t) for f, w in forces)
             return -(stiffness + eps * x) * x + pushes
 
-        def is_outside(x: float) -> bool:
-            return eps * x <= -stiffness
+        def rate(x: float) -> float:
+            return max(fastest, math.sqrt(stiffness + 2.0 * abs(eps * x)))
 
-        scales = self.scales(p)
-        return _nonlinear.is_carried_out(
-            p, acceleration, is_outside, 1.0 / scales.tau, p.duration or scales.duration
-        )
+        return _nonlinear.reach_outside(p, acceleration, rate, -stiffness / eps, duration)
 
     def scene(self, p: Parameters) -> Scene:
         """The mass with spring, dashpot and drives: x'' = -w0^2 x - eps x^2 - 2 delta x' + sum f_i
@@ -111,13 +109,19 @@ class QuadraticResponse(Case):
     def scales(self, p: Parameters) -> Scales:
         """L is the free amplitude plus those that the drives would have without the square term.
 
-        Each is the steady f/sqrt((w0^2 - w^2)^2 + (2 delta w)^2), or f T/(2 w0) if that is less.
+        Where the drives carry the mass out of its well, L is the place that it comes to. Each is
+        the steady f/sqrt((w0^2 - w^2)^2 + (2 delta w)^2), or f T/(2 w0) if that is less.
         """
         steady = np.hypot(p.w0**2 - p.drive**2, 2 * p.delta * p.drive)
         growth = (p.duration or 20 / p.w0) / (2 * p.w0)
         response = float(np.sum(np.abs(p.f0) / np.maximum(steady, 1 / growth)))
         length = float(np.hypot(p.x0, p.v0 / p.w0)) + response
-        return _nonlinear.scales(p, p.w0**2, length, 2 * p.eps * length, *p.drive)
+        inside = _nonlinear.scales(p, p.w0**2, length, 2 * p.eps * length, *p.drive)
+        outside = self._reach_outside(p, p.duration or inside.duration)
+        if outside <= length:
+            return inside
+        scales = _nonlinear.scales(p, p.w0**2, outside, 2 * p.eps * outside, *p.drive)
+        return replace(scales, duration=inside.duration)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

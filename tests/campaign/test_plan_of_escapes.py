@@ -1,11 +1,8 @@
 """A motion that is infinite before its last sample is nobody's fault: no engine is asked for it."""
 
-import pytest
-
 from refdem.campaign import plan
 from refdem.campaign.in_process import truth_of
 from refdem.campaign.specification import Specification
-from refdem.cases.driven_duffing import DrivenDuffing
 from refdem.core import discovery
 
 ESCAPES = {"beta": "-0.351", "v0": "0.77", "samples": "16"}
@@ -19,14 +16,6 @@ def reasons(duration: str) -> dict[str, str | None]:
     engine = discovery.engine("pymunk")
     tasks = plan.tasks(SHORT, instance, (), engine, truth, truth.reason)
     return {task.method.name: task.unsupported for task in tasks}
-
-
-@pytest.fixture(autouse=True)
-def accepted(monkeypatch):
-    """The case as somebody else may write it: a drive that carries the mass out of its well is not
-    refused.
-    """
-    monkeypatch.setattr(DrivenDuffing, "_is_carried_out", lambda self, p: False)
 
 
 def test_a_motion_that_escapes_before_its_last_sample_is_not_asked_for():

@@ -80,6 +80,19 @@ FORMER = [
         "rigid-single",
         "moreau",
     ),
+    # A drive that carries the mass far out of its well.
+    (
+        "driven-duffing[alpha=1.3 beta=-0.235 delta=0.0452 f0=1440 drive=1.18 x0=-1.93 v0=0.533"
+        " duration=0.2534 samples=16]",
+        "soft",
+        "drift-kick",
+    ),
+    (
+        "driven-duffing[alpha=1.3 beta=-0.235 delta=0.0452 f0=1440 drive=1.18 x0=-1.93 v0=0.533"
+        " duration=0.2534 samples=16]",
+        "soft-fused",
+        "dormand-prince",
+    ),
     # A field that lends a slow body 470 times the energy that it had.
     ("asymmetric-field[mass=0.00161 x2=5.85 duration=0.4012 samples=16]", "soft", "drift-kick"),
     # Multistep weights may be negative: an impulse is no mean of the forces within its interval.
