@@ -22,7 +22,7 @@ from refdem.campaign.truths import sampled_truths
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
-from refdem.core.finding import Finding, Record
+from refdem.core.finding import Finding
 from refdem.core.judgement import distances
 from refdem.core.problem import Motion, Request
 from refdem.core.resolution import Seen
@@ -45,7 +45,7 @@ CLOSE = 1.5
 MOST_TRIALS = 16
 """Trials after which the smallest misreading seen so far counts."""
 STILL = 1e-12
-"""Change of a run, in units of its scales and of the misreading, that is none: round-off."""
+"""Change of a run by the first misreading, in units of its scales, that is none: round-off."""
 
 
 @dataclass(frozen=True)
@@ -68,17 +68,26 @@ class Trial:
         """The largest ratio of a value and its bound; 0 if no finding fails, infinite if one fails
         that has no finite ratio.
         """
-        margins = [finding.margin for finding in self.findings if finding.outcome == "fail"]
-        if not margins:
+        if not self._failing:
             return 0.0
-        return max(math.inf if margin is None else 10.0**-margin for margin in margins)
+        return float(10.0 ** -min(map(_margin, self._failing)))
 
     @property
     def by(self) -> str:
         """The check and quantity that is farthest beyond its bound."""
-        failing = [finding for finding in self.findings if finding.outcome == "fail"]
-        worst = min(failing, key=lambda finding: finding.margin or -math.inf)
+        worst = min(self._failing, key=_margin)
         return f"{worst.check}/{worst.quantity}"
+
+    @property
+    def _failing(self) -> list[Finding]:
+        return [finding for finding in self.findings if finding.outcome == "fail"]
+
+
+def _margin(finding: Finding) -> float:
+    """The margin of a finding [decades]; minus infinity without one."""
+    if finding.margin is None:
+        return -math.inf
+    return finding.margin
 
 
 def measured(
@@ -196,7 +205,7 @@ class _Judge:
         found = threshold(lambda amount: self.trial(number, sign * amount), first)
         if found.seen is not None:
             return msgspec.structs.replace(seen, smallest=found.seen, by=found.by)
-        return msgspec.structs.replace(seen, reason=self._reason(sound, first))
+        return msgspec.structs.replace(seen, reason=self._reason(sound, first, found.unseen))
 
     def unseen(self, number: Number, reason: str) -> Seen:
         """Nothing is noticed of a number, for a reason."""
@@ -208,14 +217,16 @@ class _Judge:
             reason=reason,
         )
 
-    def _reason(self, sound: Trial, first: Trial) -> str:
-        """Why no misreading of a number was noticed."""
+    def _reason(self, sound: Trial, first: Trial, unseen: float) -> str:
+        """Why no misreading of a number was noticed; `unseen` is the largest that could be
+        planted.
+        """
         change = float(np.max(distances(self.instance, first.run, sound.run)))
         if change <= STILL:
             return "the motion does not depend on it"
         return (
-            f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, within every"
-            " bound, and misread by all of itself no finding fails either"
+            f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, and misread by"
+            f" {unseen:g} no finding fails either"
         )
 
     def trial(self, number: Number | None, amount: float) -> Trial:
@@ -242,12 +253,11 @@ class _Judge:
         runs: dict[Variant, Run] = {}
         record = record_of(task, runs)
         finest = runs.get(task.subject.finest)
-        refused = _refused(record, runs.values())
-        return Trial(record.findings, finest, refused)
+        return Trial(record.findings, finest, _refused(runs.values()))
 
 
-def _refused(record: Record, runs: Iterable[Run]) -> str:
-    """Why some run of a record ended without a trajectory; empty if none did."""
+def _refused(runs: Iterable[Run]) -> str:
+    """Why some run ended without a trajectory; empty if none did."""
     for run in runs:
         if run.failure is not None:
             return f"it cannot be misread here: {run.failure.sentence}"

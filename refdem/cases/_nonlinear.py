@@ -105,15 +105,16 @@ def reach_outside(
     p: Parameters,
     acceleration: Callable[[float, float], float],
     rate: Callable[[float], float],
-    rim: float,
+    rims: tuple[float, ...],
     duration: float,
 ) -> float:
     """The largest |x| [m] of the damped and driven motion from x0, v0 if a drive carries it over
-    the rim of its well, else 0.
+    a rim of its well, else 0.
 
     x'' = acceleration(x, t) - 2 delta x' is integrated in binary64 by Heun's method, with
-    RIM_STEPS steps in 1/`rate(x)` [s]. `rim` is the place of the rim.
+    RIM_STEPS steps in 1/`rate(x)` [s]. `rims` are the places x [m] of the rims, on either side.
     """
+    lost = LOST * max(abs(rim) for rim in rims)
     damping = 2.0 * float(p.delta)
     x = float(p.x0)
     v = float(p.v0)
@@ -121,7 +122,7 @@ def reach_outside(
     largest = abs(x)
     is_out = False
     for _ in range(MOST_RIM_STEPS):
-        if t >= duration or largest > LOST * abs(rim):
+        if t >= duration or largest > lost:
             break
         h = 1.0 / (RIM_STEPS * rate(x))
         a = acceleration(x, t) - damping * v
@@ -131,7 +132,7 @@ def reach_outside(
         v += h * (a + a_ahead) / 2.0
         t += h
         largest = max(largest, abs(x))
-        is_out = is_out or x / rim >= 1.0
+        is_out = is_out or any(x / rim >= 1.0 for rim in rims)
     if is_out:
         return largest
     return 0.0

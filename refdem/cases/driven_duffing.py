@@ -101,8 +101,7 @@ class DrivenDuffing(Case):
         def rate(x: float) -> float:
             return max(drive, math.sqrt(alpha - 3.0 * beta * x * x))
 
-        sides = [_nonlinear.reach_outside(p, acceleration, rate, r, duration) for r in (rim, -rim)]
-        return max(sides)
+        return _nonlinear.reach_outside(p, acceleration, rate, (rim, -rim), duration)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: place [m] and velocity [m/s]."""

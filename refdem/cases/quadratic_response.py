@@ -89,7 +89,7 @@ class QuadraticResponse(Case):
         def rate(x: float) -> float:
             return max(fastest, math.sqrt(stiffness + 2.0 * abs(eps * x)))
 
-        return _nonlinear.reach_outside(p, acceleration, rate, -stiffness / eps, duration)
+        return _nonlinear.reach_outside(p, acceleration, rate, (-stiffness / eps,), duration)
 
     def scene(self, p: Parameters) -> Scene:
         """The mass with spring, dashpot and drives: x'' = -w0^2 x - eps x^2 - 2 delta x' + sum f_i

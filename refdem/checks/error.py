@@ -28,15 +28,13 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.problem import Problem
-from refdem.core.refinement import kinked, scored
+from refdem.core.refinement import MEMORY, kinked, scored
 from refdem.core.smoothness import KINK, singularities
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
 
-STARTING = 4
-"""Steps within which a multistep method may still be under the influence of how it was started."""
 COURSE = 10.0
 """Bound, in scales, beyond which the motion may have changed its course; runs with different steps
 may then agree by chance.
@@ -213,7 +211,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
 
-    Nor does it where a multistep method has made fewer than STARTING steps at the coarsest of these
+    Nor does it where a multistep method has made fewer than MEMORY steps at the coarsest of these
     levels: it starts with another rule, which has another constant.
     """
     method = subject.method
@@ -252,7 +250,7 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         allowed = allowed + straddled(subject, subject.levels[-1], fine, count)
     if method.control == "step" and not method.complete_state:
         times = instance.times[:count]
-        allowed = np.where(np.abs(times - times[0]) < STARTING * used[0], np.inf, allowed)
+        allowed = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, allowed)
     return allowed
 
 

@@ -10,15 +10,13 @@ import numpy as np
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
-from refdem.core.refinement import steps_at
+from refdem.core.refinement import MEMORY, steps_at
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Scene
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 
-LOOKS_BACK = 4
-"""Steps of which a multistep method takes velocities: r' - r is v h once they are all alike."""
 BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 """Elements that leave a body alone except where it touches."""
 
@@ -72,8 +70,9 @@ class Flight(Check):
         displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         is_free = _is_in_free_flight(scene, run, displacement, rounding)
         if subject.method.control == "step" and not subject.method.complete_state:
+            # r' - r is v h once the velocities of all steps to which the method looks back are v.
             interval = float(np.min(np.abs(np.diff(run.t))))
-            is_free = _for_some_time(is_free, ceil(LOOKS_BACK * subject.levels[-1] / interval))
+            is_free = _for_some_time(is_free, ceil(MEMORY * subject.levels[-1] / interval))
         if not is_free.any():
             return []
         deviation = _nearest_image(scene, run.position[1:] - run.position[:-1] - displacement)

@@ -33,6 +33,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import (
+    MEMORY,
     SCATTER,
     bound,
     kinked,
@@ -88,8 +89,8 @@ LOWERING = ("constraint", "dashpot", "drag", "internal_damping", "rotation")
 forces that depend on velocities, joints, bodies that turn. The first that a scene has is the key
 of `order_with` that a failed order is told (with kinks `_declaration_hint` names it).
 """
-STARTED = 32
-"""Steps of a multistep method among which the 3 or 4 that start it change an order by less than its
+STARTED = 8 * MEMORY
+"""Steps of a multistep method among which those that start it change an order by less than its
 tolerance.
 """
 WHOLE_ORDER = 0.25

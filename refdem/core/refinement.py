@@ -84,6 +84,10 @@ KINK_HALVINGS = 2
 """Halvings of the finest step for the order of a motion with kinks: a mean over five octaves tells
 orders apart that pairs do not.
 """
+MEMORY = 4
+"""Steps to which a multistep method looks back, and which another rule has to make for it at the
+start.
+"""
 TOLERANCE_FACTOR = 1e3
 """A tolerance is local: its error may add up to this many times itself (design: 1e3 tol S)."""
 

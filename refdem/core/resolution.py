@@ -20,7 +20,7 @@ class Seen(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def size(self) -> str:
-        """The smallest misreading that is noticed, rounded up to two digits, or `nothing`."""
+        """The smallest misreading that is noticed, rounded to two digits, or `nothing`."""
         if self.smallest is None:
             return "nothing"
         if self.smallest < 1e-4:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from refdem.campaign import plan
 from refdem.campaign.in_process import truth_of
@@ -86,8 +87,6 @@ def test_a_method_that_fails_anyway_notices_nothing():
     asked = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
     truth = truth_of(instance)
     wrong = {name: [value + 0.1 for value in values] for name, values in truth.values.items()}
-    from msgspec.structs import replace
-
     found = list(resolutions(asked, engine, instance, replace(truth, values=wrong)))
     assert found
     assert {seen.reason for seen in found} == {"a finding fails without any misreading"}

@@ -42,7 +42,7 @@ def test_the_uncertainty_covers_the_error_at_any_distance_of_samples(samples):
     assert np.all(error <= found.uncertainty + rounding)
     # Degree 5 is of order 6 in the distance of the samples, with 1 rad as the first.
     distance = 12.0 / (samples - 1)
-    assert found.uncertainty[-1] < 0.5 * distance**6
+    assert found.uncertainty[-1] < 0.1 * distance**6
 
 
 def test_the_uncertainty_covers_the_error_where_the_last_change_is_small_by_chance():

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from refdem.campaign import plan
 from refdem.campaign.in_process import truth_of
@@ -61,8 +62,6 @@ def test_what_the_page_says_is_measured_again(label, engine, method):
     name, given = labelled(label)
     instance = discovery.case(name).at(**given)
     campaign = named("main")
-    from msgspec.structs import replace
-
     asked = replace(campaign, case=[], method=method)
     found = list(resolutions(asked, discovery.engine(engine), instance, truth_of(instance)))
     said = cells(instance.label, engine, method)
