@@ -294,7 +294,8 @@ class Order(Check):
         steps.
 
         - One pair of levels is no limit: it fails only by nearly a whole order (WHOLE), and if the
-          next pair, of which rounding leaves `next_order` at most, speaks against the claim too.
+          next pair, of which rounding leaves `next_order` at most, lacks more than half as much: a
+          next term makes a deficit that halves, a term of a lower order one that stays.
         - A deficit beyond the tolerance is judged by `_cancelled` unless lower orders fit better.
         - A deficit within the tolerance fails if it falls more slowly than `expected` and terms
           of a lower order fit the errors better.
@@ -303,8 +304,10 @@ class Order(Check):
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
         deficit = lack(orders, claimed)
-        is_alone = len(orders) == 1 and claimed - orders[0] > tolerance
-        may_rise = claimed - orders[0] < WHOLE or next_order >= claimed - tolerance
+        first_deficit = claimed - orders[0]
+        is_alone = len(orders) == 1 and first_deficit > tolerance
+        falls = claimed - next_order <= max(tolerance, first_deficit / 2.0)
+        may_rise = first_deficit < WHOLE or falls
         if is_alone and may_rise:
             why = (
                 f"only one pair of levels is above round-off; its observed order {listed}"
