@@ -6,14 +6,16 @@ proportion to a, so that one failure foretells the threshold. A pass is worth wh
 seen.
 """
 
+import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 
 import msgspec
 import numpy as np
 
-from refdem.campaign import plan
+from refdem.campaign import plan, unchanged
 from refdem.campaign.in_process import record_of
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import Job, Progress, Schedule, counted
@@ -25,7 +27,7 @@ from refdem.core.engine import Engine
 from refdem.core.finding import Finding
 from refdem.core.judgement import distances
 from refdem.core.problem import Motion, Request
-from refdem.core.resolution import Seen
+from refdem.core.resolution import Resolution, Seen
 from refdem.core.run import Failure, Run
 from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
@@ -46,6 +48,7 @@ MOST_TRIALS = 16
 """Trials after which the smallest misreading seen so far counts."""
 STILL = 1e-12
 """Change of a run by the first misreading, in units of its scales, that is none: round-off."""
+_DECODER = msgspec.msgpack.Decoder(Resolution)
 
 
 @dataclass(frozen=True)
@@ -91,47 +94,109 @@ def _margin(finding: Finding) -> float:
 
 
 def measured(
-    specification: Specification, store: Store, workers: int, progress: Progress
-) -> list[Seen]:
+    specification: Specification,
+    store: Store,
+    workers: int,
+    progress: Progress,
+    *,
+    use_store: bool = True,
+) -> list[Resolution]:
     """What every method of every engine of a campaign would notice, in the order of its rows; each
     method on each case in a worker process.
+
+    What is finished is kept in the store, and is read from there while nothing has changed unless
+    `use_store` is False.
     """
     engines, _ = plan.engines(specification)
-    rows = [row for row in plan.rows(specification, engines) if row.is_judged]
-    # Static questions and maps have no scene.
-    rows = [row for row in rows if isinstance(row.instance.problem, Motion)]
-    found: dict[tuple[str, str, str], list[Seen]] = {}
+    # Static questions and maps have no scene. An instance may be in several rows.
+    by_label = {
+        row.instance.label: row
+        for row in plan.rows(specification, engines)
+        if row.is_judged and isinstance(row.instance.problem, Motion)
+    }
+    rows = list(by_label.values())
+    found: dict[_Place, Resolution] = {}
+    places = _places(rows)
+    keys: dict[_Place, str | None] = {}
+    if use_store:
+        keys = _keys(specification, engines, places)
+    for place, key in keys.items():
+        kept = key and store.read("resolution", key, _DECODER.decode)
+        if kept:
+            found[place] = kept
+    missing = [row for row in rows if any(place not in found for place in _places([row]))]
     with Schedule(workers, SECONDS) as schedule:
-        asked = [(row.instance, row.delays) for row in rows]
+        asked = [(row.instance, row.delays) for row in missing]
         truths = sampled_truths(schedule, store, asked, progress)
         jobs = []
-        for row, truth in zip(rows, truths, strict=True):
-            for engine, supported in row.subjects:
-                names = [subject.method.name for subject, reason in supported if reason is None]
-                jobs += [
-                    _job(specification, row.instance, truth, engine.address, name) for name in names
-                ]
+        for row, truth in zip(missing, truths, strict=True):
+            jobs += [
+                _job(specification, row.instance, truth, place)
+                for place in _places([row])
+                if place not in found
+            ]
         results = schedule.results(jobs)
         for job, result in counted(results, "resolution", len(jobs), progress):
             if isinstance(result, Failure):
-                label, address, method = job.key
-                reason = f"it could not be measured: {result.sentence}"
-                failed = Seen(
-                    label=label, engine=address, method=method, number="any number", reason=reason
-                )
-                found[job.key] = [failed]
-            else:
-                found[job.key] = msgspec.msgpack.decode(result, type=list[Seen])
-    return [seen for job in jobs for seen in found[job.key]]
+                found[job.key] = _unknown(job.key, result)
+                continue
+            found[job.key] = _DECODER.decode(result)
+            key = keys.get(job.key)
+            if key:
+                store.put("resolution", key, result)
+    return [found[place] for place in places]
+
+
+_Place = tuple[str, str, str]
+"""Label of the instance, address of the engine, and method."""
+
+
+def _places(rows: Iterable[plan.Row]) -> list[_Place]:
+    """Every method that is judged on some row, in the order of the rows."""
+    return [
+        (row.instance.label, engine.address, subject.method.name)
+        for row in rows
+        for engine, supported in row.subjects
+        for subject, reason in supported
+        if reason is None
+    ]
+
+
+def _keys(
+    specification: Specification, engines: list[Engine], places: Iterable[_Place]
+) -> dict[_Place, str | None]:
+    """The keys in the store: digests of the place and of everything that its verdicts depend on;
+    None where that is not known.
+    """
+    by_address = {engine.address: engine for engine in engines}
+
+    @cache
+    def state(address: str) -> str | None:
+        narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
+        return unchanged.key_of(narrow, [by_address[address]])
+
+    keys: dict[_Place, str | None] = {}
+    for place in places:
+        of_all = state(place[1])
+        keys[place] = of_all and hashlib.sha256("\0".join([of_all, *place]).encode()).hexdigest()
+    return keys
+
+
+def _unknown(place: _Place, failure: Failure) -> Resolution:
+    """The resolution of a method whose job failed: nothing is known."""
+    label, address, method = place
+    unknown = Seen(number="any number", reason=f"it could not be measured: {failure.sentence}")
+    return Resolution(label=label, engine=address, method=method, numbers=(unknown,))
 
 
 def _job(
-    specification: Specification, instance: Instance, truth: SampledTruth, address: str, method: str
+    specification: Specification, instance: Instance, truth: SampledTruth, place: _Place
 ) -> Job:
     """The job of one method on one case."""
+    _, address, method = place
     narrow = msgspec.structs.replace(specification, case=[], engines=[], method=method)
     return Job(
-        (instance.label, address, method),
+        place,
         of_method,
         (
             msgspec.json.encode(narrow),
@@ -146,19 +211,19 @@ def _job(
 def of_method(
     specification: bytes, case: str, given: dict[str, str], truth: bytes, address: str
 ) -> bytes:
-    """What the one method that the specification names would notice, as MessagePack of a list of
-    Seen.
+    """What the one method that the specification names would notice, as MessagePack of a
+    Resolution.
     """
     asked = msgspec.json.decode(specification, type=Specification)
     instance = discovery.case(case).at(**given)
     sampled = msgspec.msgpack.decode(truth, type=SampledTruth)
     engine = discovery.engine(address)
-    return msgspec.msgpack.encode(list(resolutions(asked, engine, instance, sampled)))
+    return msgspec.msgpack.encode(resolution(asked, engine, instance, sampled))
 
 
-def resolutions(
+def resolution(
     specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
-) -> Iterator[Seen]:
+) -> Resolution:
     """What the method that the specification names would notice, for each number of the scene.
 
     Only checks count that read plain runs of the refinement levels: pictures, reversed and
@@ -168,12 +233,17 @@ def resolutions(
     narrow = msgspec.structs.replace(specification, checks=_checks(task))
     judge = _Judge(narrow, engine, instance, truth)
     sound = judge.trial(None, 0.0)
-    is_accused = any(finding.outcome in ("fail", "error") for finding in sound.findings)
-    for number in numbers(instance.scene):
-        if is_accused:
-            yield judge.unseen(number, "a finding fails without any misreading")
-        else:
-            yield judge.seen(number, sound)
+    if any(finding.outcome in ("fail", "error") for finding in sound.findings):
+        why = "a finding fails without any misreading"
+        seen = [Seen(number=number.name, reason=why) for number in numbers(instance.scene)]
+    else:
+        seen = [judge.seen(number, sound) for number in numbers(instance.scene)]
+    return Resolution(
+        label=instance.label,
+        engine=engine.name,
+        method=specification.method,
+        numbers=tuple(seen),
+    )
 
 
 def _checks(task: Task) -> list[str]:
@@ -193,7 +263,6 @@ class _Judge:
 
     def seen(self, number: Number, sound: Trial) -> Seen:
         """What is noticed of a number; `sound` is the run without any misreading."""
-        seen = self.unseen(number, "")
         sign = 1.0
         first = self.trial(number, sign * FIRST)
         if first.refused:
@@ -201,21 +270,11 @@ class _Judge:
             sign = -1.0
             first = self.trial(number, sign * FIRST)
         if first.refused:
-            return msgspec.structs.replace(seen, reason=first.refused)
+            return Seen(number=number.name, reason=first.refused)
         found = threshold(lambda amount: self.trial(number, sign * amount), first)
         if found.seen is not None:
-            return msgspec.structs.replace(seen, smallest=found.seen, by=found.by)
-        return msgspec.structs.replace(seen, reason=self._reason(sound, first, found.unseen))
-
-    def unseen(self, number: Number, reason: str) -> Seen:
-        """Nothing is noticed of a number, for a reason."""
-        return Seen(
-            label=self.instance.label,
-            engine=self.engine.name,
-            method=self.specification.method,
-            number=number.name,
-            reason=reason,
-        )
+            return Seen(number=number.name, smallest=found.seen, by=found.by)
+        return Seen(number=number.name, reason=self._reason(sound, first, found.unseen))
 
     def _reason(self, sound: Trial, first: Trial, unseen: float) -> str:
         """Why no misreading of a number was noticed; `unseen` is the largest that could be

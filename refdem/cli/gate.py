@@ -1,7 +1,6 @@
 """refdem gate: a program against truth and against its accepted past."""
 
 import os
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +12,7 @@ from refdem.errors import UsageError
 
 if TYPE_CHECKING:
     from refdem.core.finding import Sheet
+    from refdem.core.resolution import Resolution
     from refdem.gate.gate import Gate
 
 MOST_WORDS = 2000
@@ -82,7 +82,9 @@ def command(
     print("\n".join(lines(sheets)))
     _write(sheets, gate, junit, out)
     if resolution:
-        print("\n".join(_noticed(gate)))
+        found = gate.resolution()
+        print("\n".join(_noticed(found)))
+        _write([*sheets, *found], gate, None, out)
     if markdown is not None:
         written_to(markdown, gate_markdown.markdown(gate.engine.name, sheets), "--markdown")
     if os.environ.get("GITHUB_ACTIONS") == "true":
@@ -90,15 +92,9 @@ def command(
     raise typer.Exit(_verdict(gate, exit_status(sheets)))
 
 
-def _noticed(gate: "Gate") -> list[str]:
+def _noticed(found: "list[Resolution]") -> list[str]:
     """A line for each case and method: what the gate would have noticed of its numbers."""
-    from refdem.core.resolution import sentence
-
-    printed = []
-    groups = groupby(gate.resolution(), key=lambda seen: (seen.label, seen.method))
-    for (label, method), group in groups:
-        printed.append(one_line(f"{label}, {method}: {sentence(group)}", MOST_WORDS))
-    return printed
+    return [one_line(f"{one.label}, {one.method}: {one.sentence}", MOST_WORDS) for one in found]
 
 
 def _verdict(gate: "Gate", status: int) -> int:

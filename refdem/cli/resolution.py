@@ -25,8 +25,16 @@ def command(
         int,
         typer.Option(help="Steps at most, each half of the one before.", min=1, max=10),
     ] = 4,
-    out: Annotated[Path | None, typer.Option(help="Folder for resolution.md.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for resolution.md, and of a report whose pages of cases are to tell it."
+        ),
+    ] = None,
     jobs: options.Jobs = None,
+    no_cache: Annotated[
+        bool, typer.Option("--no-cache", help="Ignore what was measured before.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Finds the smallest relative misreading of each number of a scene that a run would notice.
@@ -49,7 +57,6 @@ def command(
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
     from refdem.report import resolution as page
-    from refdem.report.files import written
 
     if bool(case) == bool(campaign):
         raise UsageError(
@@ -68,11 +75,13 @@ def command(
     if out is not None:
         refuse_unwritable(out)
     store = Store(default_path())
-    found = resolution.measured(specification, store, workers(jobs), Progress())
+    found = resolution.measured(
+        specification, store, workers(jobs), Progress(), use_store=not no_cache
+    )
     if not found:
         raise UsageError("nothing was measured: no engine that was asked for runs these cases")
     if out is not None:
-        written(out / "resolution.md", page.markdown(found))
+        page.write(out, found)
     if json:
         print(msgspec.json.format(msgspec.json.encode(found)).decode())
     else:

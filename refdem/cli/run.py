@@ -75,7 +75,7 @@ def command(
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines, printed_json
     from refdem.core.store import Store, default_path
-    from refdem.report import write_report
+    from refdem.report import resolution, write_report
 
     start = time.perf_counter()
     if step is not None and steps_per_tau is not None:
@@ -89,12 +89,13 @@ def command(
     count = workers(jobs)
     specification, absent = present(specification)
     refuse_unwritable(out)
+    resolutions = resolution.read(out)
     store = Store(default_path())
     if bless:
         specification = msgspec.structs.replace(specification, required="")
     progress = Progress()
     sheets = Campaign(specification, store, count, not no_cache, progress, scheduler).sheets()
-    write_report(out, sheets, store)
+    write_report(out, [*sheets, *resolutions], store)
     changes = []
     if bless:
         changes = blessed(base, sheets)

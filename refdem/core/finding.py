@@ -10,6 +10,7 @@ from typing import Literal
 import msgspec
 
 from refdem.core.replay import Replay
+from refdem.core.resolution import Resolution
 
 Outcome = Literal[
     "pass",
@@ -176,7 +177,7 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
     seconds: float
 
 
-Sheet = Record | CaseSheet | EngineSheet | CampaignSheet | Replay
+Sheet = Record | CaseSheet | EngineSheet | CampaignSheet | Replay | Resolution
 
 
 def findings_of(sheets: Iterable[Sheet]) -> Iterator[tuple[Record, Finding]]:

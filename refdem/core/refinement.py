@@ -41,8 +41,8 @@ COUNTING_FLOOR = 20.0
 IMPACT_STEPS = 2.0**15
 """Steps that the finest level of a motion with impacts takes at most."""
 SHARP = 8.0
-"""Factor below the horizon at which the coarsest level of a motion with impacts ends, so that the
-finest of four is a hundredth of what an impact changes.
+"""Factor below the horizon at which the coarsest level of a motion with impacts ends: the finest of
+four, eight times finer, is then allowed 1/640 of what an impact changes at first order.
 """
 TURN_ROUNDINGS = 3.0
 """Roundings by which the turns of a step stretch a vector: five of them, of half a rounding each,

@@ -1,18 +1,13 @@
 """Resolution: which misreading of each number of a scene a verdict would have noticed."""
 
-from collections.abc import Iterable
-
 import msgspec
 
 
-class Seen(msgspec.Struct, frozen=True, kw_only=True):
-    """What a method would notice of one number: the smallest relative misreading that some finding
-    fails, and which does; None and the reason if it would notice nothing.
+class Seen(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What is noticed of one number: the smallest relative misreading that some finding fails, and
+    which does; None and the reason if nothing is noticed.
     """
 
-    label: str
-    engine: str
-    method: str
     number: str
     smallest: float | None = None
     by: str = ""
@@ -28,20 +23,27 @@ class Seen(msgspec.Struct, frozen=True, kw_only=True):
         return f"{100 * self.smallest:.2g} %"
 
 
-def sentence(seen: Iterable[Seen]) -> str:
-    """What one method on one case would have noticed, as a sentence: the most finely seen first,
-    and what is not seen with its reason.
-    """
-    noticed = []
-    blind = []
-    for one in seen:
-        if one.smallest is None:
-            blind.append(one)
-        else:
-            noticed.append(one)
-    noticed.sort(key=lambda one: one.smallest or 0.0)
-    parts = [f"{one.number} {one.size}" for one in noticed]
-    parts += [f"{one.number}: nothing, since {one.reason}" for one in blind]
-    if not parts:
-        return ""
-    return f"Would have noticed: {', '.join(parts)}."
+class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", tag_field="type"):
+    """What one method on one case would notice of each number of the scene: a sheet of a report."""
+
+    label: str
+    engine: str
+    method: str
+    numbers: tuple[Seen, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What would have been noticed, the most finely seen first, and what would not, with its
+        reason; empty for a scene without numbers.
+        """
+        noticed = [seen for seen in self.numbers if seen.smallest is not None]
+        noticed.sort(key=lambda seen: seen.smallest or 0.0)
+        parts = [f"{seen.number} {seen.size}" for seen in noticed]
+        parts += [
+            f"{seen.number}: nothing, since {seen.reason}"
+            for seen in self.numbers
+            if seen.smallest is None
+        ]
+        if not parts:
+            return ""
+        return f"Would have noticed: {', '.join(parts)}."

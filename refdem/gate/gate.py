@@ -15,7 +15,7 @@ from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import DECIDED, Finding, Record, Sheet, findings_of
 from refdem.core.parameters import labelled
-from refdem.core.resolution import Seen
+from refdem.core.resolution import Resolution
 from refdem.core.selection import Selection
 from refdem.core.store import Store, default_path
 from refdem.engines.external import load
@@ -73,11 +73,11 @@ class Gate:
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
         return sheets
 
-    def resolution(self) -> list[Seen]:
+    def resolution(self) -> list[Resolution]:
         """What the program would have noticed of each number of its scenes: it runs some twenty
         times more for each of them.
         """
-        return measured(self.specification(), self.store, self.jobs, self.progress)
+        return measured(self.specification(), self.store, self.jobs, self.progress, use_store=False)
 
     def against_baseline(self, sheets: list[Sheet]) -> list[Sheet]:
         """The sheets with every record compared with the baseline; raises UsageError if there is

@@ -20,6 +20,7 @@ from refdem.core.finding import (
     Sheet,
 )
 from refdem.core.replay import Replay
+from refdem.core.resolution import Resolution
 from refdem.report.jsonl import finite
 
 
@@ -32,6 +33,7 @@ class Contents:
     engines: tuple[EngineSheet, ...]
     records: tuple[Record, ...]
     replays: dict[str, Replay] = field(default_factory=dict)
+    resolutions: tuple[Resolution, ...] = ()
 
     def of(self, label: str) -> list[Record]:
         """The records of one instance, in the order of the report."""
@@ -44,6 +46,18 @@ class Contents:
         for record in self.records:
             found.setdefault(record.label, []).append(record)
         return found
+
+    def noticed(self, records: Iterable[Record]) -> dict[str, str]:
+        """What the methods of some records would have noticed, a sentence by method; those that
+        nobody measured are left out.
+        """
+        places = [(record.label, record.engine, record.method) for record in records]
+        return {place[-1]: self._noticed[place] for place in places if place in self._noticed}
+
+    @cached_property
+    def _noticed(self) -> dict[tuple[str, str, str], str]:
+        """The sentence of each resolution, by label, engine and method."""
+        return {(one.label, one.engine, one.method): one.sentence for one in self.resolutions}
 
     def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
         """How many findings have each outcome, worst first, without zeros."""
@@ -70,6 +84,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
     engines: dict[str, EngineSheet] = {}
     records = []
     replays: dict[str, Replay] = {}
+    resolutions = []
     for sheet in map(finite, sheets):
         match sheet:
             case CaseSheet():
@@ -82,6 +97,8 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
                 records.append(sheet)
             case Replay():
                 replays[sheet.label] = sheet
+            case Resolution():
+                resolutions.append(sheet)
     for record in records:
         cases.setdefault(record.label, _bare_case(record))
         engines.setdefault(record.engine, _bare_engine(record))
@@ -91,6 +108,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
         engines=tuple(sorted(engines.values(), key=_engine_order)),
         records=tuple(sorted(records, key=_record_order)),
         replays=replays,
+        resolutions=tuple(resolutions),
     )
 
 

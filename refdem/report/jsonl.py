@@ -29,11 +29,11 @@ def lines(sheets: Iterable[Sheet]) -> bytes:
     return b"".join(msgspec.json.encode(sheet) + b"\n" for sheet in decoded)
 
 
-def sheets_in(folder: Path) -> list[Sheet]:
-    """The sheets of `records.jsonl` in a folder; raises StoreError or, with the line,
+def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
+    """The sheets of a file in the folder of a report; raises StoreError or, with the line,
     UsageError.
     """
-    path = folder / RECORDS
+    path = folder / name
     try:
         data = path.read_bytes()
     except OSError as error:

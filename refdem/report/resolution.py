@@ -4,10 +4,18 @@ misreading that would close the gate.
 
 from collections.abc import Iterable
 from itertools import groupby
+from pathlib import Path
 
 from refdem.core.outside import markdown_text, one_line
-from refdem.core.resolution import Seen
+from refdem.core.resolution import Resolution
+from refdem.report.files import written
+from refdem.report.jsonl import lines as jsonl
+from refdem.report.jsonl import sheets_in
 from refdem.report.markdown import table
+
+PAGE = "resolution.md"
+DATA = "resolution.jsonl"
+"""Beside the page: what it shows, a line for each method on each case."""
 
 INTRODUCTION = """# Resolution: what a pass would have seen
 
@@ -18,12 +26,30 @@ measures it anew; trials lie within a factor of 1.5 of each other.
 """
 
 
-def lines(found: Iterable[Seen]) -> list[str]:
+def write(folder: Path, found: Iterable[Resolution]) -> None:
+    """Writes the page and its data, which the next report in this folder tells on the pages of its
+    cases; raises StoreError.
+    """
+    found = list(found)
+    written(folder / DATA, jsonl(found))
+    written(folder / PAGE, markdown(found))
+
+
+def read(folder: Path) -> list[Resolution]:
+    """What was measured for the report in a folder, nothing if nothing was; raises UsageError that
+    names a malformed line.
+    """
+    if not (folder / DATA).is_file():
+        return []
+    return [sheet for sheet in sheets_in(folder, DATA) if isinstance(sheet, Resolution)]
+
+
+def lines(found: Iterable[Resolution]) -> list[str]:
     """Lines for a terminal: a heading for each method on each case, and a line for each number."""
     printed = []
-    for (label, engine, method), group in groupby(found, key=_method):
-        printed.append(one_line(f"{label} in {engine}, {method}, would have noticed"))
-        for seen in group:
+    for one in found:
+        printed.append(one_line(f"{one.label} in {one.engine}, {one.method}, would have noticed"))
+        for seen in one.numbers:
             if seen.smallest is None:
                 printed.append(one_line(f"  nothing of {seen.number}: {seen.reason}"))
             else:
@@ -31,28 +57,23 @@ def lines(found: Iterable[Seen]) -> list[str]:
     return printed
 
 
-def markdown(found: Iterable[Seen]) -> str:
+def markdown(found: Iterable[Resolution]) -> str:
     """The page: for each case a table of its numbers, with a column for each method."""
     parts = [INTRODUCTION]
-    for label, of_case in groupby(found, key=lambda seen: seen.label):
+    for label, of_case in groupby(found, key=lambda one: one.label):
         parts.append(_table(label, list(of_case)))
     return "\n".join(parts)
 
 
-def _method(seen: Seen) -> tuple[str, str, str]:
-    return seen.label, seen.engine, seen.method
-
-
-def _table(label: str, found: list[Seen]) -> str:
+def _table(label: str, found: list[Resolution]) -> str:
     """The table of one case, and the reasons of what is not seen."""
-    methods = list(dict.fromkeys(f"{seen.engine} {seen.method}" for seen in found))
-    names = list(dict.fromkeys(seen.number for seen in found))
-    by_place = {(seen.number, f"{seen.engine} {seen.method}"): seen for seen in found}
+    names = list(dict.fromkeys(seen.number for one in found for seen in one.numbers))
+    by_method = [{seen.number: seen for seen in one.numbers} for one in found]
     rows = []
     for name in names:
         cells = []
-        for method in methods:
-            seen = by_place.get((name, method))
+        for numbers in by_method:
+            seen = numbers.get(name)
             if seen is None:
                 cells.append("")
             elif seen.smallest is None:
@@ -60,7 +81,7 @@ def _table(label: str, found: list[Seen]) -> str:
             else:
                 cells.append(f"{seen.size} ({markdown_text(seen.by)})")
         rows.append([markdown_text(name), *cells])
-    head = ["number", *map(markdown_text, methods)]
+    head = ["number", *(markdown_text(f"{one.engine} {one.method}") for one in found)]
     parts = [f"## {markdown_text(label)}", "", table(head, rows)]
     reasons = _reasons(found)
     if reasons:
@@ -68,15 +89,16 @@ def _table(label: str, found: list[Seen]) -> str:
     return "\n".join([*parts, ""])
 
 
-def _reasons(found: list[Seen]) -> list[str]:
+def _reasons(found: list[Resolution]) -> list[str]:
     """A line for each number and reason for which nothing of it is seen, with the methods that do
     not.
     """
     blind: dict[tuple[str, str], list[str]] = {}
-    for seen in found:
-        if seen.smallest is None:
-            methods = blind.setdefault((seen.number, seen.reason), [])
-            methods.append(f"{seen.engine} {seen.method}")
+    for one in found:
+        for seen in one.numbers:
+            if seen.smallest is None:
+                methods = blind.setdefault((seen.number, seen.reason), [])
+                methods.append(f"{one.engine} {one.method}")
     lines = []
     for (number, reason), methods in blind.items():
         where = markdown_text(", ".join(methods))

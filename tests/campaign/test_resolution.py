@@ -5,13 +5,17 @@ import pytest
 from msgspec.structs import replace
 
 from refdem.campaign import plan
+from refdem.campaign import resolution as module
 from refdem.campaign.in_process import truth_of
-from refdem.campaign.resolution import CLOSE, FIRST, LEAST, Threshold, Trial, resolutions, threshold
-from refdem.campaign.specification import Specification
+from refdem.campaign.resolution import CLOSE, FIRST, LEAST, Threshold, Trial, resolution, threshold
+from refdem.campaign.schedule import InProcess
+from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.finding import Finding
 from refdem.core.problem import Request
-from refdem.core.resolution import Seen, sentence
+from refdem.core.resolution import Resolution, Seen
+from refdem.core.run import Failure
+from refdem.core.store import Store
 from refdem.faults.numbers import numbers
 
 
@@ -58,8 +62,8 @@ def test_a_trial_above_the_smallest_one_changes_nothing():
 def seen_by_number(label, engine, method, **given):
     instance = discovery.case(label).at(**given)
     asked = Specification(name="test", case=[], levels=4, method=method)
-    found = resolutions(asked, discovery.engine(engine), instance, truth_of(instance))
-    return {seen.number: seen for seen in found}
+    found = resolution(asked, discovery.engine(engine), instance, truth_of(instance))
+    return {seen.number: seen for seen in found.numbers}
 
 
 def test_a_free_body_shows_its_moments_and_its_spin_and_never_its_mass():
@@ -87,9 +91,8 @@ def test_a_method_that_fails_anyway_notices_nothing():
     asked = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
     truth = truth_of(instance)
     wrong = {name: [value + 0.1 for value in values] for name, values in truth.values.items()}
-    found = list(resolutions(asked, engine, instance, replace(truth, values=wrong)))
-    assert found
-    assert {seen.reason for seen in found} == {"a finding fails without any misreading"}
+    found = resolution(asked, engine, instance, replace(truth, values=wrong))
+    assert {seen.reason for seen in found.numbers} == {"a finding fails without any misreading"}
 
 
 LABELS = [
@@ -128,17 +131,86 @@ def test_longer_rods_hold_their_bodies_farther_out():
 
 
 def test_the_sentence_names_what_is_seen_first_and_what_is_not_with_its_reason():
-    given = {"label": "case", "engine": "code", "method": "euler"}
     found = [
-        Seen(number="friction", smallest=0.02, by="error/x", **given),
-        Seen(number="inertia of body 1", reason="it never spins", **given),
-        Seen(number="restitution", smallest=0.003, by="error/x", **given),
+        Seen(number="friction", smallest=0.02, by="error/x"),
+        Seen(number="inertia of body 1", reason="it never spins"),
+        Seen(number="restitution", smallest=0.003, by="error/x"),
     ]
-    assert sentence(found) == (
+    given = {"label": "case", "engine": "code", "method": "euler"}
+    assert Resolution(numbers=tuple(found), **given).sentence == (
         "Would have noticed: restitution 0.3 %, friction 2 %,"
         " inertia of body 1: nothing, since it never spins."
     )
-    assert sentence([]) == ""
+    assert Resolution(numbers=(), **given).sentence == ""
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """The places that jobs are made for, one after the other; each is done in this process."""
+    places = []
+    job = module._job
+
+    def noted(specification, instance, truth, place):
+        places.append(place)
+        return job(specification, instance, truth, place)
+
+    monkeypatch.setattr(module, "_job", noted)
+    monkeypatch.setattr(module, "Schedule", lambda workers, seconds: InProcess())
+    return places
+
+
+ASKED = Specification(
+    name="test", case=[Entry("harmonic-oscillator")], engines=["rebound"], method="leapfrog"
+)
+LEAPFROG = ("harmonic-oscillator", "rebound", "leapfrog")
+
+
+def test_what_was_measured_is_read_from_the_store_while_nothing_has_changed(tmp_path, made):
+    store = Store(tmp_path / "store.sqlite")
+    first = module.measured(ASKED, store, 1, nothing)
+    assert module.measured(ASKED, store, 1, nothing) == first
+    assert made == [LEAPFROG]
+    assert module.measured(ASKED, store, 1, nothing, use_store=False) == first
+    assert made == [LEAPFROG, LEAPFROG]
+    module.measured(replace(ASKED, levels=2), store, 1, nothing)
+    assert made == [LEAPFROG, LEAPFROG, LEAPFROG]
+
+
+def test_what_is_finished_stays_when_the_command_is_killed(tmp_path, made):
+    store = Store(tmp_path / "store.sqlite")
+    both = replace(ASKED, method="", engines=["rebound", "pymunk"])
+
+    def killed(stage, done, total):
+        if stage == "resolution" and done == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        module.measured(both, store, 1, killed)
+    done = made[0]
+    made.clear()
+    found = module.measured(both, store, 1, nothing)
+    assert len(found) > 1
+    assert done not in made
+    assert done in {(one.label, one.engine, one.method) for one in found}
+
+
+def test_a_method_that_could_not_be_measured_says_why_and_is_not_kept(tmp_path, made, monkeypatch):
+    def crashes(*arguments):
+        return Failure(kind="crash", sentence="the worker process died")
+
+    store = Store(tmp_path / "store.sqlite")
+    monkeypatch.setattr(module, "of_method", crashes)
+    (found,) = module.measured(ASKED, store, 1, nothing)
+    assert found.sentence == (
+        "Would have noticed: any number: nothing, since it could not be measured: the worker"
+        " process died."
+    )
+    module.measured(ASKED, store, 1, nothing)
+    assert made == [LEAPFROG, LEAPFROG]
+
+
+def nothing(stage, done, total):
+    """Tells nobody of the progress."""
 
 
 def test_only_checks_that_read_plain_runs_count():

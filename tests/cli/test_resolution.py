@@ -5,7 +5,7 @@ import pytest
 from typer.testing import CliRunner
 
 from refdem.cli.app import app
-from refdem.core.resolution import Seen
+from refdem.core.resolution import Resolution
 from refdem.errors import UsageError
 
 RUNNER = CliRunner()
@@ -20,8 +20,8 @@ def test_the_command_measures_a_case_and_writes_a_page(tmp_path):
     assert page.startswith("# Resolution")
     assert "| stiffness of the spring |" in page
     as_json = RUNNER.invoke(app, [*words, "--json"])
-    found = msgspec.json.decode(as_json.stdout, type=list[Seen])
-    assert {seen.number for seen in found} >= {"mass", "stiffness of the spring"}
+    (found,) = msgspec.json.decode(as_json.stdout, type=list[Resolution])
+    assert {seen.number for seen in found.numbers} >= {"mass", "stiffness of the spring"}
 
 
 @pytest.mark.parametrize("words", [[], ["pendulum", "--campaign", "main"]])
@@ -35,3 +35,25 @@ def test_a_question_without_a_scene_has_nothing_to_misread():
     result = RUNNER.invoke(app, ["resolution", "rotations"])
     assert isinstance(result.exception, UsageError)
     assert "nothing was measured" in str(result.exception)
+
+
+def test_the_next_report_in_the_folder_tells_it_on_the_page_of_the_case(tmp_path):
+    words = ["harmonic-oscillator", "--engine", "rebound", "--method", "leapfrog"]
+    out = ["--out", str(tmp_path)]
+    assert RUNNER.invoke(app, ["run", *words, *out]).exit_code == 0
+    page = tmp_path / "cases" / "harmonic-oscillator.html"
+    assert "Would have noticed" not in page.read_text()
+    assert RUNNER.invoke(app, ["resolution", *words, *out]).exit_code == 0
+    assert RUNNER.invoke(app, ["run", *words, *out]).exit_code == 0
+    assert "leapfrog: Would have noticed: " in page.read_text()
+    # The records have it too, so that the report can be made of them again.
+    page.unlink()
+    assert RUNNER.invoke(app, ["report", str(tmp_path)]).exit_code == 0
+    assert "leapfrog: Would have noticed: " in page.read_text()
+
+
+def test_a_damaged_file_beside_a_report_is_named_before_anything_runs(tmp_path):
+    (tmp_path / "resolution.jsonl").write_text("{}\n")
+    result = RUNNER.invoke(app, ["run", "pendulum", "--out", str(tmp_path)])
+    assert isinstance(result.exception, UsageError)
+    assert "resolution.jsonl, line 1" in str(result.exception)

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from refdem.campaign import plan
 from refdem.campaign.in_process import truth_of
-from refdem.campaign.resolution import CLOSE, resolutions
+from refdem.campaign.resolution import CLOSE, resolution
 from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.outside import markdown_text
@@ -63,7 +63,7 @@ def test_what_the_page_says_is_measured_again(label, engine, method):
     instance = discovery.case(name).at(**given)
     campaign = named("main")
     asked = replace(campaign, case=[], method=method)
-    found = list(resolutions(asked, discovery.engine(engine), instance, truth_of(instance)))
+    found = resolution(asked, discovery.engine(engine), instance, truth_of(instance)).numbers
     said = cells(instance.label, engine, method)
     assert {markdown_text(seen.number) for seen in found} <= set(said)
     for seen in found:
