@@ -69,11 +69,16 @@ class Crossing:
     bodies: tuple[int, ...] = ()
     margin: float = inf
 
+    def is_of(self, body: int) -> bool:
+        """True if the event may be reported of this body."""
+        return not self.bodies or body in self.bodies
+
 
 Crossings = dict[str, list[Crossing]]
 """Crossings by kind of event, in order of time. A kind that truth knows to be absent has none."""
-Pair = tuple[float, float, float, int]
-"""Overlap [m], closing speed [m/s], relative speed [m/s], number of free bodies (1 or 2)."""
+Pair = tuple[float, float, float, tuple[int, ...]]
+"""Overlap [m], closing speed [m/s], relative speed [m/s], and the bodies, two or one beside a wall.
+"""
 
 
 def has_crossings(scene: Scene) -> bool:
@@ -288,25 +293,25 @@ def braking(belt: Belt, truth: SampledTruth, time: float, position: float, since
     return max(0.0, float(net)) / belt.mass
 
 
-def touches(scene: Scene) -> list[tuple[float, float, int]]:
+def touches(scene: Scene) -> list[tuple[float, float, tuple[int, ...]]]:
     """Pairs in touch and closing at the start, of scenes in which only contacts act.
 
-    Each is (closing speed [m/s], relative speed [m/s], number of free bodies).
+    Each is (closing speed [m/s], relative speed [m/s], bodies).
     """
     if {element.kind for element in scene.elements} == {"wedge"} and len(scene.bodies) == 1:
         wall = scene.all(Wedge)[0]
         free = scene.bodies
         closing = -float(free.velocity[0] @ np.array(wall.normal))
         pairs: Iterator[Pair] = iter(
-            [(float(wall.overlap(free.position)[0]), closing, abs(closing), 1)]
+            [(float(wall.overlap(free.position)[0]), closing, abs(closing), (0,))]
         )
     elif len(scene.bodies) <= MOST and _is_contact_alone(scene):
         pairs = _met(scene)
     else:
         return []
     return [
-        (closing, speed, free)
-        for overlap, closing, speed, free in pairs
+        (closing, speed, bodies)
+        for overlap, closing, speed, bodies in pairs
         if abs(overlap) <= rounding(scene) and closing > 0
     ]
 
@@ -334,10 +339,9 @@ def _met(scene: Scene) -> Iterator[Pair]:
         branch: Array = bodies.position[j] - bodies.position[i]
         distance = float(np.linalg.norm(branch))
         relative = bodies.velocity[i] - bodies.velocity[j]
-        free = int(2 - bodies.fixed[[i, j]].sum())
         overlap = float(bodies.radius[i] + bodies.radius[j]) - distance
         closing = float(relative @ branch) / distance
-        yield overlap, closing, float(np.linalg.norm(relative)), free
+        yield overlap, closing, float(np.linalg.norm(relative)), (i, j)
     for i in spheres:
         for plane in scene.all(Plane):
             normal = np.array(plane.normal)
@@ -348,7 +352,7 @@ def _met(scene: Scene) -> Iterator[Pair]:
                 overlap,
                 -float(bodies.velocity[i] @ normal),
                 float(np.linalg.norm(bodies.velocity[i])),
-                1,
+                (i,),
             )
 
 
@@ -393,7 +397,8 @@ def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
     reach = subject.instance.scales.length * len(scene.bodies) * sqrt(dimension)
     time, radius = truth.scalars["impact_time"]
     growth = 1 / subject.instance.scales.tau
-    return {"contact": [Crossing(time, radius, closing / reach, bend / reach, growth)]}
+    bodies = tuple(range(len(scene.bodies)))
+    return {"contact": [Crossing(time, radius, closing / reach, bend / reach, growth, bodies)]}
 
 
 def sticking(subject: Subject, truth: SampledTruth) -> Crossings:
@@ -441,19 +446,22 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     scales = subject.instance.scales
     scalars = truth.scalars
     pairs = touches(scene)
-    closing, speed, free = pairs[0]
+    closing, speed, _ = pairs[0]
     if any(abs(other - closing) > ALIKE * closing for other, *_ in pairs):
         return {}
-    # One scale of every coordinate of every free body changes d by up to free sqrt(n) L.
+    # Pairs that meet alike have one event, which may be told of any of their bodies.
+    bodies = tuple(sorted({body for _, _, pair in pairs for body in pair}))
+    # One scale of every coordinate of every free body of a pair changes d by up to free sqrt(n) L.
     n_dimensions = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     if "overlap" in subject.instance.quantities:
         reach = scales.length
     else:
+        free = int(np.count_nonzero(~scene.bodies.fixed[list(pairs[0][-1])]))
         reach = scales.length * (free * sqrt(n_dimensions))
     # In the precision of the method an overlap of 0 may be one of a rounding.
     touch_rounding = rounding(scene) * subject.method.round_off / DOUBLE_ROUNDING
     start = float(subject.instance.times[0])
-    touch = Crossing(start, touch_rounding / closing, inf, 0.0, 0.0)
+    touch = Crossing(start, touch_rounding / closing, inf, 0.0, 0.0, bodies)
     known: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:
         return known
@@ -464,9 +472,9 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     time, radius = scalars["duration"]
     parting_speed = closing * given_back(subject, truth, closing)
     unit = reach * damping_share
-    known["release"].append(
-        Crossing(time, radius, parting_speed / unit, speed / (unit * scales.tau), 1 / scales.tau)
-    )
+    rate = parting_speed / unit
+    bend = speed / (unit * scales.tau)
+    known["release"].append(Crossing(time, radius, rate, bend, 1 / scales.tau, bodies))
     return known
 
 

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-import numpy as np
-
 from refdem.checks._beside_impacts import may_see_late
 from refdem.checks._crossings import (
     Crossing,
@@ -15,6 +13,7 @@ from refdem.checks._crossings import (
     has_crossings,
     shift,
 )
+from refdem.checks._impacts import is_sequence
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -105,25 +104,20 @@ class EventTimes(Check):
             for crossing, allowed in known
             if crossing.time - allowed > start and crossing.time + allowed <= predictions.due
         ]
-        reported = np.array([event.time for event in events])
-        judged_times = reported[reported <= predictions.told]
-        if not due and not len(judged_times):
+        told = [event for event in events if event.time <= predictions.told]
+        if not due and not told:
             return undecided(
                 self.name,
                 kind,
                 predictions.why or "no event is due before the predictability horizon",
             )
         whole = predictions.told - start
-        if any(crossing.bodies for crossing, _ in known):
-            is_told = [event for event in events if event.time <= predictions.told]
-            pairs = one_to_one(is_told, known, due, whole)
+        if is_sequence(subject.instance.scene):
+            pairs = one_to_one(told, known, due, whole)
         else:
             # Each certified event with the nearest reported one, then the reverse.
-            pairs = [
-                (float(np.min(np.abs(reported - crossing.time))), allowed, crossing.time)
-                for crossing, allowed in due
-            ]
-            pairs += [nearest(float(time), known, whole) for time in judged_times]
+            pairs = [reported(crossing, allowed, events, whole) for crossing, allowed in due]
+            pairs += [nearest(event, known, whole) for event in told]
         distance, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
             detection = ""
@@ -147,7 +141,7 @@ class EventTimes(Check):
                 f" function{detection}"
             ),
             what=(
-                f"The error of a reported {kind} time ({len(judged_times)} reported, {len(due)}"
+                f"The error of a reported {kind} time ({len(told)} reported, {len(due)}"
                 f" expected; at t = {time:.6g} s), in units of tau,"
             ),
         )
@@ -176,15 +170,26 @@ class Predicted:
     why: str
 
 
-def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, float]:
-    """(distance, bound, time) of a reported time to the nearest certified event; without any, the
-    distance is `whole` and the bound 0.
+def reported(
+    crossing: Crossing, allowed: float, events: list[Event], whole: float
+) -> tuple[float, float, float]:
+    """(distance, bound, time) of a certified event to the nearest one that is reported of one of
+    its bodies; without any, the distance is `whole`.
     """
-    pair = min(
-        ((abs(time - crossing.time), allowed, time) for crossing, allowed in known),
-        default=(whole, 0.0, time),
-    )
-    return pair
+    distances = [abs(event.time - crossing.time) for event in events if crossing.is_of(event.body)]
+    return min(distances, default=whole), allowed, crossing.time
+
+
+def nearest(event: Event, known: Judged, whole: float) -> tuple[float, float, float]:
+    """(distance, bound, time) of a reported event to the nearest certified one of its body; without
+    any, the distance is `whole` and the bound 0.
+    """
+    pairs = [
+        (abs(event.time - crossing.time), allowed, event.time)
+        for crossing, allowed in known
+        if crossing.is_of(event.body)
+    ]
+    return min(pairs, default=(whole, 0.0, event.time))
 
 
 def one_to_one(

@@ -182,12 +182,12 @@ def pair(relative=(3.0, 4.0, 0.0), gap=0.0, fixed=False, law=SOFT):
 
 
 def test_pairs_in_touch_that_close_are_found_with_their_speeds():
-    assert _crossings.touches(pair().scene) == [(3.0, 5.0, 2)]
-    assert _crossings.touches(pair(fixed=True).scene) == [(3.0, 5.0, 1)]
+    assert _crossings.touches(pair().scene) == [(3.0, 5.0, (0, 1))]
+    assert _crossings.touches(pair(fixed=True).scene) == [(3.0, 5.0, (0, 1))]
     assert _crossings.touches(pair(relative=(-3.0, 4.0, 0.0)).scene) == []
     assert _crossings.touches(pair(relative=(0.0, 4.0, 0.0)).scene) == []
     wall = instance([BALL], (SOFT, Plane()))
-    assert _crossings.touches(wall.scene) == [(3.0, 3.0, 1)]
+    assert _crossings.touches(wall.scene) == [(3.0, 3.0, (0,))]
     other_law = instance([BALL], (Contact(law="rigid"), Plane()))
     assert _crossings.touches(other_law.scene) == []
     held = instance([BALL], (SOFT, Plane(), UniformGravity(g=(0, 0, -1.0))))
@@ -529,9 +529,35 @@ def test_the_share_of_a_bound_of_zero_is_infinite():
 
 
 def test_a_time_is_compared_with_the_nearest_certified_one():
-    assert event_times.nearest(1.75, KNOWN, 9.0) == (0.25, 0.5, 1.75)
-    assert event_times.nearest(1.25, KNOWN, 9.0) == (0.25, 0.25, 1.25)
-    assert event_times.nearest(1.25, [], 9.0) == (9.0, 0.0, 1.25)
+    def nearest(time, body, known=KNOWN):
+        return event_times.nearest(Event(time, "contact", body), known, 9.0)
+
+    assert nearest(1.75, 1) == (0.25, 0.5, 1.75)
+    assert nearest(1.25, 1) == (0.25, 0.25, 1.25)
+    assert nearest(1.25, 1, []) == (9.0, 0.0, 1.25)
+    # One of another body is none of these.
+    assert nearest(1.25, 2) == (0.75, 0.5, 1.25)
+    assert nearest(1.25, 3) == (9.0, 0.0, 1.25)
+    anyones = Crossing(1.0, 0.0, 1.0, 0.0, 1.0)
+    assert nearest(1.25, 3, [(anyones, 0.25)]) == (0.25, 0.25, 1.25)
+
+
+def test_a_certified_time_is_compared_with_the_nearest_that_is_told_of_its_bodies():
+    events = [Event(1.25, "contact", 2), Event(1.5, "contact", 0), Event(3.0, "contact", 1)]
+    assert event_times.reported(ONE, 0.25, events, 9.0) == (0.5, 0.25, 1.0)
+    assert event_times.reported(ONE, 0.25, events[:1], 9.0) == (9.0, 0.25, 1.0)
+    assert event_times.reported(ONE, 0.25, [], 9.0) == (9.0, 0.25, 1.0)
+
+
+def test_a_contact_is_told_of_the_bodies_that_meet_and_of_no_bystander():
+    bystander = Body(
+        mass=1.0, inertia=(0.5,) * 3, position=(0.0, 9.0, 0.0), shape=Sphere(radius=0.5)
+    )
+    first = Body(mass=2.0, inertia=(0.5,) * 3, velocity=(3.0, 0.0, 0.0), shape=Sphere(radius=1.0))
+    second = Body(mass=1.0, inertia=(0.5,) * 3, position=(1.5, 0.0, 0.0), shape=Sphere(radius=0.5))
+    of = instance([bystander, first, second], (SOFT,), times=TIMES, quantities={"r1.x": 1.0})
+    known = released(of, {"duration": (0.75, 1e-9), "restitution": (0.5, 0.0)})
+    assert {crossing.bodies for kind in known.values() for crossing in kind} == {(1, 2)}
 
 
 @pytest.mark.parametrize(("precision", "unit"), [("double", 2.0**-53), ("single", 2.0**-24)])
