@@ -212,6 +212,20 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
                       const double *t, double *out_position, double *out_velocity,
                       double *out_force);
 
+/* == joined_rods == */
+
+/* `count` points on rods of `length` (count) [m] that hang from `pivot` (count, 2) in a plane, in
+ * uniform gravity (2), joined by linear springs; aim (count, 2): sine and cosine of the angles at
+ * the start. ends (springs, 2) are numbers of points, the second -1 for the place `fixed` (springs,
+ * 2); stiffness [N/m], and length without force `rest` [m]. out (samples, 2 count + springs):
+ * angles since the start [rad], rates [rad/s], and room of the kernel's own; row 0 is the start,
+ * given. Returns 0, or the sample (from 1) that was not reached: a spring that shrinks to nothing
+ * has no direction. */
+int refdem_joined_rods(int64_t count, const double *length, const double *mass, const double *aim,
+                       const double *pivot, int64_t springs, const int64_t *ends,
+                       const double *fixed, const double *stiffness, const double *rest,
+                       const double *gravity, int64_t samples, const double *t, double *out);
+
 /* == pendulum_ensemble == */
 
 /* theta'' = -square sin theta, square [1/s^2], for all members at once, `steps` steps h [s] of

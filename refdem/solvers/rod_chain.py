@@ -19,11 +19,10 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
+from refdem.solvers._rods import FITS, directions_and_rates, misfit, turned
 from refdem.solvers._scene_pattern import ANY, OPTIONAL, Count, ScenePattern
 from refdem.solvers._single_point import Array
 
-FITS = 1e-9
-"""Relative error of lengths and speeds at the start that counts as rounding."""
 MOST = 8
 """Largest number of rods."""
 
@@ -175,10 +174,8 @@ def _misfit(problem: Motion) -> str | None:
     for arm, relative_velocity, rod in zip(
         *_initial_branches(scene, chain, pivot), chain.rods, strict=True
     ):
-        if abs(np.linalg.norm(arm) - rod.length) > FITS * rod.length:
-            return f"a rod of length {rod.length} starts {np.linalg.norm(arm)} long"
-        if abs(arm @ relative_velocity) > FITS * rod.length * np.linalg.norm(relative_velocity):
-            return "a rod starts with a speed along it"
+        if reason := misfit(arm, relative_velocity, rod.length):
+            return reason
     return None
 
 
@@ -212,12 +209,7 @@ def _initial_branches(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, 
 
 def _initial_directions(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     """Sine and cosine of the initial angles (N, 2), and the angular velocities (N,)."""
-    arm, relative_velocity = _initial_branches(scene, chain, pivot)
-    length = np.linalg.norm(arm, axis=1, keepdims=True)
-    directions = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / length
-    # theta' = (r x v)_z/r^2.
-    moment = arm[:, 0] * relative_velocity[:, 1] - arm[:, 1] * relative_velocity[:, 0]
-    return directions, moment / np.sum(arm**2, axis=1)
+    return directions_and_rates(*_initial_branches(scene, chain, pivot))
 
 
 def _positions_and_velocities(
@@ -228,15 +220,7 @@ def _positions_and_velocities(
     `rods_at_start` (N, 2) are the rods at the start, l (sin theta0, cos theta0); `states` (T, 2 N)
     are the turns and their rates.
     """
-    turn, rate = np.split(states, 2, axis=1)
-    sine = np.sin(turn)
-    cosine = np.cos(turn)
-    zero = np.zeros_like(turn)
-    # l sin(theta0 + turn) and l cos(theta0 + turn); the rod is (x, -down).
-    x = rods_at_start[:, 0] * cosine + rods_at_start[:, 1] * sine
-    down = rods_at_start[:, 1] * cosine - rods_at_start[:, 0] * sine
-    rod_vectors = np.stack([x, -down, zero], axis=2)
-    relative_velocity = rate[..., None] * np.stack([down, x, zero], axis=2)
+    rod_vectors, relative_velocity = turned(rods_at_start, states)
     shape = (len(states), len(scene.bodies), 3)
     position = np.empty(shape)
     velocity = np.empty(shape)
