@@ -19,15 +19,16 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def of_engine(engine: Engine) -> list[Deviation]:
-    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well
-    formed.
+    """The deviations in validation/expected/<name>.toml, and those that the engine brings; raises
+    UsageError if the file is not well formed.
 
-    A program that has a refdem.toml brings its own, whatever its name.
+    A program that has a refdem.toml brings its own alone, whatever its name.
     """
     path = validation_folder() / "expected" / f"{engine.name}.toml"
     if engine.address != engine.name or not path.exists():
-        return []
-    return toml_as(_File, path, "expected deviations of an engine").expected
+        return list(engine.expected)
+    shipped = toml_as(_File, path, "expected deviations of an engine").expected
+    return [*shipped, *engine.expected]
 
 
 def applied(record: Record, deviations: list[Deviation]) -> Record:

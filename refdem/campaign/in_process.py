@@ -2,7 +2,7 @@
 record; nothing is stored.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import msgspec
 
@@ -11,6 +11,7 @@ from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.plan import Task
 from refdem.campaign.specification import Specification
 from refdem.core.case import Instance
+from refdem.core.deviation import Deviation
 from refdem.core.engine import Engine, finished
 from refdem.core.finding import Record
 from refdem.core.problem import Request
@@ -47,10 +48,15 @@ def task_of(
     return task
 
 
-def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
+def record_of(
+    task: Task,
+    known: dict[Variant, Run] | None = None,
+    deviations: Sequence[Deviation] = (),
+) -> Record:
     """The record of a task, whose runs are made in this process and judged.
 
-    `known` has runs of the same engine, which are not made again; new ones are added to it.
+    `known` has runs of the same engine, which are not made again; new ones are added to it. The
+    `deviations` are those that are expected of the engine.
     """
     if known is None:
         runs: dict[Variant, Run] = {}
@@ -66,7 +72,7 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
         is_possible = base is not None or not variant.goes_on
         if is_possible and variant not in runs:
             runs[variant] = run_of(task.engine, plan.request(task, variant, base))
-    return judging.record(task, task.engine.version(), runs, [])
+    return judging.record(task, task.engine.version(), runs, list(deviations))
 
 
 def run_of(engine: Engine, request: Request) -> Run:

@@ -12,7 +12,7 @@ from refdem.core.finding import Record
 def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[Record]:
     """The records in order of the plan, with the deviations that are expected of the engines."""
     engines = {task.engine.name: task.engine for task in tasks}
-    expected = {name: [*of_engine(engine), *engine.expected] for name, engine in engines.items()}
+    expected = {name: of_engine(engine) for name, engine in engines.items()}
     judged = []
     for number, task in enumerate(tasks):
         name = task.engine.name

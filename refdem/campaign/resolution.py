@@ -16,6 +16,7 @@ import msgspec
 import numpy as np
 
 from refdem.campaign import plan, unchanged
+from refdem.campaign.deviations import of_engine
 from refdem.campaign.in_process import record_of
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import Job, Progress, Schedule, counted
@@ -23,6 +24,7 @@ from refdem.campaign.specification import Specification
 from refdem.campaign.truths import sampled_truths
 from refdem.core import discovery
 from refdem.core.case import Instance
+from refdem.core.deviation import Deviation
 from refdem.core.engine import Engine
 from refdem.core.finding import Finding
 from refdem.core.judgement import distances
@@ -231,7 +233,7 @@ def resolution(
     """
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
     narrow = msgspec.structs.replace(specification, checks=_checks(task))
-    judge = _Judge(narrow, engine, instance, truth)
+    judge = _Judge(narrow, engine, instance, truth, of_engine(engine))
     sound = judge.trial(None, 0.0)
     if any(finding.outcome in ("fail", "error") for finding in sound.findings):
         why = "a finding fails without any misreading"
@@ -260,6 +262,7 @@ class _Judge:
     engine: Engine
     instance: Instance
     truth: SampledTruth
+    deviations: list[Deviation]
 
     def seen(self, number: Number, sound: Trial) -> Seen:
         """What is noticed of a number; `sound` is the run without any misreading."""
@@ -310,7 +313,7 @@ class _Judge:
             self.specification, self.instance, (), engine, self.truth, self.truth.reason
         )
         runs: dict[Variant, Run] = {}
-        record = record_of(task, runs)
+        record = record_of(task, runs, self.deviations)
         finest = runs.get(task.subject.finest)
         return Trial(record.findings, finest, _refused(runs.values()))
 
