@@ -56,7 +56,6 @@ def command(
     from refdem.cli.run import workers
     from refdem.cli.summary import exit_status, lines
     from refdem.gate import markdown as gate_markdown
-    from refdem.gate.baseline import read
     from refdem.gate.gate import of_program
     from refdem.report.files import written_to
 
@@ -73,7 +72,7 @@ def command(
         refuse_unwritable_file(gate.baseline, "--baseline")
     # A baseline that cannot be read is refused before any program runs.
     if gate.baseline.is_file():
-        read(gate.baseline)
+        gate.accepted()
     sheets = gate.sheets()
     if bless:
         _bless(gate, sheets, why)
@@ -124,7 +123,7 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     records: list[Record] = [sheet for sheet in sheets if isinstance(sheet, Record)]
     before: dict[str, Accepted] = {}
     if gate.baseline.is_file():
-        _, before = baseline.read(gate.baseline)
+        before = gate.accepted()
     for line in baseline.differences(before, records):
         print(one_line(line))
     count = baseline.write(gate.baseline, records, why)

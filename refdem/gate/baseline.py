@@ -1,5 +1,12 @@
-"""The baseline: the findings on a program when someone accepted them, with the reason why."""
+"""The baseline: the findings on a program when someone accepted them, with the reason why.
 
+The first line of the file says of which engine they are, how many, and their digest: a baseline
+that was cut down, or that belongs to another program, would open the gate for whatever it does not
+know.
+"""
+
+import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
@@ -10,7 +17,7 @@ from refdem.core.outside import one_line
 from refdem.core.reading import content, json_as
 from refdem.errors import StoreError, UsageError
 
-FORMAT = 1
+FORMAT = 2
 """Version of the format of a baseline."""
 PARTS = 5
 """Of an id: case, engine, method, check, quantity."""
@@ -33,12 +40,16 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The first line of a baseline file."""
+    """The first line of a baseline file; `findings` is their number, `sha256` the digest of their
+    lines.
+    """
 
     format: int
     engine: str
     version: str
     why: str
+    findings: int = -1
+    sha256: str = ""
 
 
 def accepted(record: Record, finding: Finding) -> Accepted:
@@ -51,9 +62,9 @@ def accepted(record: Record, finding: Finding) -> Accepted:
     )
 
 
-def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
+def read(path: Path, engine: str = "") -> tuple[Header, dict[str, Accepted]]:
     """Header and findings by id; raises UsageError, saying how to make one, if the file is missing
-    or broken.
+    or broken, or of another `engine` than this one.
     """
     if not path.is_file():
         raise UsageError(
@@ -71,9 +82,26 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
     _refuse_wrong_ids(path, entries)
     if header.format != FORMAT:
         raise UsageError(
-            f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew"
+            f"baseline {path} has format {header.format}; expected {FORMAT}: delete it and bless"
+            " anew"
+        )
+    if (header.findings, header.sha256) != (len(entries), digest(lines[1:])):
+        raise UsageError(
+            f"baseline {path} has {len(entries)} findings; its first line was written for"
+            f" {header.findings}, or for others; restore it from version control, or delete it and"
+            " bless anew"
+        )
+    if engine and header.engine != engine:
+        raise UsageError(
+            f"baseline {path} is that of {one_line(header.engine, 80)!r}; expected one of"
+            f" {engine!r}: name that with --baseline, or delete this one and bless anew"
         )
     return header, {entry.id: entry for entry in entries}
+
+
+def digest(lines: Iterable[bytes]) -> str:
+    """sha256 of the lines of findings, each with its newline."""
+    return hashlib.sha256(b"".join(line + b"\n" for line in lines)).hexdigest()
 
 
 def _refuse_wrong_ids(path: Path, entries: list[Accepted]) -> None:
@@ -115,11 +143,18 @@ def write(path: Path, records: list[Record], why: str) -> int:
             f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is;"
             " look at the errors first"
         )
-    header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
     entries.sort(key=lambda entry: entry.id)
-    lines = [msgspec.json.encode(header), *map(msgspec.json.encode, entries)]
+    lines = [msgspec.json.encode(entry) for entry in entries]
+    header = Header(
+        format=FORMAT,
+        engine=records[0].engine,
+        version=records[0].version,
+        why=why,
+        findings=len(entries),
+        sha256=digest(lines),
+    )
     try:
-        put(path, b"\n".join(lines) + b"\n")
+        put(path, b"\n".join([msgspec.json.encode(header), *lines]) + b"\n")
     except OSError as error:
         raise StoreError(f"baseline {path} cannot be written: {error.strerror}") from None
     return len(entries)

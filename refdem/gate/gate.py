@@ -21,6 +21,7 @@ from refdem.core.store import Store, default_path
 from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
+from refdem.gate.baseline import Accepted
 
 ULPS = (2, -2, 6)
 """Units in the last place by which the starts of reruns are moved, to see how much of a value is
@@ -79,11 +80,18 @@ class Gate:
         """
         return measured(self.specification(), self.store, self.jobs, self.progress, use_store=False)
 
+    def accepted(self) -> dict[str, Accepted]:
+        """The accepted findings by id; raises UsageError if the baseline cannot be read, or is
+        another program's.
+        """
+        _, accepted = baseline.read(self.baseline, self.engine.name)
+        return accepted
+
     def against_baseline(self, sheets: list[Sheet]) -> list[Sheet]:
         """The sheets with every record compared with the baseline; raises UsageError if there is
         none.
         """
-        _, accepted = baseline.read(self.baseline)
+        accepted = self.accepted()
         records = [sheet for sheet in sheets if isinstance(sheet, Record)]
         others = [sheet for sheet in sheets if not isinstance(sheet, Record)]
         return [*others, *compare.compared(records, accepted, self.noise)]

@@ -17,7 +17,7 @@ from refdem.scene import Scene
 
 DEEP = b'{"a":' * 100_000
 NO_TEXT = b'{"bodies": [], "\xff\xfe": 1}'
-HEADER = {"format": 1, "engine": "small", "version": "1.0", "why": "first"}
+HEADER = {"format": 2, "engine": "small", "version": "1.0", "why": "first"}
 ENTRY = {"id": "pendulum/small/rk4/error/x", "outcome": "pass", "value": 1e-9, "constant": None}
 MANIFEST = {"refdem": "0.1.0", "case": [{"id": "pendulum"}], "levels": 4}
 
@@ -86,6 +86,50 @@ def test_a_baseline_is_read_as_a_whole_or_not_at_all(
     path = tmp_path / "baseline.jsonl"
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
     with pytest.raises(UsageError, match=says):
+        baseline.read(path)
+
+
+def sealed(*entries: object, **more: object) -> bytes:
+    """A baseline whose first line fits the others, but for `more`."""
+    lines = [json.dumps(entry).encode() for entry in entries]
+    header = HEADER | {"findings": len(lines), "sha256": baseline.digest(lines)} | more
+    return b"".join(line + b"\n" for line in [json.dumps(header).encode(), *lines])
+
+
+OTHER = ENTRY | {"id": "pendulum/small/rk4/error/y"}
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        lambda lines: lines[:1],
+        lambda lines: lines[:2],
+        lambda lines: [*lines, lines[1].replace(b"error/x", b"error/z")],
+        lambda lines: [lines[0], lines[1].replace(b"1e-09", b"1e-03"), lines[2]],
+        lambda lines: [lines[0].replace(b'"findings": 2', b'"findings": 1'), *lines[1:2]],
+    ],
+    ids=["header alone", "one less", "one more", "another value", "another number"],
+)
+def test_a_baseline_that_was_cut_down_or_changed_opens_no_gate(tmp_path: Path, cut) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "baseline.jsonl"
+    path.write_bytes(sealed(ENTRY, OTHER))
+    assert len(baseline.read(path, "small")[1]) == 2
+    path.write_bytes(b"".join(cut(path.read_bytes().splitlines(keepends=True))))
+    with pytest.raises(UsageError, match="its first line was written for"):
+        baseline.read(path)
+
+
+def test_a_baseline_of_another_program_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "baseline.jsonl"
+    path.write_bytes(sealed(ENTRY))
+    with pytest.raises(UsageError, match="is that of 'small'; expected one of 'large'"):
+        baseline.read(path, "large")
+
+
+def test_a_baseline_of_an_older_format_says_what_to_do(tmp_path: Path) -> None:
+    path = tmp_path / "baseline.jsonl"
+    path.write_bytes(sealed(ENTRY, format=1))
+    with pytest.raises(UsageError, match="has format 1; expected 2: delete it and bless anew"):
         baseline.read(path)
 
 

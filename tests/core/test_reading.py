@@ -48,9 +48,10 @@ CAMPAIGN = (
 MANIFEST = (
     b'{"refdem": "1", "case": [{"id": "pendulum", "set": {}}], "versions": {"a": "1"}, "levels": 4}'
 )
+ACCEPTED = b'{"id": "pendulum/a/b/error/x", "outcome": "pass", "value": 1.0, "constant": 2.0}'
 BASELINE = (
-    b'{"format": 1, "engine": "a", "version": "1", "why": "first"}\n'
-    b'{"id": "pendulum/a/b/error/x", "outcome": "pass", "value": 1.0, "constant": 2.0}\n'
+    b'{"format": 2, "engine": "a", "version": "1", "why": "first", "findings": 1, "sha256": "%s"}\n'
+    b"%s\n" % (baseline.digest([ACCEPTED]).encode(), ACCEPTED)
 )
 PIECES = [
     b"[",

@@ -6,6 +6,8 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
+from refdem.gate import baseline
+
 
 def test_without_a_baseline_the_gate_is_closed_and_says_how_to_bless(program):
     done = program.gate()
@@ -100,8 +102,11 @@ def test_an_id_that_does_not_print_is_no_id_of_a_baseline(program, character):
 def test_what_a_blessing_shows_is_no_command_of_a_workflow(program):
     program.bless()
     path = program.folder / "refdem-baseline.jsonl"
-    with path.open("a") as file:
-        file.write(json.dumps({"id": "##[error]/a/b/c/d", "outcome": "pass"}) + "\n")
+    header, *accepted = path.read_bytes().splitlines()
+    accepted.append(json.dumps({"id": "##[error]/a/b/c/d", "outcome": "pass"}).encode())
+    fits = {"findings": len(accepted), "sha256": baseline.digest(accepted)}
+    first = json.dumps(json.loads(header) | fits).encode()
+    path.write_bytes(b"\n".join([first, *accepted]) + b"\n")
     done = program.gate("--bless", "--why", "because")
     assert "- # #[error]/a/b/c/d: pass" in done.stdout
 
