@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from refdem.gate import baseline
+
 ROOT = Path(__file__).resolve().parents[3]
 CODES = ROOT / "validation/codes"
 
@@ -55,7 +57,9 @@ class Gates:
         head = toml.read_text().replace("../../../", f"{ROOT}/").partition("[gate]")[0]
         toml.write_text(f"{head}[gate]\nlevels = 3\ncases = {json.dumps([case])}\n")
         accepted = toml.with_name("refdem-baseline.jsonl")
-        accepted.write_text(accepted.read_text().partition("\n")[0] + "\n")
+        header = json.loads(accepted.read_text().partition("\n")[0])
+        empty = {"findings": 0, "sha256": baseline.digest([])}
+        accepted.write_text(json.dumps(header | empty) + "\n")
         done = self.gated(toml)
         assert done.returncode == 1, done.stdout + done.stderr
         assert any(
