@@ -70,6 +70,23 @@ ANSWERS = ("done", "unsupported", "failed")
 """The answers to a request; an answer has one of these words."""
 
 
+def answer_of(line: dict[str, Any]) -> str | None:
+    """The word of ANSWERS with which a line answers a request; None of a line that does not: done
+    is true, and a refusal or a failure says why.
+    """
+    words = [word for word in ANSWERS if word in line]
+    if "id" not in line or len(words) != 1:
+        return None
+    (word,) = words
+    if word == "done":
+        fits = line[word] is True
+    else:
+        fits = isinstance(line[word], str)
+    if not fits:
+        return None
+    return word
+
+
 class AbandonedError(Exception):
     """Nobody waits for the run any more."""
 
@@ -325,7 +342,8 @@ class Supervisor:
         service.begin("request")
         limit_files([service.process, *descendants()], request["bytes"])
         began = time.monotonic()
-        warm = began
+        warm = None
+        # No line that the program writes moves this limit.
         until = began + request["warm"] + request["timeout"]
         service.write(request["line"])
         while True:
@@ -334,15 +352,17 @@ class Supervisor:
             # A program may take the id for a number.
             if "id" in answer and str(answer["id"]) != request["id"]:
                 raise FaultError("other", line=shown(line))
-            is_answer = "id" in answer and sum(word in answer for word in ANSWERS) == 1
-            if is_answer:
+            word = answer_of(answer)
+            if word is not None:
                 break
-            if "id" not in answer or "warm" not in answer:
+            is_warm = "id" in answer and answer.get("warm") is True
+            if not is_warm or warm is not None:
                 raise FaultError("stray", line=shown(line))
             warm = time.monotonic()
-            until = warm + request["timeout"]
+            until = min(until, warm + request["timeout"])
         ended = time.monotonic()
-        (word,) = (word for word in ANSWERS if word in answer)
+        if warm is None:
+            warm = began
         service.drain()
         service.phase = "idle"
         return {

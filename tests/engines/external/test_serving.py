@@ -45,6 +45,14 @@ ERRORS = {
     "says-done-and-wrote-nothing": "wrote no trajectory.csv",
     "writes-a-huge-file": r"SIGXFSZ: a file grew too large",
     "fails": "failed: the solver diverged at t = 3",
+    "done-is-false": r"wrote '\{\"id\": \"\d+\", \"done\": false\}' as the answer",
+    "done-is-null": r"\"done\": null\}' as the answer",
+    "done-is-a-word": r"\"done\": \"yes\"\}' as the answer",
+    "done-is-one": r"\"done\": 1\}' as the answer",
+    "refuses-without-a-word": r"\"unsupported\": true\}' as the answer",
+    "fails-without-a-word": r"\"failed\": null\}' as the answer",
+    "is-not-warm": r"\"warm\": false\}' as the answer",
+    "warms-up-for-ever": r"\"warm\": true\}' as the answer",
 }
 LATER = {
     "crashes-later": r"signal 6 \(SIGABRT\) and did not answer",

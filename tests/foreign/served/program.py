@@ -229,6 +229,57 @@ def refuses_later(asked):
         good(asked)
 
 
+def ends_with(asked, done):
+    """The right trajectory, and another value of `done` than true."""
+    with open(asked["request"]) as file:
+        write(asked["trajectory"], trajectory(json.load(file)))
+    say(id=asked["id"], done=done)
+
+
+@method
+def done_is_false(asked):
+    ends_with(asked, False)
+
+
+@method
+def done_is_null(asked):
+    ends_with(asked, None)
+
+
+@method
+def done_is_a_word(asked):
+    ends_with(asked, "yes")
+
+
+@method
+def done_is_one(asked):
+    ends_with(asked, 1)
+
+
+@method
+def refuses_without_a_word(asked):
+    say(id=asked["id"], unsupported=True)
+
+
+@method
+def fails_without_a_word(asked):
+    say(id=asked["id"], failed=None)
+
+
+@method
+def is_not_warm(asked):
+    say(id=asked["id"], warm=False)
+    good(asked)
+
+
+@method
+def warms_up_for_ever(asked):
+    """Each of these lines would move the limit on the time of the request."""
+    for _ in range(100_000):
+        say(id=asked["id"], warm=True)
+        time.sleep(0.02)
+
+
 # Keeps ---------------------------------------------------------------------------------------
 
 
