@@ -16,16 +16,16 @@ ROOT = Path(__file__).parents[2]
 
 REFDEM = f'#!/bin/sh\nexec {sys.executable} -c "from refdem.cli import main; main()" "$@"\n'
 PIP = """#!/bin/sh
-if [ "$1 $2 $3" = "-m pip install" ]; then
+if [ "$1 $2 $3 $4" = "-I -m pip install" ]; then
   echo "$@" >>{told}
   exit 0
 fi
 exec {python} "$@"
 """
 VENV = """#!/bin/sh
-if [ "$1 $2" = "-m venv" ]; then
-  mkdir -p "$3/bin"
-  cp {tools}/made/* "$3/bin"
+if [ "$1 $2 $3" = "-I -m venv" ]; then
+  mkdir -p "$4/bin"
+  cp {tools}/made/* "$4/bin"
   exit 0
 fi
 exec {python} "$@"
