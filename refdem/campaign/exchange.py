@@ -12,11 +12,12 @@ the folders of the runs; what it answers may come back in files *answers*.jsonl.
 
 import contextlib
 import json
+import os
 import shutil
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import msgspec
 
@@ -28,7 +29,7 @@ from refdem.core import discovery
 from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
-from refdem.core.outside import one_line
+from refdem.core.outside import one_line, opened
 from refdem.core.problem import Motion, Request
 from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
@@ -49,8 +50,8 @@ REFUSED = "unsupported.txt"
 """The file in a run's folder, in place of a trajectory, with the reason why the program ended with
 77, not supported.
 """
-
-
+LAST_WORDS = 200
+"""Characters of that reason that are read, the last ones."""
 FORMAT = 1
 """Of a manifest."""
 
@@ -127,9 +128,10 @@ class Elsewhere(Engine):
                     " the same folder writes it"
                 )
             written(request, folder)
-        if (folder / REFUSED).is_file():
-            reason = (folder / REFUSED).read_text(errors="replace").strip()
-            raise UnsupportedError(one_line(reason[-200:]) or f"the program wrote {REFUSED}")
+        refused = opened(folder / REFUSED)
+        if refused is not None:
+            reason = _last_words(refused)
+            raise UnsupportedError(reason or f"the program wrote {REFUSED}")
         said = self.answers.get(name, {})
         if "unsupported" in said:
             raise UnsupportedError(one_line(str(said["unsupported"]))[-200:] or "not supported")
@@ -148,13 +150,34 @@ class Elsewhere(Engine):
         return trajectory, Cost(seconds=0.0, steps=steps)
 
 
+def _last_words(file: BinaryIO) -> str:
+    """The last 200 characters of a file, as one line; no more of it is read."""
+    with file:
+        end = file.seek(0, os.SEEK_END)
+        file.seek(max(0, end - 4 * LAST_WORDS))
+        return one_line(file.read().decode(errors="replace").strip()[-LAST_WORDS:])
+
+
+def _plain(path: Path) -> Path:
+    """The path; raises UsageError if a link, a pipe or a device has this name, which another
+    machine may have made.
+    """
+    try:
+        file = opened(path)
+    except EngineError as error:
+        raise UsageError(f"{path}: {error}") from None
+    if file is not None:
+        file.close()
+    return path
+
+
 def answers(folder: Path) -> dict[str, dict[str, Any]]:
     """What programs that stay alive have answered, by the folder of the run; lines that are no
     answers are passed over, since it is trajectories that are judged.
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.glob(ANSWERS)):
-        for line in content(path, "the lines that a program answered").splitlines():
+        for line in content(_plain(path), "the lines that a program answered").splitlines():
             try:
                 said = json.loads(line)
             except UNREADABLE:
@@ -242,7 +265,7 @@ def read(folder: Path) -> Manifest:
     """The manifest of an export; raises UsageError if there is none, or if another refdem wrote
     it.
     """
-    path = folder / MANIFEST
+    path = _plain(folder / MANIFEST)
     manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
@@ -275,7 +298,7 @@ def _campaign(
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            described = discovery.engine(str(folder / f"{name}.toml"))
+            described = discovery.engine(str(_plain(folder / f"{name}.toml")))
             engine = Elsewhere(described, manifest.versions[name], folder, writes=writes)
             engines.append(engine)
             here.enter_context(discovery.engine_here(engine))

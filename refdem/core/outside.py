@@ -111,3 +111,25 @@ def opened(path: Path) -> BinaryIO | None:
             " run wrote"
         )
     return os.fdopen(descriptor, "rb")
+
+
+def made(path: Path) -> BinaryIO:
+    """A new file, open for writing and reading, in a folder that programs can reach.
+
+    Raises EngineError if the name is taken: what a program has put there, a link or a pipe, may
+    lead elsewhere, or wait for ever.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise EngineError(
+            f"{path.name} cannot be made: {error.strerror}; expected a folder in which nothing has"
+            " this name yet"
+        ) from None
+    return os.fdopen(descriptor, "w+b")
+
+
+def put_new(path: Path, data: bytes) -> None:
+    """Writes a new file in a folder that programs can reach; raises EngineError as `made` does."""
+    with made(path) as file:
+        file.write(data)

@@ -4,7 +4,9 @@ Every fault becomes a UsageError of one sentence with its place: a name that no 
 folder, bytes that are no text, brackets nested too deeply, a field that does not fit.
 """
 
+import os
 import re
+import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -23,9 +25,14 @@ UNKNOWN = re.compile(r"unknown field `([^`]*)`")
 
 
 def content(path: Path, expected: str) -> bytes:
-    """The bytes of a file; raises UsageError that ends with `expected`, what the file should be."""
+    """The bytes of a file; raises UsageError that ends with `expected`, what the file should be.
+
+    What is no file is not waited for: a pipe to which nobody writes has no end.
+    """
     try:
-        with path.open("rb") as file:
+        with open(path, "rb", opener=_unwaiting) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ValueError("a pipe or a device, not a file")
             data = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
@@ -35,6 +42,11 @@ def content(path: Path, expected: str) -> bytes:
             f"{one_line(str(path))}: more than {MOST_BYTES} bytes; expected {expected}"
         )
     return data
+
+
+def _unwaiting(path: str, flags: int) -> int:
+    """Opens a file without waiting for whoever writes to a pipe."""
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def is_file(path: Path) -> bool:

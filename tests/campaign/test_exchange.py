@@ -3,6 +3,7 @@ judged.
 """
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -208,3 +209,64 @@ def test_an_export_of_few_levels_is_written(tmp_path: Path, levels: int) -> None
     waiting = exported(tmp_path / "out", [path], case, levels, store, lambda *_: None)
     store.close()
     assert waiting
+
+
+def put(path: Path, kind: str, target: Path) -> None:
+    """Puts what is no plain file at a path: a link to a file of this machine, a pipe, a folder."""
+    path.unlink(missing_ok=True)
+    if kind == "link":
+        path.symlink_to(target)
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.mkdir()
+
+
+KINDS = ("link", "pipe", "folder")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", [MANIFEST, "far.toml", "far-answers.jsonl"])
+def test_what_comes_back_in_place_of_a_file_is_neither_followed_nor_waited_for(
+    toml: Path, tmp_path: Path, name: str, kind: str
+) -> None:
+    folder = tmp_path / "to-run"
+    written(toml, folder)
+    secret = tmp_path / "secret"
+    secret.write_text((folder / name).read_text() if (folder / name).exists() else "{}")
+    put(folder / name, kind, secret)
+    with pytest.raises(UsageError, match=f"{name}.*expected a plain file"):
+        record(toml, folder)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["unsupported.txt", "trajectory.csv"])
+def test_a_run_with_such_a_file_is_an_error_and_tells_nothing_of_this_machine(
+    toml: Path, tmp_path: Path, name: str, kind: str
+) -> None:
+    folder = tmp_path / "to-run"
+    names = written(toml, folder)
+    for other in names:
+        run(folder / other)
+    secret = tmp_path / "secret"
+    secret.write_text("the password is swordfish")
+    put(folder / names[0] / name, kind, secret)
+    found = record(toml, folder)
+    assert "error" in {finding.outcome for finding in found.findings}
+    sentences = " ".join(finding.sentence for finding in found.findings)
+    assert "swordfish" not in sentences
+    assert name in sentences
+
+
+def test_of_a_reason_without_end_only_the_end_is_read(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    names = written(toml, folder)
+    for name in names:
+        path = folder / name / "unsupported.txt"
+        with path.open("wb") as file:
+            file.truncate(2**36)
+            file.seek(0, os.SEEK_END)
+            file.write("\nno springs on Saturdays, at 20 °C".encode())
+    found = record(toml, folder)
+    assert {finding.outcome for finding in found.findings} == {"unsupported"}
+    assert "no springs on Saturdays, at 20 °C" in found.findings[0].sentence

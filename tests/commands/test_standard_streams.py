@@ -83,7 +83,7 @@ def test_a_folder_that_is_gone_is_bad_input(tmp_path: Path, words: str) -> None:
 def test_a_file_without_an_end_is_bad_input(tmp_path: Path) -> None:
     found = done(tmp_path, "gate /dev/zero", "ulimit -v 8000000;")
     assert found.returncode == 2, found.stderr
-    assert "/dev/zero: more than" in found.stderr
+    assert "/dev/zero: a pipe or a device, not a file" in found.stderr
 
 
 def test_a_folder_whose_name_is_no_text_is_a_folder(tmp_path: Path, toml: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from refdem.core.outside import MOST, cell, markdown_text, one_line, opened, printable
+from refdem.core.outside import MOST, cell, markdown_text, one_line, opened, printable, put_new
 from refdem.errors import EngineError
 
 
@@ -57,6 +57,21 @@ def test_only_a_plain_file_of_ones_own_is_opened(tmp_path: Path) -> None:
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(EngineError, match="plain file"):
         opened(tmp_path / "folder.csv")
+
+
+def test_a_new_file_is_made_at_no_name_that_is_taken(tmp_path: Path) -> None:
+    target = tmp_path / "target"
+    target.write_text("kept")
+    (tmp_path / "link").symlink_to(target)
+    (tmp_path / "loose").symlink_to(tmp_path / "nowhere")
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("target", "link", "loose", "pipe"):
+        with pytest.raises(EngineError, match=f"^{name} cannot be made: File exists"):
+            put_new(tmp_path / name, b"lost")
+    assert target.read_text() == "kept"
+    assert not (tmp_path / "nowhere").exists()
+    put_new(tmp_path / "new", b"text")
+    assert (tmp_path / "new").read_bytes() == b"text"
 
 
 @pytest.mark.parametrize(

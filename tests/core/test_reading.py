@@ -1,5 +1,6 @@
 """Files from outside: whatever is in them is read, or is one sentence of a UsageError."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -212,6 +213,12 @@ def test_whole_files_are_read(tmp_path: Path) -> None:
     assert json_as(Manifest, MANIFEST, "m").levels == 4
     path.write_bytes(BASELINE)
     assert len(baseline.read(path)[1]) == 1
+
+
+def test_a_pipe_in_place_of_a_file_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(UsageError, match="a pipe or a device, not a file; expected a list"):
+        content(tmp_path / "pipe", "a list")
 
 
 def test_a_path_that_no_system_has_says_why(tmp_path: Path) -> None:

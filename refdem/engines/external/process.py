@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from refdem.core.outside import one_line
+from refdem.core.outside import made, one_line
 from refdem.engines.external.folders import home
 from refdem.engines.external.supervisor import GOODBYE
 from refdem.errors import EngineError, HangError, UnsupportedError
@@ -175,7 +175,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     """
     # What it said is read from the descriptor: in its folder a program may put anything at that
     # name.
-    with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("w+b") as err:
+    with made(folder / "stdout.txt") as out, made(folder / "stderr.txt") as err:
         exit = run(command, folder, out, err, limits)
         says = _last_lines(err)
     if exit.status is None:

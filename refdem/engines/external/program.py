@@ -12,7 +12,7 @@ from typing import BinaryIO
 
 from refdem.core.answer_csv import most_rows, read_answer
 from refdem.core.engine import Stages
-from refdem.core.outside import one_line
+from refdem.core.outside import one_line, put_new
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
@@ -144,10 +144,10 @@ class Program:
 def written(request: Request, folder: Path) -> dict[str, Path]:
     """The files of a run by name, of which those of the request are written."""
     paths = {name: folder / file for name, file in FILES.items()}
-    paths["request"].write_bytes(request.to_json())
-    paths["request_txt"].write_text(request_text(request))
+    put_new(paths["request"], request.to_json())
+    put_new(paths["request_txt"], request_text(request).encode())
     if (file := request.bodies_file) is not None:
-        (folder / bodies_file.NAME).write_bytes(file)
+        put_new(folder / bodies_file.NAME, file)
     return paths
 
 

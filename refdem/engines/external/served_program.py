@@ -9,6 +9,7 @@ from pathlib import Path
 
 from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Stages
+from refdem.core.outside import put_new
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.folders import run_folder
@@ -42,7 +43,9 @@ class ServedProgram(Program):
         result = yield exchange.made
         result()
         (reply,) = exchange.replies
-        (folder / "stderr.txt").write_text(reply.said)
+        # The program still runs, and may have taken the name: then nothing is told of what it said.
+        with suppress(EngineError):
+            put_new(folder / "stderr.txt", reply.said.encode(errors="replace"))
         answer = answered(asked, reply)
         if self._is_deterministic(request.method):
             if sample.takes(request, reply.before):
@@ -77,7 +80,7 @@ class ServedProgram(Program):
                     f"{name} answers one request differently in two fresh processes: {changing};"
                     " expected the same bits, or deterministic = false of the method"
                 )
-            place.write_bytes(before.to_json())
+            put_new(place, before.to_json())
             sample.leak = (
                 f"{name} {KEEPS}: asked after another request, and then in a fresh process,"
                 f" {differs}. The request before it: {words(before)} ({BEFORE}). {ADVICE}"
@@ -88,7 +91,7 @@ class ServedProgram(Program):
         earlier, first_answer = kept_earlier
         differs = difference(first_answer, again[1])
         if differs:
-            place.write_bytes(earlier.to_json())
+            put_new(place, earlier.to_json())
             sample.leak = (
                 f"{name} {KEEPS}: another request ({words(earlier)}; {BEFORE}) was asked again"
                 f" after this one, in a fresh process, and was answered otherwise: {differs}."
