@@ -78,7 +78,8 @@ class DoublePendulum(Case):
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I, or the rate of one rod if that is more.
+        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I, or the rate of one rod if that is more,
+        of the energy or at the start.
 
         w1, w2 are the rates of the two modes at the bottom, w1^2 + w2^2 = g (m1 + m2)/m1 (1/l1 +
         1/l2). E is the energy above the bottom, I = (m1 + m2) l1^2 + m2 l2^2, so that 2 E/I is of
@@ -105,7 +106,8 @@ class DoublePendulum(Case):
         modes = p.gravity * total / m1 * (1 / l1 + 1 / l2)
         of_both = modes + 2 * energy / (carried @ p.lengths**2)
         of_one = 2 * energy * max(1 / (m1 * l1**2), total / (m1 * m2 * l2**2))
-        tau = 1.0 / float(np.sqrt(max(of_both, of_one / OF_EQUAL_BOBS)))
+        at_start = float(np.max(p.thetadot0**2))
+        tau = 1.0 / float(np.sqrt(max(of_both, of_one / OF_EQUAL_BOBS, at_start)))
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(total))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

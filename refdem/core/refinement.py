@@ -23,7 +23,9 @@ from refdem.core.problem import Motion
 from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
+from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
 
 Array = NDArray[np.float64]
@@ -96,10 +98,31 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
-    off in phase by u t.
+    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`).
     """
     phase = instance.scales.duration / instance.scales.tau
-    return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), phase)
+    factor = max(ROUND_OFF_FACTOR, of_directions(instance))
+    return factor * method.round_off * max(1.0, math.sqrt(steps), phase)
+
+
+def of_directions(instance: Instance) -> float:
+    """Roundings of a spin that one rounding of an attitude makes: |L|/(I_min omega), the largest of
+    any body; 0 where nothing spins at the start.
+
+    A method may carry the angular momentum L, which is constant in space. An attitude that is off
+    by u then has it off by u |L| in the axes of the body, and omega = I^-1 L by u |L|/I_min.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 0.0
+    bodies = problem.scene.bodies
+    spins = np.any(bodies.omega != 0, axis=1) & np.all(bodies.inertia > 0, axis=1)
+    if not spins.any():
+        return 0.0
+    moments = bodies.inertia[spins]
+    omega = rotated(conjugate(bodies.attitude[spins]), bodies.omega[spins])
+    momentum = np.linalg.norm(moments * omega, axis=1)
+    return float(np.max(momentum / (moments.min(axis=1) * np.linalg.norm(omega, axis=1))))
 
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
@@ -302,11 +325,46 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
 
     bound = (truncation + round-off + clock + flight) max S, the largest S up to the sample.
 
-    Far places replace round-off and flight where they are rounded by more.
+    Far places replace round-off and flight where they are rounded by more. After an impact comes
+    what a step by which it is seen late makes (`_of_impact`).
     """
     t = instance.times[: truth.until]
     of_method = truncation(instance, method, level, t)
+    if "impact_time" in truth.scalars and sees_late(instance, method):
+        time, _ = truth.scalars["impact_time"]
+        of_method = of_method + np.where(t >= time, _of_impact(instance, level), 0.0)
     return (of_method + resolution(instance, method, level)) * truth.growth()
+
+
+def sees_late(instance: Instance, method: Method) -> bool:
+    """True of a method with a fixed step that sees impacts at the ends of steps."""
+    is_rigid = "contact:rigid" in instance.problem.features
+    return is_rigid and method.control == "step" and not method.locates_events
+
+
+def _of_impact(instance: Instance, level: float) -> float:
+    """Relative error of a place after one impact, of one body at a wall or of two, that is seen a
+    step h late, beyond the h/tau of `truncation`.
+
+    The velocity of body 1 changes by dv <= (1 + e) w m2/(m1 + m2), where w is the speed of the
+    surfaces against each other. Until that is seen the body goes on as before, so that its place is
+    off by dv h: dv tau/L in units of h/tau. The base has 1 of these, as long as the impact comes
+    soon.
+    """
+    scene = instance.scene
+    bodies = scene.bodies
+    contact = scene.all(Contact)[0]
+    if len(bodies) == 1:
+        relative = bodies.velocity[0]
+        share = 1.0
+    else:
+        relative = bodies.velocity[1] - bodies.velocity[0]
+        share = float(bodies.mass.max() / bodies.mass.sum())
+    closing = float(np.linalg.norm(relative))
+    if contact.friction:
+        closing += float(bodies.radius @ np.linalg.norm(bodies.omega, axis=1))
+    change = (1.0 + contact.restitution) * closing * share
+    return max(0.0, change / instance.scales.speed - 1.0) * level / instance.scales.tau
 
 
 def resolution(instance: Instance, method: Method, level: float) -> float:
@@ -388,12 +446,7 @@ def past_impacts(
     for truth was sampled at the delays of these.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
-    is_late = (
-        method.control == "step"
-        and not method.locates_events
-        and method.velocity_time == "synchronous"
-        and "contact:rigid" in instance.problem.features
-    )
+    is_late = sees_late(instance, method) and method.velocity_time == "synchronous"
     if not has_impacts or not is_late or not levels or not truth.until:
         return levels
     most = min(most_steps, IMPACT_STEPS)

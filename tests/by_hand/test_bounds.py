@@ -16,6 +16,7 @@ from refdem.core.refinement import (
     clock,
     flight,
     levels,
+    of_directions,
     of_far_places,
     order,
     round_off,
@@ -322,3 +323,73 @@ def test_a_motion_that_no_affordable_step_resolves_has_no_levels():
     of = instance([POINT])
     assert levels(of, method(), 2, 15) == ()
     assert levels(of, method(), 2, 16)[0] == 0.5
+
+
+def spinning(inertia, omega):
+    """A body that spins about a direction in its own axes, which are those of space."""
+    return instance([POINT, Body(mass=1.0, inertia=inertia, omega=omega)])
+
+
+@pytest.mark.parametrize(
+    ("inertia", "omega", "factor"),
+    [
+        # |L|/(I_min omega): 60 x 1/(2 x 1); of a spin about the slender axis it is 1.
+        ((2.0, 60.0, 60.0), (0.0, 3.0, 0.0), 30.0),
+        ((2.0, 60.0, 60.0), (3.0, 0.0, 0.0), 1.0),
+        ((2.0, 60.0, 60.0), (4.0, 0.0, 3.0), sqrt(8.0**2 + 180.0**2) / (2.0 * 5.0)),
+        ((2.0, 60.0, 60.0), (0.0, 0.0, 0.0), 0.0),
+        ((0.0, 60.0, 60.0), (0.0, 3.0, 0.0), 0.0),
+    ],
+)
+def test_a_rounding_of_an_attitude_is_more_of_the_spin_of_a_slender_body(inertia, omega, factor):
+    assert of_directions(spinning(inertia, omega)) == near(factor, rel=1e-14)
+
+
+def test_round_off_of_a_slender_body_that_spins_is_that_of_its_attitude():
+    slender = spinning((2.0, 60.0, 60.0), (0.0, 3.0, 0.0))
+    assert round_off(slender, method(), 1e4) == near(30 * U * 100, rel=1e-14)
+    stout = spinning((10.0, 60.0, 60.0), (0.0, 3.0, 0.0))
+    assert round_off(stout, method(), 1e4) == near(8 * U * 100, rel=1e-14)
+
+
+TIMES = (0.0, 0.5, 1.0)
+
+
+def extra(bodies, contact, elements=(), **claims):
+    """What an impact at 1/2 s adds to the bound of a method of order 1, in units of h/tau = 1/32,
+    at each sample.
+    """
+    of = instance(bodies, (contact, *elements), times=TIMES, quantities={"r1.x": 1.0})
+    rigid = method(**({"order": 1} | claims))
+    flying = truth(TIMES, {"r1.x": [0.0] * 3})
+    meeting = truth(TIMES, {"r1.x": [0.0] * 3}, scalars={"impact_time": (0.5, 0.0)})
+    level = 1 / 64
+    before = refinement.bound(of, rigid, level, flying)
+    return (refinement.bound(of, rigid, level, meeting) - before) / (level / 0.5)
+
+
+def ball(mass, speed, omega=0.0):
+    return Body(
+        mass=mass,
+        inertia=(0.1,) * 3,
+        velocity=(speed, 0.0, 0.0),
+        omega=(0.0, 0.0, omega),
+        shape=Sphere(radius=0.5),
+    )
+
+
+def test_an_impact_that_is_seen_a_step_late_leaves_a_body_where_it_would_have_gone():
+    # The speed of the scales is 8 m/s. (1 + 1/2) 16 m/s 3/4 = 18 m/s.
+    rigid = Contact(law="rigid", restitution=0.5)
+    two = [ball(1.0, 10.0), ball(3.0, -6.0)]
+    np.testing.assert_allclose(extra(two, rigid), [0.0, 1.25, 1.25], rtol=1e-12)
+    # At a wall: (1 + 1/2) 8 m/s = 12 m/s.
+    np.testing.assert_allclose(extra([ball(1.0, 8.0)], rigid, (Plane(),)), [0.0, 0.5, 0.5])
+    # Friction turns at the speed of the surfaces: (1 + 1/2) (8 + 1/2 x 4) m/s.
+    rough = Contact(law="rigid", restitution=0.5, friction=0.1)
+    spun = extra([ball(1.0, 8.0, omega=4.0)], rough, (Plane(),))
+    np.testing.assert_allclose(spun, [0.0, 7 / 8, 7 / 8])
+    # Slow bodies are off by less than the base allows.
+    assert np.all(extra([ball(1.0, 2.0)], rigid, (Plane(),)) == 0.0)
+    # A method that locates impacts sees none late.
+    assert np.all(extra(two, rigid, locates_events=True) == 0.0)

@@ -107,6 +107,27 @@ FORMER = [
     ("two-body-orbit[duration=0.866 samples=16]", "multistep", "adams-bashforth-moulton-4"),
     # Terms that cancel at a step of which the half leaves but round-off.
     ("driven-duffing[f0=5.63 duration=2.141 samples=16]", "soft", "dormand-prince"),
+    # An upper rod whose rate at the start is more than what the energy makes of both.
+    (
+        "double-pendulum[masses=2.36,1.38 theta0=13.6,-2.29 thetadot0=93.5,0.539 duration=0.1249"
+        " samples=16]",
+        "rods",
+        "rk4",
+    ),
+    # A slender body: a rounding of its attitude is 278 of its spin.
+    (
+        "free-rigid-body[inertia=0.022,6.12,6.1 omega_body=-1.49,-403,-3.59"
+        " attitude=46,-2.36,2.83,-11.3 duration=0.002481 samples=16]",
+        "turning-single",
+        "momentum-rk4",
+    ),
+    # An impact soon after the start that is seen a step late: the ball goes on, and not back.
+    (
+        "hard-wall[radius=1.38 velocity=0.438,-669,-0.617 restitution=0.989 friction=0.386"
+        " duration=0.006726 samples=16]",
+        "rigid",
+        "moreau",
+    ),
     # A multistep start of a motion whose forces depend on velocities.
     (
         "van-der-pol[v0=-2.8 duration=0.6189 samples=16]",
