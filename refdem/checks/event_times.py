@@ -13,7 +13,7 @@ from refdem.checks._crossings import (
     has_crossings,
     shift,
 )
-from refdem.checks._impacts import is_sequence
+from refdem.checks._impacts import listed
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -112,7 +112,8 @@ class EventTimes(Check):
                 predictions.why or "no event is due before the predictability horizon",
             )
         whole = predictions.told - start
-        if is_sequence(subject.instance.scene):
+        assert subject.truth is not None
+        if listed(subject.truth.scalars):
             pairs = one_to_one(told, known, due, whole)
         else:
             # Each certified event with the nearest reported one, then the reverse.
