@@ -39,7 +39,7 @@ AS_SHIPPED = replace(
     name="semi-implicit-euler-as-shipped",
     summary=(
         "the same step with pymunk's defaults: shapes may overlap by 0.1 m, 10 iterations, joints"
-        " that are pulled back at 0.9**60 a second"
+        " of whose drift 0.9**60 is left after a second"
     ),
     as_shipped=True,
 )

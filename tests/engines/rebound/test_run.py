@@ -74,7 +74,7 @@ def test_as_shipped_nothing_but_the_scene_is_set():
 
 
 def test_as_shipped_samples_decide_where_an_impact_is_seen():
-    """Before it nothing acts: the step doubles until a sample cuts it."""
+    """Before it nothing acts: the step grows fourfold until a sample cuts it."""
     times = times_of(20)
     few = run_at("ias15-as-shipped", times[::5], None)
     many = run_at("ias15-as-shipped", times, None)

@@ -1,15 +1,23 @@
 """MuJoCo's block that friction just holds on a slope creeps: what it depends on.
 
-The slope is 3 in 4. As shipped (friction 3/4) the block slides at 6 mm/s: less with a shorter time
-constant (solref), less with the elliptic cone, least with that and noslip iterations. With the
-settings of refdem's adapter it creeps by a speed that falls with the step and, under Euler, with
-the number of noslip iterations as 1/n; with friction 0.9 it sinks by 54 h^2 until its contact bears
-the weight, slips by 20 h^2 meanwhile, and stays. Contacts of impedance 0.9999 creep by less than
-1e-7 m/s, and throw up a block that slides, on friction 1/2.
+The slope is 3 in 4. As shipped (friction 3/4) the block slides at 6 mm/s at the finest step of the
+gate, and not much less at half of it: less with a shorter time constant (solref), with an impedance
+nearer to 1 (solimp), and with the elliptic cone, least with that and noslip iterations. What is
+left of it with an impedance of 0.9999 falls with the step.
+
+With the settings of refdem's adapter it creeps by a speed that falls with the step. It has two
+causes. One part falls with the number of noslip iterations as 1/n; it is most of it under Euler,
+and grows. The other part the block gains while its contact takes on the weight, and friction that
+just balances gravity does not brake it: a block that is stopped once after that does not have it.
+It is most of it under RK4. With friction 0.9 the block sinks by 54 h^2 until its contact bears the
+weight, slips by 20 h^2 meanwhile, and stays; what speed it has after 1/128 s, the first sample of
+the gate, is along the normal. Contacts of impedance 0.9999 creep by less than 1e-7 m/s, and throw
+up a block that slides, on friction 1/2.
 
 The documentation calls all constraints soft (Modeling, "Solver parameters"), and says of
 noslip_iterations that the step after the solver serves "to suppress slip/drift in friction
-dimensions resulting from the soft-constraint model" (XML reference, option).
+dimensions resulting from the soft-constraint model", and of elliptic cones that they "are a better
+model of the physical reality" (XML reference, option).
 """
 
 import mujoco
@@ -38,9 +46,21 @@ SCENE = """
 SOLVER = 'tolerance="1e-15" noslip_tolerance="1e-15" ls_tolerance="1e-6"'
 
 
-def motion(step, friction, law, integrator="Euler", cone="elliptic", noslip=100, tuned=True):
-    """Way and speed down the slope and height of the block after each step, and steps without
-    contact.
+def motion(
+    step,
+    friction,
+    law,
+    integrator="Euler",
+    cone="elliptic",
+    noslip=100,
+    tuned=True,
+    stop_after=None,
+    seconds=SECONDS,
+):
+    """Way and speed down the slope, height of the block and speed along the normal after each
+    step, and steps without contact.
+
+    `stop_after` is a number of steps after which the block is stopped once.
     """
     scene = SCENE.format(
         step=step,
@@ -56,17 +76,26 @@ def motion(step, friction, law, integrator="Euler", cone="elliptic", noslip=100,
     data = mujoco.MjData(model)
     rows = []
     free = 0
-    for _ in range(round(SECONDS / step)):
+    for number in range(round(seconds / step)):
+        if number == stop_after:
+            data.qvel[:] = 0
         mujoco.mj_step(model, data)
-        rows.append((data.qpos[0], data.qvel[0], data.qpos[2] - 0.125))
+        rows.append((data.qpos[0], data.qvel[0], data.qpos[2] - 0.125, data.qvel[2]))
         free += data.ncon == 0
     return np.array(rows), free
 
 
-def creep(rows):
-    """Speed [m/s] over the second half."""
-    half = len(rows) // 2
-    return (rows[-1, 0] - rows[half - 1, 0]) / (SECONDS / 2)
+def creep(rows, step):
+    """Speed [m/s] over the last quarter of a second."""
+    last = round(SECONDS / 2 / step)
+    return (rows[-1, 0] - rows[-1 - last, 0]) / (SECONDS / 2)
+
+
+def shipped(step, constant=0.02, impedance="0.9 0.95", cone="pyramidal", noslip=0):
+    """The creep [mm/s] of the law that MuJoCo ships, with what is given here changed."""
+    law = f'solref="{constant} 1" solimp="{impedance} 0.001 0.5 2"'
+    rows, _ = motion(step, 0.75, law, cone=cone, noslip=noslip, tuned=False)
+    return 1000 * creep(rows, step)
 
 
 def soft(step):
@@ -82,29 +111,55 @@ def hard(step):
     return f'solref="{2 * step} 1" solimp="0.9999 0.9999 1 0.5 2" margin="1e-15"'
 
 
-STEP = 2.0**-10  # [s]: the finest of the gate
-for cone in ("pyramidal", "elliptic"):
-    for noslip in (0, 100):
-        for constant in (0.02, 0.005):
-            law = f'solref="{constant} 1"'
-            rows, _ = motion(STEP, 0.75, law, cone=cone, noslip=noslip, tuned=False)
-            shipped = f"{cone}, noslip {noslip}, solref {constant} s"
-            print(f"as shipped but for {shipped}: creeps at {creep(rows):.1e} m/s")
+STEP = 2.0**-11  # [s]: the finest of the gate
+SAMPLE = 2.0**-7  # [s]: the first of the gate
+STEPS = [2.0**-power for power in range(8, 14)]
+SHIPPED = {
+    "as shipped": {},
+    "solref 0.01 s": {"constant": 0.01},
+    "solref 0.005 s": {"constant": 0.005},
+    "solimp 0.9": {"impedance": "0.9 0.9"},
+    "solimp 0.95": {"impedance": "0.95 0.95"},
+    "solimp 0.99": {"impedance": "0.99 0.99"},
+    "solimp 0.9999": {"impedance": "0.9999 0.9999"},
+    "cone elliptic": {"cone": "elliptic"},
+    "noslip 100": {"noslip": 100},
+    "cone elliptic, noslip 100": {"cone": "elliptic", "noslip": 100},
+}
+print("creep [mm/s] as shipped but for what is named, h = 2^-8 to 2^-13 s:")
+for name, settings in SHIPPED.items():
+    print(f"  {name}: " + ", ".join(f"{shipped(step, **settings):.2f}" for step in STEPS))
 for integrator in ("Euler", "RK4"):
     for step in (4 * STEP, 2 * STEP, STEP):
-        rows, _ = motion(step, 0.75, soft(step), integrator)
         name = f"{integrator}, h = {step:.6f} s"
-        print(f"{name}: creeps at {creep(rows):.2e} m/s = {creep(rows) / step:.2f} h")
+        rows, _ = motion(step, 0.75, soft(step), integrator)
+        speed = creep(rows, step)
+        print(f"{name}: creeps at {speed:.2e} m/s = {speed / step:.3f} h")
         rows, _ = motion(step, 0.9, soft(step), integrator)
         sunk, slipped = -rows[:, 2].min() / step**2, rows[-1, 0] / step**2
         left = f"{rows[-1, 1]:.0e} m/s are left"
         print(f"  friction 0.9: sinks {sunk:.1f} h^2, slips {slipped:.1f} h^2, {left}")
-for noslip in (10, 30, 100, 1000):
-    rows, _ = motion(STEP, 0.75, soft(STEP), noslip=noslip)
-    print(f"{noslip} iterations of noslip: creeps at {creep(rows):.1e} m/s")
-for step in (4 * STEP, STEP):
+for integrator in ("Euler", "RK4"):
+    for friction in (0.75, 0.9):
+        rows, _ = motion(STEP, friction, soft(STEP), integrator)
+        number = round(SAMPLE / STEP)
+        slip, normal = rows[number - 1, 1], rows[number - 1, 3]
+        speeds = f"{abs(normal):.2e} m/s along the normal, {slip:.1e} m/s down the slope"
+        print(f"{integrator}, friction {friction}, after {number} steps: {speeds}")
+for integrator in ("Euler", "RK4"):
+    for noslip in (30, 100, 1000):
+        whole, _ = motion(STEP, 0.75, soft(STEP), integrator, noslip=noslip)
+        stopped, _ = motion(STEP, 0.75, soft(STEP), integrator, noslip=noslip, stop_after=100)
+        gain, speeds = whole[99, 1] / STEP, [creep(rows, STEP) / STEP for rows in (whole, stopped)]
+        name = f"{integrator}, {noslip} iterations of noslip"
+        found = f"{gain:.3f} h after 100 steps, creeps at {speeds[0]:.3f} h"
+        print(f"{name}: {found}, at {speeds[1]:.4f} h if stopped once after 100 steps")
+for seconds in (0.5, 4):
+    rows, _ = motion(STEP, 0.75, soft(STEP), seconds=seconds)
+    print(f"Euler, at the end of {seconds} s: creeps at {creep(rows, STEP) / STEP:.3f} h")
+for step in (8 * STEP, STEP):
     rows, _ = motion(step, 0.75, hard(step))
-    held = f"creeps at {creep(rows):.0e} m/s on friction 3/4"
+    held = f"creeps at {creep(rows, step):.0e} m/s on friction 3/4"
     rows, free = motion(step, 0.5, hard(step))
     thrown = f"{free} of {len(rows)} steps without contact on friction 1/2"
     print(f"hard contacts, h = {step:.6f} s: {held}, {thrown}")

@@ -3,7 +3,7 @@
 `Constraint.error_bias` is 0.9**60 by default, the part of a drift that is left after one unit of
 time. A pendulum in units of u seconds is here moved with the default, with error_bias to the power
 u, which is the same rate, and with 0, which takes the whole drift out in every step: with the last
-two it moves as in seconds, to the bit.
+two it moves as in seconds: to the bit where u is a power of 2, and to roundings where it is not.
 """
 
 import math
@@ -37,9 +37,9 @@ def apart(unit, bias_of_seconds, bias):
 
 
 default = 0.9**60  # Constraint.error_bias as pymunk comes, to a digit less
-for unit in (2.0, 0.5, 0.25):
+for unit in (2.0, 0.5, 0.25, 3.0, 1 / 3, 0.1):
     print(
-        f"units of {unit} s: apart by {apart(unit, default, default):.1e} with the default,"
+        f"units of {unit:.3g} s: apart by {apart(unit, default, default):.1e} with the default,"
         f" {apart(unit, default, default**unit):.1e} with the same rate,"
         f" {apart(unit, 0.0, 0.0):.1e} with 0"
     )

@@ -1,0 +1,166 @@
+"""The scripts without refdem show what the reasons of expected deviations say: where the cause is
+varied, the effect follows.
+"""
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[3] / "validation/expected/deviations"
+NUMBER = re.compile(r"(?<![\w^.-])-?\d+(?:\.\d+)?(?:e[+-]\d+)?(?![\w^])")
+
+
+@cache
+def printed(script: str) -> tuple[str, ...]:
+    """The lines that a script prints, run alone."""
+    done = subprocess.run(
+        [sys.executable, SCRIPTS / script], check=True, capture_output=True, text=True, timeout=120
+    )
+    return tuple(done.stdout.splitlines())
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers in a text, in their order; not those that are powers or parts of words."""
+    return [float(found) for found in NUMBER.findall(text)]
+
+
+def lines_of(script: str) -> Callable[[str], list[list[float]]]:
+    """Gives the numbers behind a beginning, of all lines of a script that begin so."""
+
+    def behind(beginning: str) -> list[list[float]]:
+        found = [
+            numbers(line.strip().removeprefix(beginning))
+            for line in printed(script)
+            if line.strip().startswith(beginning)
+        ]
+        assert found, beginning
+        return found
+
+    return behind
+
+
+steps = lines_of("rebound_steps.py")
+slope = lines_of("mujoco_slope.py")
+units = lines_of("pymunk_units.py")
+
+
+def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
+    _, *grown, cut = steps("ias15 without forces, the first sample after")[0]
+    assert grown == [0.001, 0.004, 0.016, 0.064, 0.256, 1.024]
+    assert sum(grown) + cut == pytest.approx(3, abs=1e-3)
+
+
+def test_rebound_is_exact_against_the_normal_where_the_overlap_is_seen() -> None:
+    """The true normal is another, the more so the later it is seen."""
+    late = steps("ias15,")
+    assert [samples for samples, _, _ in late] == [8, 80, 800]
+    true = [error for _, error, _ in late]
+    assert true[0] > 5 * true[1] > 25 * true[2] > 1e-3
+    assert max(error for _, _, error in late) < 1e-15
+
+
+@pytest.mark.parametrize("beginning", ["leapfrog, steps of", "cradle, leapfrog, steps of"])
+def test_with_leapfrog_an_impact_is_late_by_the_step(beginning: str) -> None:
+    found = [(step, error) for step, error, *_ in steps(beginning)]
+    assert len(found) >= 3
+    for (step, error), (smaller, less) in pairwise(found):
+        assert error / less == pytest.approx(step / smaller, rel=0.35)
+
+
+def test_the_cradle_of_ias15_is_off_by_as_much_as_samples_are_apart() -> None:
+    few, more, many = (error for _, error in steps("cradle, ias15,"))
+    assert few > 0.1
+    assert few > 4 * more > 16 * many
+
+
+def creep(name: str) -> list[float]:
+    """The creep [mm/s] as shipped but for one setting, h = 2^-8 to 2^-13 s."""
+    return slope(f"{name}:")[0]
+
+
+def test_the_creep_as_shipped_stays_where_the_step_is_halved() -> None:
+    shipped = creep("as shipped")
+    assert shipped == sorted(shipped, reverse=True)
+    assert shipped[-2] / shipped[-1] < 1.05
+    assert creep("noslip 100") == shipped
+
+
+def test_the_creep_as_shipped_follows_time_constant_impedance_and_cone() -> None:
+    """But for what is left with an impedance of 0.9999, which falls with the step."""
+    rest = creep("solimp 0.9999")
+    assert all(a / b > 1.6 for a, b in pairwise(rest))
+    whole = creep("as shipped")[-1] - rest[-1]
+    for constant in (0.01, 0.005):
+        left = creep(f"solref {constant} s")[-1] - rest[-1]
+        assert left / whole == pytest.approx(constant / 0.02, rel=0.05)
+    soft = creep("solimp 0.9")[-1] - rest[-1]
+    for impedance in (0.95, 0.99):
+        left = creep(f"solimp {impedance}")[-1] - rest[-1]
+        assert left / soft == pytest.approx((1 - impedance) / 0.1, rel=0.05)
+    elliptic = creep("cone elliptic")
+    assert elliptic[-1] < 0.35 * whole
+    assert elliptic[-1] == pytest.approx(elliptic[-3], rel=0.01)
+    assert creep("cone elliptic, noslip 100")[-1] < 0.4 * elliptic[-1]
+
+
+def test_the_tuned_creep_falls_with_the_step() -> None:
+    for integrator, part in (("Euler", 0.1), ("RK4", 0.2)):
+        found = slope(f"{integrator}, h =")
+        assert len(found) == 3
+        for _, _, of_step in found:
+            assert of_step == pytest.approx(part, rel=0.3)
+
+
+def test_the_tuned_creep_has_two_causes() -> None:
+    """The iterations of noslip, as 1/n, and a gain at the start, which a stop takes away."""
+    gains = {"Euler": 0.018, "RK4": 0.17}
+    for integrator, gain in gains.items():
+        speeds = {}
+        stopped = {}
+        for noslip in (30, 100, 1000):
+            found = slope(f"{integrator}, {noslip} iterations of noslip:")[0]
+            _, _, speeds[noslip], stopped[noslip], _ = found
+        assert speeds[1000] == pytest.approx(gain, rel=0.05)
+        for few, many in ((30, 100), (100, 1000)):
+            assert stopped[few] / stopped[many] == pytest.approx(many / few, rel=0.1)
+        assert stopped[1000] < 0.6 * gain
+    # Of the 100 iterations of the adapter it is most under Euler, and half under RK4.
+    assert slope("Euler, 100 iterations of noslip:")[0][3] > 0.9 * 0.094
+    assert slope("RK4, 100 iterations of noslip:")[0][3] < 0.6 * 0.18
+
+
+def test_the_creep_under_euler_grows() -> None:
+    (_, early), (_, late) = slope("Euler, at the end of")
+    assert late > 1.2 * early
+
+
+def test_at_the_first_sample_the_block_still_comes_to_rest_along_the_normal() -> None:
+    for integrator in ("Euler", "RK4"):
+        count, normal, down = slope(f"{integrator}, friction 0.9, after")[0]
+        assert count == 16
+        assert normal > 4 * down
+    _, normal, down = slope("RK4, friction 0.75, after")[0]
+    creeping = slope("RK4, h = 0.000488 s: creeps at")[0][0]
+    assert normal > creeping > down
+
+
+def test_hard_contacts_do_not_creep_and_throw_up_what_slides() -> None:
+    for _, speed, _, _, free, count, _, _ in slope("hard contacts, h ="):
+        assert speed < 1e-7
+        assert free > 0.8 * count
+
+
+def test_joints_of_pymunk_at_the_same_rate_move_the_same_in_other_units() -> None:
+    found = units("units of")
+    assert len(found) == 6
+    for unit, default, same, whole, _ in found:
+        assert default > 1e-2
+        if unit in (2, 0.5, 0.25):
+            assert same == whole == 0
+        assert max(same, whole) < 1e-12
