@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from refdem.campaign.certification import judged_instances, proved_set, wanted_sets
+from refdem.campaign.certification import proved_set
 from refdem.campaign.schedule import Job, Progress, Schedule, counted
 from refdem.core import discovery
 from refdem.core.run import Failure
@@ -23,8 +23,8 @@ LONGEST = 100.0
 
 
 def damaged(folder: Path) -> list[str]:
-    """The faults of the files themselves, in words: of hashes, decimals, doubles, the lists of
-    files, and files that are not there at all.
+    """The faults of the files themselves, in words: of hashes, decimals, doubles, and the lists of
+    files.
     """
     problems = []
     try:
@@ -41,25 +41,7 @@ def damaged(folder: Path) -> list[str]:
                 inside = problem_of_samples
             listed = listing_problems(home, inside)
             problems += [problem for problem in listed if problem not in problems]
-    return [*problems, *_missing(folder)]
-
-
-def _missing(folder: Path) -> list[str]:
-    """The files that sets.toml asks for and that are not there, in words: whoever removes a file
-    may remove its line from the list of files, too.
-    """
-    if not any((folder / "certified").glob("*.jsonl")):
-        return []
-    wanted = {
-        "certified": {wanted.instance.case.id for wanted in wanted_sets(folder)},
-        "samples": {instance.case.id for instance in judged_instances(folder)},
-    }
-    return [
-        f"{home}/{case}.jsonl: missing, though sets.toml asks for it"
-        for home, cases in wanted.items()
-        for case in sorted(cases)
-        if not (folder / home / f"{case}.jsonl").exists()
-    ]
+    return problems
 
 
 def listing_problems(home: Path, inside: Callable[[Path], str] | None) -> list[str]:

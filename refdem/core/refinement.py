@@ -25,7 +25,6 @@ from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
-from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
 
 Array = NDArray[np.float64]
@@ -325,14 +324,10 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
 
     bound = (truncation + round-off + clock + flight) max S, the largest S up to the sample.
 
-    Far places replace round-off and flight where they are rounded by more. After an impact comes
-    what a step by which it is seen late makes (`_of_impact`).
+    Far places replace round-off and flight where they are rounded by more.
     """
     t = instance.times[: truth.until]
     of_method = truncation(instance, method, level, t)
-    if "impact_time" in truth.scalars and sees_late(instance, method):
-        time, _ = truth.scalars["impact_time"]
-        of_method = of_method + np.where(t >= time, _of_impact(instance, level), 0.0)
     return (of_method + resolution(instance, method, level)) * truth.growth()
 
 
@@ -340,31 +335,6 @@ def sees_late(instance: Instance, method: Method) -> bool:
     """True of a method with a fixed step that sees impacts at the ends of steps."""
     is_rigid = "contact:rigid" in instance.problem.features
     return is_rigid and method.control == "step" and not method.locates_events
-
-
-def _of_impact(instance: Instance, level: float) -> float:
-    """Relative error of a place after one impact, of one body at a wall or of two, that is seen a
-    step h late, beyond the h/tau of `truncation`.
-
-    The velocity of body 1 changes by dv <= (1 + e) w m2/(m1 + m2), where w is the speed of the
-    surfaces against each other. Until that is seen the body goes on as before, so that its place is
-    off by dv h: dv tau/L in units of h/tau. The base has 1 of these, as long as the impact comes
-    soon.
-    """
-    scene = instance.scene
-    bodies = scene.bodies
-    contact = scene.all(Contact)[0]
-    if len(bodies) == 1:
-        relative = bodies.velocity[0]
-        share = 1.0
-    else:
-        relative = bodies.velocity[1] - bodies.velocity[0]
-        share = float(bodies.mass.max() / bodies.mass.sum())
-    closing = float(np.linalg.norm(relative))
-    if contact.friction:
-        closing += float(bodies.radius @ np.linalg.norm(bodies.omega, axis=1))
-    change = (1.0 + contact.restitution) * closing * share
-    return max(0.0, change / instance.scales.speed - 1.0) * level / instance.scales.tau
 
 
 def resolution(instance: Instance, method: Method, level: float) -> float:

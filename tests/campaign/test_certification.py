@@ -165,17 +165,6 @@ def test_what_a_new_proof_does_not_confirm_is_named(folder: Path) -> None:
     assert "harmonic-oscillator: x at 1/3" in found
 
 
-def test_a_file_that_is_removed_together_with_its_line_is_missed(folder: Path) -> None:
-    certified(folder)
-    home = folder / "certified"
-    (home / "pendulum.jsonl").unlink()
-    lines = (home / reader.LIST).read_text().splitlines(keepends=True)
-    (home / reader.LIST).write_text("".join(line for line in lines if "pendulum" not in line))
-    assert reproof.damaged(folder) == [
-        "certified/pendulum.jsonl: missing, though sets.toml asks for it"
-    ]
-
-
 def test_the_sample_has_every_case_and_method() -> None:
     sets = load()
     chosen = reproof.sample(sets, each=1, seed="1")

@@ -121,13 +121,6 @@ FORMER = [
         "turning-single",
         "momentum-rk4",
     ),
-    # An impact soon after the start that is seen a step late: the ball goes on, and not back.
-    (
-        "hard-wall[radius=1.38 velocity=0.438,-669,-0.617 restitution=0.989 friction=0.386"
-        " duration=0.006726 samples=16]",
-        "rigid",
-        "moreau",
-    ),
     # A multistep start of a motion whose forces depend on velocities.
     (
         "van-der-pol[v0=-2.8 duration=0.6189 samples=16]",
