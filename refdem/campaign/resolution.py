@@ -10,7 +10,6 @@ import hashlib
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
 
 import msgspec
 import numpy as np
@@ -117,6 +116,7 @@ def measured(
         if row.is_judged and isinstance(row.instance.problem, Motion)
     }
     rows = list(by_label.values())
+    names = {engine.address: engine.name for engine in engines}
     found: dict[_Place, Resolution] = {}
     places = _places(rows)
     keys: dict[_Place, str | None] = {}
@@ -140,7 +140,8 @@ def measured(
         results = schedule.results(jobs)
         for job, result in counted(results, "resolution", len(jobs), progress):
             if isinstance(result, Failure):
-                found[job.key] = _unknown(job.key, result)
+                _, address, _ = job.key
+                found[job.key] = _unknown(job.key, names[address], result)
                 continue
             found[job.key] = _DECODER.decode(result)
             key = keys.get(job.key)
@@ -170,25 +171,21 @@ def _keys(
     """The keys in the store: digests of the place and of everything that its verdicts depend on;
     None where that is not known.
     """
-    by_address = {engine.address: engine for engine in engines}
-
-    @cache
-    def state(address: str) -> str | None:
-        narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
-        return unchanged.key_of(narrow, [by_address[address]])
-
+    narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
+    states = {engine.address: unchanged.key_of(narrow, [engine]) for engine in engines}
     keys: dict[_Place, str | None] = {}
     for place in places:
-        of_all = state(place[1])
-        keys[place] = of_all and hashlib.sha256("\0".join([of_all, *place]).encode()).hexdigest()
+        _, address, _ = place
+        state = states[address]
+        keys[place] = state and hashlib.sha256("\0".join([state, *place]).encode()).hexdigest()
     return keys
 
 
-def _unknown(place: _Place, failure: Failure) -> Resolution:
-    """The resolution of a method whose job failed: nothing is known."""
-    label, address, method = place
+def _unknown(place: _Place, engine: str, failure: Failure) -> Resolution:
+    """The resolution of a method of an engine whose job failed: nothing is known."""
+    label, _, method = place
     unknown = Seen(number="any number", reason=f"it could not be measured: {failure.sentence}")
-    return Resolution(label=label, engine=address, method=method, numbers=(unknown,))
+    return Resolution(label=label, engine=engine, method=method, numbers=(unknown,))
 
 
 def _job(

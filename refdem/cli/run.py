@@ -89,13 +89,13 @@ def command(
     count = workers(jobs)
     specification, absent = present(specification)
     refuse_unwritable(out)
-    resolutions = resolution.read(out)
+    measured = resolution.read(out)
     store = Store(default_path())
     if bless:
         specification = msgspec.structs.replace(specification, required="")
     progress = Progress()
     sheets = Campaign(specification, store, count, not no_cache, progress, scheduler).sheets()
-    write_report(out, [*sheets, *resolutions], store)
+    write_report(out, [*sheets, *resolution.of_records(measured, sheets)], store)
     changes = []
     if bless:
         changes = blessed(base, sheets)

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from itertools import groupby
 from pathlib import Path
 
+from refdem.core.finding import Record, Sheet
 from refdem.core.outside import markdown_text, one_line
 from refdem.core.resolution import Resolution
 from refdem.report.files import written
@@ -36,12 +37,20 @@ def write(folder: Path, found: Iterable[Resolution]) -> None:
 
 
 def read(folder: Path) -> list[Resolution]:
-    """What was measured for the report in a folder, nothing if nothing was; raises UsageError that
+    """What was measured for reports in a folder, nothing if nothing was; raises UsageError that
     names a malformed line.
     """
     if not (folder / DATA).is_file():
         return []
     return [sheet for sheet in sheets_in(folder, DATA) if isinstance(sheet, Resolution)]
+
+
+def of_records(found: Iterable[Resolution], sheets: Iterable[Sheet]) -> list[Resolution]:
+    """Of what was measured, that of the methods and cases of which some sheet is the record."""
+    judged = {
+        (sheet.label, sheet.engine, sheet.method) for sheet in sheets if isinstance(sheet, Record)
+    }
+    return [one for one in found if (one.label, one.engine, one.method) in judged]
 
 
 def lines(found: Iterable[Resolution]) -> list[str]:

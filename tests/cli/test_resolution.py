@@ -46,6 +46,10 @@ def test_the_next_report_in_the_folder_tells_it_on_the_page_of_the_case(tmp_path
     assert RUNNER.invoke(app, ["resolution", *words, *out]).exit_code == 0
     assert RUNNER.invoke(app, ["run", *words, *out]).exit_code == 0
     assert "leapfrog: Would have noticed: " in page.read_text()
+    # That of other methods is none of this report's.
+    assert RUNNER.invoke(app, ["run", "pendulum", "--engine", "rebound", *out]).exit_code == 0
+    assert '"resolution"' not in (tmp_path / "records.jsonl").read_text()
+    assert RUNNER.invoke(app, ["run", *words, *out]).exit_code == 0
     # The records have it too, so that the report can be made of them again.
     page.unlink()
     assert RUNNER.invoke(app, ["report", str(tmp_path)]).exit_code == 0
