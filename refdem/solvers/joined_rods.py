@@ -79,21 +79,22 @@ class JoinedRods(KernelSolver):
         # The kernel has a point for each rod, in the order of the rods.
         place = {rod.a: index for index, rod in enumerate(rods)}
         ends = [(place[spring.a], place.get(spring.b, -1)) for spring in springs]
+        of_rods = (
+            np.array([rod.length for rod in rods]),
+            scene.bodies.mass[[rod.a for rod in rods]],
+            directions,
+            np.array([rod.anchor_b[:2] for rod in rods]),
+        )
+        of_springs = (
+            np.array(ends, np.int64),
+            np.array([spring.anchor_b[:2] for spring in springs]),
+            np.array([spring.stiffness for spring in springs]),
+            np.array([spring.length for spring in springs]),
+        )
+        gravity = single.gravity(scene)[:2]
         return KernelCall(
             function="refdem_joined_rods",
-            inputs=(
-                len(rods),
-                np.array([rod.length for rod in rods]),
-                scene.bodies.mass[[rod.a for rod in rods]],
-                directions,
-                np.array([rod.anchor_b[:2] for rod in rods]),
-                len(springs),
-                np.array(ends, np.int64),
-                np.array([spring.anchor_b[:2] for spring in springs]),
-                np.array([spring.stiffness for spring in springs]),
-                np.array([spring.length for spring in springs]),
-                single.gravity(scene)[:2],
-            ),
+            inputs=(len(rods), *of_rods, len(springs), *of_springs, gravity),
             clock=samples(t),
             outputs=(states,),
         )

@@ -81,19 +81,11 @@ def test_a_spring_to_a_place_below_the_pivot_is_as_much_gravity_as_its_stiffness
 
 def test_bodies_may_stand_in_another_order_than_their_rods(solved):
     scene = CASE.at(masses="1,3", theta0="3/4,-1/2").scene
-    swapped = Scene.of(
-        [
-            Body(mass=float(mass), position=tuple(place))
-            for mass, place in zip(
-                scene.bodies.mass[::-1], scene.bodies.position[::-1], strict=True
-            )
-        ],
-        [
-            *(replace(rod, a=1 - rod.a) for rod in scene.all(Rod)),
-            *(replace(spring, a=1, b=0) for spring in scene.all(Spring)),
-            *scene.all(UniformGravity),
-        ],
-    )
+    columns = zip(scene.bodies.mass[::-1], scene.bodies.position[::-1], strict=True)
+    bodies = [Body(mass=float(mass), position=tuple(place)) for mass, place in columns]
+    rods = [replace(rod, a=1 - rod.a) for rod in scene.all(Rod)]
+    springs = [replace(spring, a=1, b=0) for spring in scene.all(Spring)]
+    swapped = Scene.of(bodies, [*rods, *springs, *scene.all(UniformGravity)])
     plain = solved(scene, (0.0, 1.0, 2.0), "joined-rods")
     run = solved(swapped, (0.0, 1.0, 2.0), "joined-rods")
     np.testing.assert_allclose(run.position[:, ::-1], plain.position, rtol=0, atol=1e-14)
