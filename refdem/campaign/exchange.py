@@ -51,7 +51,7 @@ REFUSED = "unsupported.txt"
 77, not supported.
 """
 LAST_WORDS = 200
-"""Characters of that reason that are read, the last ones."""
+"""Characters of a reason that are shown, the last ones."""
 FORMAT = 1
 """Of a manifest."""
 
@@ -134,9 +134,11 @@ class Elsewhere(Engine):
             raise UnsupportedError(reason or f"the program wrote {REFUSED}")
         said = self.answers.get(name, {})
         if "unsupported" in said:
-            raise UnsupportedError(one_line(str(said["unsupported"]))[-200:] or "not supported")
+            raise UnsupportedError(
+                one_line(str(said["unsupported"]))[-LAST_WORDS:] or "not supported"
+            )
         if "failed" in said:
-            raise EngineError(f"{name} failed: {one_line(str(said['failed']))[-200:]}")
+            raise EngineError(f"{name} failed: {one_line(str(said['failed']))[-LAST_WORDS:]}")
         if not any((folder / FILES[file]).is_file() for file in ("trajectory", "trajectory_npy")):
             self.waiting.append(name)
             paths = {file: f"{name}/{place}" for file, place in FILES.items()}

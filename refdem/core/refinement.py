@@ -331,12 +331,6 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     return (of_method + resolution(instance, method, level)) * truth.growth()
 
 
-def sees_late(instance: Instance, method: Method) -> bool:
-    """True of a method with a fixed step that sees impacts at the ends of steps."""
-    is_rigid = "contact:rigid" in instance.problem.features
-    return is_rigid and method.control == "step" and not method.locates_events
-
-
 def resolution(instance: Instance, method: Method, level: float) -> float:
     """Relative error of positions that a smaller step does not remove: round-off and flight, or the
     rounding of far places if that is more, and the clock.
@@ -416,7 +410,12 @@ def past_impacts(
     for truth was sampled at the delays of these.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
-    is_late = sees_late(instance, method) and method.velocity_time == "synchronous"
+    is_late = (
+        method.control == "step"
+        and not method.locates_events
+        and method.velocity_time == "synchronous"
+        and "contact:rigid" in instance.problem.features
+    )
     if not has_impacts or not is_late or not levels or not truth.until:
         return levels
     most = min(most_steps, IMPACT_STEPS)
