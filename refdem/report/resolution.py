@@ -46,7 +46,7 @@ def read(folder: Path) -> list[Resolution]:
 
 
 def of_records(found: Iterable[Resolution], sheets: Iterable[Sheet]) -> list[Resolution]:
-    """Of what was measured, that of the methods and cases of which some sheet is the record."""
+    """The resolutions of the methods and cases of which some sheet is the record."""
     judged = {
         (sheet.label, sheet.engine, sheet.method) for sheet in sheets if isinstance(sheet, Record)
     }
