@@ -12,6 +12,7 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -244,8 +245,8 @@ class Schedule:
             self._pool = ProcessPool(
                 max_workers=workers,
                 context=multiprocessing.get_context("spawn"),
-                initializer=end_with,
-                initargs=(os.getpid(),),
+                initializer=begin,
+                initargs=(os.getpid(), tempfile.gettempdir()),
             )
 
     def _dismiss(self) -> None:
@@ -292,8 +293,14 @@ class Schedule:
             return _failure(error)
 
 
-def end_with(parent: int) -> None:
-    """Lets this worker process end when its parent does, in whatever way that ends (Linux)."""
+def begin(parent: int, temporary: str) -> None:
+    """Lets this worker process end when its parent does, in whatever way that ends (Linux), and use
+    the parent's folder of temporary files.
+
+    Otherwise `tempfile` looks for that folder by making a file in it, which stays if the worker is
+    killed just then.
+    """
+    tempfile.tempdir = temporary
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     # It may have ended before this was asked for.

@@ -4,6 +4,7 @@ that only computes.
 
 import os
 import subprocess
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -46,6 +47,21 @@ def test_an_exception_that_cannot_travel_costs_its_own_job(monkeypatch: pytest.M
     assert (
         found[0] == found[2] == Failure(kind="exception", sentence="LocalError: no analytic point")
     )
+
+
+def folder_of_temporary_files() -> bytes:
+    """The one that `tempfile` knows already."""
+    return str(tempfile.tempdir).encode()
+
+
+def test_a_worker_does_not_look_for_the_folder_of_temporary_files(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # tempfile looks by making a file, and a worker that is killed just then leaves it.
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    with Schedule(1, 60) as schedule:
+        ((_, found),) = schedule.results([Job(0, folder_of_temporary_files, ())])
+    assert found == tempfile.gettempdir().encode()
 
 
 def waits(seconds: float) -> bytes:
