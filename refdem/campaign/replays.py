@@ -22,7 +22,7 @@ from refdem.core.problem import Motion
 from refdem.core.replay import DrawnBody, DrawnLink, DrawnPlane, Grid, Replay, Track
 from refdem.core.trajectory import Event, Trajectory
 from refdem.core.truth import SampledTruth
-from refdem.mechanics.quaternion import conjugate, product
+from refdem.mechanics.quaternion import conjugate, product, turned_by
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
 from refdem.scene.element import Link
@@ -230,7 +230,7 @@ def _attitudes(trajectory: Trajectory, turning: NDArray[np.bool_], is_compared: 
     if not is_compared:
         angle = _summed(trajectory.t, trajectory.omega)
         for k in range(1, len(attitude)):
-            attitude[k] = product(_quaternion(angle[k] - angle[k - 1]), attitude[k - 1])
+            attitude[k] = product(turned_by(angle[k] - angle[k - 1]), attitude[k - 1])
     attitude[:, ~turning] = (1.0, 0.0, 0.0, 0.0)
     # Of q and -q, which are one attitude, the one that is nearer to that before.
     flips = np.where(np.sum(attitude[1:] * attitude[:-1], axis=-1) < 0, -1.0, 1.0)
@@ -242,13 +242,6 @@ def _summed(t: Array, rate: Array) -> Array:
     """The integral (T, ...) of a rate over time by the trapezoidal rule, 0 at the start."""
     steps = np.diff(t)[:, None, None] * (rate[1:] + rate[:-1]) / 2
     return np.concatenate([np.zeros_like(rate[:1]), np.cumsum(steps, axis=0)])
-
-
-def _quaternion(turn: Array) -> Array:
-    """The quaternion (..., 4) of a rotation vector (..., 3)."""
-    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
-    # sin(angle/2)/angle = sinc(angle/(2 pi))/2 in numpy's convention, 1/2 at 0.
-    return np.concatenate([np.cos(angle / 2), turn * np.sinc(angle / (2 * np.pi)) / 2], axis=-1)
 
 
 def _rotation_vector(q: Array) -> Array:

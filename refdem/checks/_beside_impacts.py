@@ -5,8 +5,11 @@ the gap that closes. An engine that gathers contacts when a step begins and then
 one step h late besides: the bodies overlap at the end of the step in which they meet, and their
 velocities change in the step that follows. So velocities are those of before the impact at samples
 up to t* + E/|g'| + h, and those of after it from t* - E/|g'| on. No step is so short that this
-error of a velocity falls; it is the time in which it is there that falls with h, and so does the
-error of a place, which the claim covers.
+error of a velocity falls; it is the time in which it is there that falls with h.
+
+The error of a place falls with h: at most |dv| h, where dv is the change of the velocity in the
+impact. The claim C (1 + t/tau) (h/tau)^p S covers it once t/tau is large, but not soon after the
+start: a body that bounces off a wall has |dv| = (1 + e) v, up to 2 v.
 """
 
 from collections.abc import Iterator
@@ -20,10 +23,11 @@ from numpy.typing import NDArray
 from refdem.checks._crossings import crossings, error_at, is_impact, shift
 from refdem.checks._impacts import falling, is_sequence
 from refdem.core.check import Array, Subject
-from refdem.core.judgement import errors, made_of_velocities, room_of
+from refdem.core.judgement import difference, errors, made_of_velocities, room_of
 from refdem.core.refinement import ROUND_OFF_FACTOR, steps_at
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
+from refdem.mechanics.quaternion import product, turned_by
 
 Whole = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -48,7 +52,8 @@ def errors_of(
         return scaled
     error = _error_before(subject, level, truth, np.maximum.reduce(of_places))
     for beside in beside_impacts(subject, level, truth, error):
-        if not 0 < beside.after < truth.until:
+        is_some = beside.late.any() or beside.early.any()
+        if not is_some or not 0 < beside.after < truth.until:
             continue
         across = errors(subject.instance, run, truth_at(truth, beside.other_side()), delay)
         for name in of_velocities:
@@ -106,12 +111,23 @@ class Beside:
         own = np.arange(len(self.late))
         return np.where(self.late, self.after - 1, np.where(self.early, self.after, own))
 
+    def around(self) -> tuple[int, int]:
+        """The numbers of the last sample that shows the velocities of before the impact in every
+        run, and of the first that shows those of after it.
+        """
+        before, after = self.after - 1, self.after
+        samples = np.flatnonzero(self.late | self.early)
+        if len(samples):
+            before = min(int(samples[0]), after) - 1
+            after = max(int(samples[-1]), after) + 1
+        return max(0, before), min(len(self.late) - 1, after)
+
 
 def beside_impacts(
     subject: Subject, level: float, truth: SampledTruth, error: Array
 ) -> Iterator[Beside]:
-    """The samples beside each certified impact, of which there are some, in runs at a level whose
-    state is off by `error` (T,), in units of the scales, at the first T samples.
+    """The samples, if any, beside each certified impact, in runs at a level whose state is off by
+    `error` (T,), in units of the scales, at the first T samples.
     """
     method = subject.method
     times = subject.instance.times[: len(error)] - method.delay(level)
@@ -129,8 +145,42 @@ def beside_impacts(
         after = int(np.searchsorted(since, 0.0))
         late = (since >= 0.0) & (since <= moved + seen_after)
         early = (since < 0.0) & (since >= -moved)
-        if late.any() or early.any():
-            yield Beside(late, early, after)
+        yield Beside(late, early, after)
+
+
+def left_by_late_impacts(
+    subject: Subject, level: float, run: Trajectory, truth: SampledTruth
+) -> dict[str, Array]:
+    """By how much impacts that were seen one step h late move every quantity (until,) that depends
+    on places, in units of its scale; empty for methods that see them in time.
+
+    A body whose velocity changes by dv in an impact is off by dv h after it, and one whose angular
+    velocity changes by dw is turned by dw h.
+    """
+    if not may_see_late(subject):
+        return {}
+    instance = subject.instance
+    gravity = falling(instance.scene)
+    moved = {name: np.zeros(truth.until) for name in instance.quantities}
+    observed = instance.observe(run)
+    for beside in beside_impacts(subject, level, truth, subject.bound(level)):
+        if not 0 < beside.after < truth.until:
+            continue
+        before, after = beside.around()
+        fallen = (run.t[after] - run.t[before]) * gravity
+        velocity_change = run.velocity[after] - run.velocity[before] - fallen
+        spin_change = run.omega[after] - run.omega[before]
+        position = run.position.copy()
+        position[beside.after :] += velocity_change * level
+        attitude = run.attitude.copy()
+        attitude[beside.after :] = product(turned_by(spin_change * level), attitude[beside.after :])
+        shifted = instance.observe(replace_columns(run, position=position, attitude=attitude))
+        for name, quantity in instance.quantities.items():
+            if name in observed:
+                a, b = shifted[name][: truth.until], observed[name][: truth.until]
+                change = difference(a, b, is_angle=quantity.angle)
+                moved[name] += np.abs(change) / quantity.scale
+    return moved
 
 
 def nearest_velocities(
@@ -146,9 +196,9 @@ def nearest_velocities(
     gravity = falling(subject.instance.scene)
     for beside in beside_impacts(subject, level, truth, error):
         samples = np.flatnonzero(beside.late | beside.early)
-        before = max(0, min(int(samples[0]), beside.after) - 1)
-        after = min(len(run.t) - 1, max(int(samples[-1]), beside.after) + 1)
-        for source in (before, after):
+        if not len(samples):
+            continue
+        for source in beside.around():
             velocity = run.velocity.copy()
             omega = run.omega.copy()
             fallen = (run.t[samples] - run.t[source])[:, None, None] * gravity

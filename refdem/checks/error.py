@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from refdem.checks._beside_impacts import errors_of
+from refdem.checks._beside_impacts import errors_of, left_by_late_impacts
 from refdem.checks._kinks import may_straddle, sharpest_kink, straddled
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
@@ -66,9 +66,12 @@ class Error(Check):
             return [undecided(self.name, "state", no_truth(subject))]
         # Scaled errors (until,) by level and quantity.
         errors_at: dict[float, dict[str, Array]] = {}
+        # What impacts that were seen late leave (until,), likewise.
+        left_at: dict[float, dict[str, Array]] = {}
         for level in subject.levels:
             run = runs[Variant(level)].trajectory
             errors_at[level] = errors_of(subject, level, run, truth)
+            left_at[level] = left_by_late_impacts(subject, level, run, truth)
         names = list(errors_at[subject.levels[0]])
         if not names:
             return [undecided(self.name, "state", MIXED)]
@@ -77,7 +80,10 @@ class Error(Check):
         findings = []
         for name in names:
             by_level = {level: of_level[name] for level, of_level in errors_at.items()}
-            findings.append(self._finding(subject, runs, name, by_level, signals[name], bounds))
+            allowed = {
+                level: _at_least(bound, left_at[level].get(name)) for level, bound in bounds.items()
+            }
+            findings.append(self._finding(subject, runs, name, by_level, signals[name], allowed))
         return findings + self._missing_quantities(subject, names)
 
     def _missing_quantities(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
@@ -132,8 +138,12 @@ class Error(Check):
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
             for level, error in errors_by_level.items()
         ]
-        has_settled = bool(allowed[point] < subject.bound(worst_level)[point])
-        basis = _basis(subject, worst_level, settled=has_settled)
+        claimed = subject.bound(worst_level)[point]
+        basis = _basis(subject, worst_level, settled=bool(allowed[point] < claimed))
+        if allowed[point] > claimed:
+            basis = (
+                "what an impact that is seen one step late leaves: its change of velocity times h"
+            )
         sentence_subject = _what(subject, quantity, worst_level, point, count)
         sharpest_sight = min(sights.values(), key=_bound_over_signal)
         errors_in_time = curve(subject.instance.times[:count], error, allowed)
@@ -174,6 +184,16 @@ def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[floa
         if count >= min(2, len(allowed)):
             bounds[level] = allowed[:count]
     return bounds
+
+
+def _at_least(bound: Array, left: Array | None) -> Array:
+    """A bound (count,), or by what impacts seen late leave a quantity off (until,), if that is
+    larger.
+    """
+    if left is None:
+        return bound
+    larger: Array = np.maximum(bound, left[: len(bound)])
+    return larger
 
 
 def _smaller_bound(allowed: Array, estimate: Array | None) -> Array:

@@ -286,11 +286,17 @@ def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Arra
 def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
     """Round-off of both runs, with numbers as large as the symmetry makes them.
 
+    A method that does not claim to conserve momentum may find velocities from differences of
+    places, as Stoermer's rule does: v = (r' - r)/h. There a rounding u r of a place is one of u r/h,
+    which in units of the speed L/tau is u r/L times tau/h.
+
     In other units the moments of inertia are rounded anew, which for a very slender body is a
     visible change.
     """
     level = level_for(subject)
     rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
+    if subject.method.control == "step" and "momentum" not in subject.method.conserves:
+        rounding *= 1.0 + subject.instance.scales.tau / level
     if view.units != symmetry.Symmetry().units:
         rounding += subject.method.round_off * symmetry.rounded_rates(subject.instance)
     return rounding

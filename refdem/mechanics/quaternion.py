@@ -52,6 +52,17 @@ def angle_between(p: Array, q: Array) -> Array:
     return angle
 
 
+def turned_by(turn: Array) -> Array:
+    """The quaternions (..., 4) of rotations by the angle |turn| [rad] about `turn` (..., 3).
+
+    They are (cos(|turn|/2), sin(|turn|/2) turn/|turn|), and 1 where `turn` is 0.
+    """
+    half = np.linalg.norm(turn, axis=-1, keepdims=True) / 2.0
+    # np.sinc(x) is sin(pi x)/(pi x), and 1 at 0.
+    quaternion: Array = np.concatenate([np.cos(half), np.sinc(half / np.pi) * turn / 2.0], axis=-1)
+    return quaternion
+
+
 def matrix(q: Array) -> Array:
     """The rotation matrix R(q) (..., 3, 3) from body vectors to space, for unit q (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q, float), -1, 0)
