@@ -287,7 +287,7 @@ def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
     """Round-off of both runs, with numbers as large as the symmetry makes them.
 
     A method that does not claim to conserve momentum may find velocities from differences of
-    places, as Stoermer's rule does: v = (r' - r)/h. There a rounding u r of a place is one of u r/h,
+    places, as Stoermer's rule does: v = (r' - r)/h. There a rounding u r of a place becomes u r/h,
     which in units of the speed L/tau is u r/L times tau/h.
 
     In other units the moments of inertia are rounded anew, which for a very slender body is a
