@@ -42,6 +42,8 @@ PAUSE = 0.01
 """Seconds between looks at processes that are ending."""
 LOOK = 0.1
 """Seconds between looks at the memory of a program: at 2 GB/s it takes 0.2 GB between two."""
+MEMORY = (b"RssAnon:", b"RssShmem:", b"VmSwap:")
+"""Lines of /proc/PID/status, see proc(5), whose sum is the memory that a program has taken."""
 GOODBYE = b"end"
 """What comes over the socket where refdem goes on without this process; nothing comes where refdem
 itself was killed.
@@ -299,7 +301,7 @@ class Supervisor:
             # Not only where nothing happens: a program may end children without end.
             if time.monotonic() >= look:
                 look = time.monotonic() + LOOK
-                taken = max(map(private_memory, descendants()), default=0)
+                taken = max(map(memory_of, descendants()), default=0)
                 if taken > most:
                     raise TooMuchMemoryError(taken)
             with contextlib.suppress(BlockingIOError):
@@ -411,7 +413,7 @@ class Supervisor:
                 raise AbandonedError
             if time.monotonic() >= look:
                 look = time.monotonic() + LOOK
-                taken = max(map(private_memory, descendants()), default=0)
+                taken = max(map(memory_of, descendants()), default=0)
                 if taken > most:
                     raise FaultError("memory", taken=taken)
 
@@ -552,18 +554,22 @@ def ended_first() -> None:
         file.write("1000")
 
 
-def private_memory(process: int) -> int:
-    """Bytes of memory that a process holds for itself alone; 0 if it has ended.
+def memory_of(process: int) -> int:
+    """Bytes of memory that a process has made its own: anonymous, shared with other processes, and
+    swapped out; 0 if it has ended (Linux).
 
-    Memory that is only reserved does not count. A limit of the system's (RLIMIT_AS, RLIMIT_DATA)
-    would count it, and end every program that was built with a sanitizer, which reserves 15 TB.
+    Pages of files do not count, which the kernel can drop at any time. Neither does memory that is
+    only reserved. A limit of the system's (RLIMIT_AS, RLIMIT_DATA) would count it, and end every
+    program that was built with a sanitizer, which reserves 15 TB.
     """
     try:
-        with open(f"/proc/{process}/statm", "rb") as file:
-            _, resident, shared = file.read().split()[:3]
+        with open(f"/proc/{process}/status", "rb") as file:
+            lines = file.read().splitlines()
     except OSError:
         return 0
-    return (int(resident) - int(shared)) * resource.getpagesize()
+    # As in "RssShmem:      1536 kB".
+    sizes = [line.split()[1] for line in lines if line.startswith(MEMORY)]
+    return 1024 * sum(map(int, sizes))
 
 
 def reaped() -> "dict[int, int]":

@@ -3,6 +3,7 @@ nobody.
 """
 
 LINK = r"(is a link, a pipe, a device or a folder|cannot be read: .*); expected a plain file"
+MEMORY = r"took .* GB of memory and was ended; expected at most 0\.5 GB"
 
 ERRORS = {
     "fails": r"ended with exit status 1: segment 3: no convergence \?\[31m",
@@ -19,8 +20,10 @@ ERRORS = {
     "floods": "SIGXFSZ: a file grew too large",
     "floods-its-output": "SIGXFSZ: a file grew too large",
     "floods-its-errors": "SIGXFSZ: a file grew too large",
-    "devours": r"took .* GB of memory and was ended; expected at most 0\.5 GB",
-    "devours-among-orphans": r"took .* GB of memory and was ended; expected at most 0\.5 GB",
+    "devours": MEMORY,
+    "devours-among-orphans": MEMORY,
+    "devours-shared-memory": MEMORY,
+    "devours-the-shared-memory-of-an-orphan": MEMORY,
     "escapes": r"exit status 1: \?\[2J",
     "commands-a-workflow": "exit status 1: ",
     "writes-formulas": "exit status 1: =HYPERLINK",

@@ -224,6 +224,34 @@ def devours_among_orphans():
         time.sleep(0.01)
 
 
+def shared_memory_is_filled():
+    """Maps memory that other processes may share, block by block, and writes to every page; ends
+    at three times of what is allowed.
+    """
+    taken = []
+    while len(taken) < 96:
+        block = mmap.mmap(-1, 2**24)
+        block.write(b"x" * 2**24)
+        taken.append(block)
+        time.sleep(0.01)
+    time.sleep(600)
+
+
+@before
+def devours_shared_memory():
+    shared_memory_is_filled()
+
+
+@before
+def devours_the_shared_memory_of_an_orphan():
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            shared_memory_is_filled()
+        os._exit(0)
+    time.sleep(600)
+
+
 @before
 def reserves():
     # As the address sanitizer of C compilers does; this is no memory that is used.
