@@ -14,9 +14,11 @@ import signal
 import sys
 import tempfile
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any, Protocol, TypeVar
@@ -37,6 +39,14 @@ PR_SET_PDEATHSIG = 1
 """Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
+LOOK = 1.0
+"""Seconds between looks at the pool of workers while no result comes."""
+POOLS = 3
+"""So many pools that break one after another, without a result between them, fail their jobs."""
+NEVER_BEGUN = (
+    f"the worker process died while it started, {POOLS} times in a row: the machine may be short of"
+    " memory, or something ends processes"
+)
 
 
 Progress = Callable[[str, int, int], None]
@@ -206,48 +216,75 @@ class Schedule:
         return self._working(jobs)
 
     def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
-        """The results of worker processes."""
+        """The results of worker processes.
+
+        A worker that dies while it starts breaks the whole pool. The pool is made again, and what
+        had been handed to it is handed over once more; where that breaks POOLS pools without a
+        result, these jobs have failed.
+        """
         self._employ(min(self._most, len(jobs)))
-        waiting = iter(jobs)
+        waiting = deque(jobs)
         running = dict[Any, Job]()
-        while True:
-            for job in waiting:
-                failure = job.given_up()
-                if failure is not None:
-                    yield job, failure
-                    continue
-                running[self._begun(job)] = job
-                if len(running) >= 4 * self._size:
-                    break
-            if not running:
-                return
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
+        broken_pools = 0
+        while waiting or running:
+            yield from self._hand_over(waiting, running)
+            done, _ = wait(running, timeout=LOOK, return_when=FIRST_COMPLETED)
+            unanswered = []
             for future in done:
                 job = running.pop(future)
-                yield job, self._result(future, job)
-            # What the last results say is not worth waiting for any more is taken back.
-            vain = [
-                (future, failure)
-                for future, job in running.items()
-                if (failure := job.given_up()) is not None
-            ]
-            for future, failure in vain:
-                future.cancel()
-                yield running.pop(future), failure
+                result = self._result(future, job)
+                if result is None:
+                    unanswered.append(job)
+                else:
+                    broken_pools = 0
+                    yield job, result
+            if not self._pool.active:
+                unanswered += running.values()
+                running = {}
+                broken_pools += 1
+                self._dismiss()
+                self._hire()
+            if broken_pools < POOLS:
+                waiting.extendleft(unanswered)
+            else:
+                broken_pools = 0
+                for job in unanswered:
+                    yield job, Failure(kind="crash", sentence=NEVER_BEGUN)
+            yield from take_back(running)
+
+    def _hand_over(
+        self, waiting: deque[Job], running: dict[Any, Job]
+    ) -> Iterator[tuple[Job, Failure]]:
+        """Moves jobs to the workers, as long as these have few; yields those that are given up."""
+        while waiting and len(running) < 4 * self._size and self._pool.active:
+            job = waiting.popleft()
+            failure = job.given_up()
+            if failure is not None:
+                yield job, failure
+                continue
+            future = self._begun(job)
+            if future is None:
+                waiting.appendleft(job)
+            else:
+                running[future] = job
 
     def _employ(self, workers: int) -> None:
         """Starts so many workers, unless there are as many."""
         if self._size < workers:
-            from pebble import ProcessPool  # slow to import, and not needed for programs
-
             self._dismiss()
             self._size = workers
-            self._pool = ProcessPool(
-                max_workers=workers,
-                context=multiprocessing.get_context("spawn"),
-                initializer=begin,
-                initargs=(os.getpid(), tempfile.gettempdir()),
-            )
+            self._hire()
+
+    def _hire(self) -> None:
+        """Makes the pool of workers."""
+        from pebble import ProcessPool  # slow to import, and not needed for programs
+
+        self._pool = ProcessPool(
+            max_workers=self._size,
+            context=multiprocessing.get_context("spawn"),
+            initializer=begin,
+            initargs=(os.getpid(), tempfile.gettempdir()),
+        )
 
     def _dismiss(self) -> None:
         """Ends the workers, whatever they are doing."""
@@ -256,17 +293,21 @@ class Schedule:
             self._pool.join()
 
     def _begun(self, job: Job) -> Any:
-        """The future of a job that is handed to a worker process."""
+        """The future of a job that is handed to a worker process; None if the pool is broken."""
         limit = job.patience * (job.timeout or self._timeout)
-        if job.computes:
-            return self._pool.schedule(
-                limited, args=(limit, job.function, *job.arguments), timeout=SLOWER * limit
-            )
-        return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
+        call = (job.function, *job.arguments)
+        try:
+            if job.computes:
+                return self._pool.schedule(limited, args=(limit, *call), timeout=SLOWER * limit)
+            return self._pool.schedule(guarded, args=call, timeout=limit)
+        except RuntimeError:
+            if self._pool.active:
+                raise
+            return None
 
-    def _result(self, future: Any, job: Job) -> bytes | Failure:
+    def _result(self, future: Any, job: Job) -> bytes | Failure | None:
         """The bytes of a job that has ended in a worker, or how it failed: hang, crash,
-        exception.
+        exception; None if the pool broke before it had begun.
         """
         from pebble import ProcessExpired
 
@@ -274,6 +315,8 @@ class Schedule:
         try:
             result: bytes | Failure = future.result()
             return result
+        except BrokenProcessPool:
+            return None
         except FutureTimeout:
             if job.computes:
                 limit *= SLOWER
@@ -291,6 +334,20 @@ class Schedule:
             )
         except Exception as error:
             return _failure(error)
+
+
+def take_back(running: dict[Any, Job]) -> Iterator[tuple[Job, Failure]]:
+    """The jobs among those that run which, by what the last results say, are not worth waiting for
+    any more.
+    """
+    vain = [
+        (future, failure)
+        for future, job in running.items()
+        if (failure := job.given_up()) is not None
+    ]
+    for future, failure in vain:
+        future.cancel()
+        yield running.pop(future), failure
 
 
 def begin(parent: int, temporary: str) -> None:

@@ -3,15 +3,17 @@ that only computes.
 """
 
 import os
+import signal
 import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from refdem.campaign.schedule import READ_HERE, Job, Schedule
+from refdem.campaign.schedule import NEVER_BEGUN, POOLS, READ_HERE, Job, Schedule, begin
 from refdem.campaign.truths import sampled_truths
 from refdem.campaign.worker import COUNT_BYTES
 from refdem.core import discovery
@@ -62,6 +64,49 @@ def test_a_worker_does_not_look_for_the_folder_of_temporary_files(
     with Schedule(1, 60) as schedule:
         ((_, found),) = schedule.results([Job(0, folder_of_temporary_files, ())])
     assert found == tempfile.gettempdir().encode()
+
+
+def dies(parent: int, temporary: str) -> None:
+    """In place of `begin`: ends a worker that starts, as often as there is a file left."""
+    for file in sorted(Path(os.environ["DEATHS"]).iterdir()):
+        with suppress(FileNotFoundError):
+            file.unlink()
+            os.kill(os.getpid(), signal.SIGKILL)
+    begin(parent, temporary)
+
+
+@pytest.mark.parametrize("deaths", [1, 2])
+def test_a_pool_that_breaks_while_a_worker_starts_is_made_again(
+    deaths: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    found = results_with_deaths(deaths, monkeypatch, tmp_path)
+    assert found == dict.fromkeys(range(6), b"done")
+
+
+def test_jobs_whose_workers_never_start_fail_and_the_others_go_on(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    found = results_with_deaths(POOLS, monkeypatch, tmp_path)
+    failed = [result for result in found.values() if result != b"done"]
+    assert sorted(found) == list(range(6))
+    # One worker holds four jobs.
+    assert failed == [Failure(kind="crash", sentence=NEVER_BEGUN)] * 4
+
+
+def results_with_deaths(
+    deaths: int, monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> "dict[int, bytes | Failure]":
+    """Results of six jobs where the first `deaths` workers die while they start."""
+    for k in range(deaths):
+        (folder / str(k)).touch()
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    monkeypatch.setenv("DEATHS", str(folder))
+    monkeypatch.setattr("refdem.campaign.schedule.begin", dies)
+    with Schedule(1, 60) as schedule:
+        return {
+            job.key: result
+            for job, result in schedule.results([Job(k, works, ()) for k in range(6)])
+        }
 
 
 def waits(seconds: float) -> bytes:
