@@ -151,8 +151,8 @@ def beside_impacts(
 def left_by_late_impacts(
     subject: Subject, level: float, run: Trajectory, truth: SampledTruth
 ) -> dict[str, Array]:
-    """By how much impacts that were seen one step h late move every quantity (until,) that depends
-    on places, in units of its scale; empty for methods that see them in time.
+    """How far every quantity (until,) is moved by impacts that were seen one step h late, in units
+    of its scale; empty for methods that see them in time.
 
     A body whose velocity changes by dv in an impact is off by dv h after it, and one whose angular
     velocity changes by dw is turned by dw h.

@@ -19,7 +19,7 @@ from typing import Any, BinaryIO
 
 from refdem.core.outside import made, one_line
 from refdem.engines.external.folders import home
-from refdem.engines.external.supervisor import GOODBYE
+from refdem.engines.external.supervisor import ENDING, GOODBYE, descendants
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
@@ -34,6 +34,12 @@ CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.lim
 """Where Linux keeps the limit of a container: control groups version 2, and 1."""
 MAX_OUTPUT = 300
 """Characters of what a program said that an error or a refusal shows."""
+HELD_UP = 2 * ENDING
+"""Seconds after the limits of a run within which its supervisor answers, on any machine: it ends
+what the program left, and before that perhaps a program that stayed alive.
+"""
+LONGEST_WAIT = 2e6
+"""Seconds for which a socket can wait, at most: poll(2) counts milliseconds in 31 bits."""
 LONGEST_CHARACTER = 4
 """Bytes of a character in UTF-8, at most."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
@@ -102,12 +108,15 @@ class Supervised:
         return Ended(answer["status"], answer["seconds"], answer["left"])
 
     def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
-        """What it answers to a request; raises EngineError if it was ended itself.
+        """What it answers to a request; raises EngineError if it was ended itself, or if it does
+        not answer in time: a program may stop it by a signal.
 
         A wait that an exception interrupts, as Ctrl-C does, ends the supervisor: the answer still
         to come would be taken for that to the next request.
         """
         line = b""
+        limits = sum(request.get(limit, 0.0) for limit in ("ready", "warm", "timeout"))
+        self.socket.settimeout(min(HELD_UP + limits, LONGEST_WAIT))
         _BUSY.add(self)
         try:
             text = json.dumps(request).encode() + b"\n"
@@ -139,7 +148,16 @@ class Supervised:
         self.stop()
         self.said.close()
         self.socket.close()
-        self.process.wait()
+        # One that was stopped by a signal goes on, and ends what it runs.
+        self.process.send_signal(signal.SIGCONT)
+        try:
+            self.process.wait(ENDING)
+        except subprocess.TimeoutExpired:
+            for process in descendants(self.process.pid):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(process, signal.SIGKILL)
+            self.process.kill()
+            self.process.wait()
 
     def __del__(self) -> None:
         self.close()

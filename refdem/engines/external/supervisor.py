@@ -627,8 +627,8 @@ def end_descendants() -> None:
             time.sleep(PAUSE)
 
 
-def descendants() -> "list[int]":
-    """All processes below this one that have not ended."""
+def descendants(top: "int | None" = None) -> "list[int]":
+    """All processes below `top`, this one by default, that have not ended."""
     children: dict[int, list[int]] = {}
     if not os.path.isdir("/proc/self"):  # not Linux
         return []
@@ -644,7 +644,7 @@ def descendants() -> "list[int]":
             if state not in (b"Z", b"X"):
                 children.setdefault(int(parent), []).append(int(name))
     processes: list[int] = []
-    waiting = [os.getpid()]
+    waiting = [top or os.getpid()]
     while waiting:
         for process in children.get(waiting.pop(), []):
             processes.append(process)

@@ -2,10 +2,12 @@
 and how much memory it may take.
 """
 
+import contextlib
 import json
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -185,3 +187,41 @@ def test_the_run_after_one_that_was_interrupted_is_told_by_its_own_status(ran: R
     for status in (3, 4):
         with pytest.raises(EngineError, match=f"exit status {status}: own words"):
             ran(says("own words", status))
+
+
+@pytest.mark.parametrize(
+    "stops",
+    [
+        "os.kill(os.getppid(), 19); time.sleep(600)",
+        "os.kill(os.getppid(), 19)",
+        # One that goes on is stopped again.
+        "exec('while True: os.kill(os.getppid(), 19)')",
+        "if os.fork() == 0:\n  os.setsid()\n  while True: os.kill(STOPPED, 19)",
+    ],
+)
+def test_a_program_that_stops_its_supervisor_is_an_error_and_nothing_is_left(
+    stops: str, ran: Ran, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(process, "HELD_UP", 1.0)
+    monkeypatch.setattr(process, "ENDING", 1.0)
+    before = process.supervised().process
+    code = f"STOPPED = os.getppid()\n{stops}\ntime.sleep(600)"
+    with pytest.raises(EngineError, match="with the process that watched over it"):
+        ran(code, timeout=1.0)
+    assert before.poll() is not None
+    mark = b"STOPPED = os.getppid()"
+    until = time.monotonic() + 60.0
+    while running := processes_with(mark):
+        assert time.monotonic() < until, running
+        time.sleep(0.05)
+    assert ran("pass") > 0.0
+
+
+def processes_with(mark: bytes) -> list[str]:
+    """Processes that have a word in their command line and have not ended."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            if mark in path.read_bytes():
+                found.append(path.parent.name)
+    return found

@@ -152,23 +152,32 @@ def test_descendants_are_those_that_have_not_ended(
     assert parent.pid not in supervisor.descendants()
 
 
-def test_private_memory_is_what_a_process_has_filled(
-    child: "Callable[[str], subprocess.Popen[str]]",
+def test_memory_is_what_a_process_has_filled(
+    child: "Callable[[str], subprocess.Popen[str]]", tmp_path: Path
 ) -> None:
-    """In bytes, without what it shares with others; a process that is gone has none."""
+    """In bytes, shared with other processes or not; a process that is gone has none."""
     size = 2**26
     small = child("pass")
     large = child(f"filled = b'x' * {size}")
-    grown = supervisor.private_memory(large.pid) - supervisor.private_memory(small.pid)
+    grown = supervisor.memory_of(large.pid) - supervisor.memory_of(small.pid)
     assert grown == pytest.approx(size, rel=0.1)
     shared = child(
         f"import mmap\nplace = mmap.mmap(-1, {size}, mmap.MAP_SHARED)\nplace.write(b'x' * {size})"
     )
-    extra = supervisor.private_memory(shared.pid) - supervisor.private_memory(small.pid)
-    assert extra < size / 10
+    grown = supervisor.memory_of(shared.pid) - supervisor.memory_of(small.pid)
+    assert grown == pytest.approx(size, rel=0.1)
+    # Pages of a file are the system's.
+    file = tmp_path / "file"
+    file.write_bytes(b"x" * size)
+    reader = child(
+        f"import mmap\nfile = open({str(file)!r}, 'rb')\n"
+        f"place = mmap.mmap(file.fileno(), {size}, access=mmap.ACCESS_READ)\n"
+        "seen = sum(place[::4096])"
+    )
+    assert supervisor.memory_of(reader.pid) - supervisor.memory_of(small.pid) < size / 10
     small.kill()
     small.wait()
-    assert supervisor.private_memory(small.pid) == 0
+    assert supervisor.memory_of(small.pid) == 0
 
 
 def test_what_lingers_is_waited_for_and_then_counted(monkeypatch: pytest.MonkeyPatch) -> None:
