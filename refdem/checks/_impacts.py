@@ -109,6 +109,50 @@ def gap_rates(instance: Instance, impact: Impact) -> tuple[float, float]:
     return impact.closing / reach, bend / reach
 
 
+def growth_across(instance: Instance, impacts: Sequence[Impact]) -> Array:
+    """Growth (T,) of an early error of spheres that leads out of the line or the plane of their
+    motion, in which truth and its sensitivity S stay; 1 without impacts.
+
+    Spheres that are off by y_1 and y_2 across that plane meet with a normal that leads out of it:
+
+        n = n_0 + (y_2 - y_1)/(R_1 + R_2) e,    dv_k = -+ (1 + e) w m_1 m_2/(m_1 + m_2)/m_k n,
+
+    where w is the speed at which they close. So each impact enlarges the error by the length of the
+    flight after it over R_1 + R_2.
+    """
+    bodies = instance.scene.bodies
+    scales = instance.scales
+    (law,) = instance.scene.all(Contact)
+    # Columns: an error of each place, in units of L, and of each velocity, in units of L/tau.
+    place = np.hstack([np.eye(len(bodies)), np.zeros((len(bodies), len(bodies)))])
+    velocity = np.roll(place, len(bodies), axis=1)
+    now = instance.times[0] / scales.tau
+    growth = np.ones(len(instance.times))
+    pairs = [impact for impact in impacts if len(impact.bodies) == 2]
+    ends = [impact.time for impact in pairs[1:]] + [inf]
+    for impact, end in zip(pairs, ends, strict=False):
+        place = place + (impact.time / scales.tau - now) * velocity
+        now = impact.time / scales.tau
+        first, second = impact.bodies
+        mass = bodies.mass[[first, second]]
+        reach = (bodies.radius[first] + bodies.radius[second]) / scales.length
+        slope = (place[second] - place[first]) / reach
+        impulse = (1 + law.restitution) * impact.closing / scales.speed * mass.prod() / mass.sum()
+        velocity = velocity.copy()
+        velocity[first] -= impulse / mass[0] * slope
+        velocity[second] += impulse / mass[1] * slope
+        after = (instance.times >= impact.time) & (instance.times < end)
+        since = instance.times[after] / scales.tau - now
+        growth[after] = [_largest(place + t * velocity, velocity) for t in since]
+    so_far: Array = np.maximum.accumulate(growth)
+    return so_far
+
+
+def _largest(place: Array, velocity: Array) -> float:
+    """The largest error of any place or velocity (N, 2 N) that errors of 1 at the start make."""
+    return float(np.abs(np.vstack([place, velocity])).sum(axis=1).max())
+
+
 @dataclass(frozen=True)
 class Window:
     """An impact and two samples, `first` and `last` by number, between which it comes and no other

@@ -476,9 +476,11 @@ def _count_of_events(subject: Subject, truth: SampledTruth) -> int:
 
 def _best_tail(steps: list[float], largest: list[float]) -> float:
     """The largest mean order over all levels, or over the finest three or more: a coarse step that
-    ends near a kink makes a small error, which tells nothing of the order.
+    ends near a kink makes a small error, which tells nothing of the order. Of three levels it may
+    be the coarsest, and the finest two count.
     """
-    tails = range(max(1, len(steps) - 2))
+    fewest = min(3, len(steps) - 1)
+    tails = range(len(steps) - fewest + 1)
     return max(mean_order(steps[first:], largest[first:])[0] for first in tails)
 
 

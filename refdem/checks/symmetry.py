@@ -11,6 +11,7 @@ import numpy as np
 
 from refdem.checks._beside_impacts import nearest_velocities
 from refdem.checks._crossings import has_crossings
+from refdem.checks._impacts import growth_across, is_sequence, listed
 from refdem.checks.contact_impulse import alternating_slip
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, CompletedRun, Subject
@@ -135,6 +136,8 @@ class Symmetry(Check):
         base = runs[Variant(variant.level)].trajectory
         view = symmetry.of(subject.instance, variant.change)
         difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
+        if variant.change == "rotated":
+            growth = np.maximum(growth, _growth_across(subject))
         rounding = round_off(subject, view) * growth
         decided = _decided_by_rounding(subject, runs, growth, variant.change)
         if _flips_nothing(subject, runs, difference, rounding):
@@ -281,6 +284,16 @@ def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Arra
     departure = followed(subject, level_for(subject), base, truth)
     combined: Array = np.concatenate([growth[:departure], np.maximum(growth, observed)[departure:]])
     return combined
+
+
+def _growth_across(subject: Subject) -> Array:
+    """Growth (T,) of what rounding adds to a rotated motion out of its line or its plane: see
+    `growth_across`; 1 where truth knows of no impacts.
+    """
+    truth = certified(subject)
+    if truth is None or not is_sequence(subject.instance.scene):
+        return np.ones(len(subject.instance.times))
+    return growth_across(subject.instance, listed(truth.scalars))
 
 
 def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
