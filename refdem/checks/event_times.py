@@ -119,6 +119,9 @@ class EventTimes(Check):
             # Each certified event with the nearest reported one, then the reverse.
             pairs = [reported(crossing, allowed, events, whole) for crossing, allowed in due]
             pairs += [nearest(event, known, whole) for event in told]
+        pairs = [pair for pair in pairs if pair[1] < inf]
+        if not pairs:
+            return undecided(self.name, kind, predictions.why)
         distance, allowed, time = max(pairs, key=_share_of_bound)
         if located(subject):
             detection = ""
@@ -239,7 +242,8 @@ def predicted(
 
     The bound on an event's time is `shift` of the state's error, plus the radius of the certified
     time and the rounding of the clock. On a belt nothing is known about events after the last
-    certified one, and that one may be reported early; contacts end only once.
+    certified one, and that one may be reported early; contacts end only once. Impacts in sequence
+    from the ill-conditioned one on may come at any time.
     """
     bound = subject.bound(subject.levels[-1])
     times = subject.instance.times[: truth.until]
@@ -252,7 +256,7 @@ def predicted(
     for name, crossings_of_kind in known.items():
         by_time += [(crossing, name) for crossing in crossings_of_kind]
     by_time.sort(key=lambda pair: pair[0].time)
-    for crossing, kind in by_time:
+    for number, (crossing, kind) in enumerate(by_time):
         error = error_at(crossing, bound, times)
         shift_by_claims = shift(error, crossing)
         if shift_by_claims > HORIZON * tau:
@@ -260,6 +264,9 @@ def predicted(
                 f"event time is ill-conditioned: at t = {crossing.time:.6g} s a state error of"
                 f" {error:.2g} shifts it by more than tau/10"
             )
+            if listed(truth.scalars):
+                for later, of_kind in by_time[number:]:
+                    events[of_kind].append((later, inf))
             return Predicted(events, last, last, reason)
         if error > crossing.margin:
             reason = (

@@ -461,11 +461,15 @@ def test_moments_of_a_needle_are_rounded_to_another_rate():
 def test_round_off_of_a_picture_is_that_of_both_runs_and_of_other_units():
     needle = Body(mass=1.0, inertia=(1.0, 4.0, 4.5), omega=(0, 0, 1.0))
     of = instance([needle], (SOFT,))
-    subject = Subject(of, method(), LEVELS, None)
+    subject = Subject(of, method(conserves=frozenset({"momentum"})), LEVELS, None)
     plain = pictures.of(of, "mirrored")
     level = symmetry.level_for(subject)
     expected = 2 * subject.noise(level)
     assert symmetry.round_off(subject, plain) == near(expected, rel=1e-13)
+    # Velocities may be differences of places: (1 + tau/h) times as much.
+    of_places = Subject(of, method(), LEVELS, None)
+    of_differences = expected * (1 + of.scales.tau / level)
+    assert symmetry.round_off(of_places, plain) == near(of_differences, rel=1e-13)
     rescaled = pictures.of(of, "rescaled")
     assert symmetry.round_off(subject, rescaled) == near(expected + U * 8.5 * 16, rel=1e-13)
 
