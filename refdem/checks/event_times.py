@@ -243,7 +243,8 @@ def predicted(
     The bound on an event's time is `shift` of the state's error, plus the radius of the certified
     time and the rounding of the clock. On a belt nothing is known about events after the last
     certified one, and that one may be reported early; contacts end only once. Impacts in sequence
-    from the ill-conditioned one on may come at any time.
+    that are due from the ill-conditioned one on, until tau/10 after the others, may come earlier or
+    later.
     """
     bound = subject.bound(subject.levels[-1])
     times = subject.instance.times[: truth.until]
@@ -266,7 +267,8 @@ def predicted(
             )
             if listed(truth.scalars):
                 for later, of_kind in by_time[number:]:
-                    events[of_kind].append((later, inf))
+                    if later.time <= last + HORIZON * tau:
+                        events[of_kind].append((later, inf))
             return Predicted(events, last, last, reason)
         if error > crossing.margin:
             reason = (
