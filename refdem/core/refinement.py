@@ -25,6 +25,7 @@ from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
 
 Array = NDArray[np.float64]
@@ -97,10 +98,11 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
-    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`).
+    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of spheres of
+    little inertia that rub (`of_rubbing_spins`).
     """
     phase = instance.scales.duration / instance.scales.tau
-    factor = max(ROUND_OFF_FACTOR, of_directions(instance))
+    factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_rubbing_spins(instance))
     return factor * method.round_off * max(1.0, math.sqrt(steps), phase)
 
 
@@ -122,6 +124,24 @@ def of_directions(instance: Instance) -> float:
     omega = rotated(conjugate(bodies.attitude[spins]), bodies.omega[spins])
     momentum = np.linalg.norm(moments * omega, axis=1)
     return float(np.max(momentum / (moments.min(axis=1) * np.linalg.norm(omega, axis=1))))
+
+
+def of_rubbing_spins(instance: Instance) -> float:
+    """Roundings of a spin that one rounding of a velocity makes where spheres rub: m R^2/J, the
+    largest of any body; 0 without friction.
+
+    A tangential impulse m u v, one rounding of a velocity v, changes the spin by m u v R/J.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 0.0
+    if all(law.friction == 0 for law in problem.scene.all(Contact)):
+        return 0.0
+    bodies = problem.scene.bodies
+    turns = np.all(bodies.inertia > 0, axis=1)
+    moments = bodies.inertia[turns].min(axis=1, initial=np.inf)
+    ratio = bodies.mass[turns] * bodies.radius[turns] ** 2 / moments
+    return float(np.max(ratio, initial=0.0))
 
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:

@@ -350,3 +350,12 @@ def test_round_off_of_a_slender_body_that_spins_is_that_of_its_attitude():
     assert round_off(slender, method(), 1e4) == near(30 * U * 100, rel=1e-14)
     stout = spinning((10.0, 60.0, 60.0), (0.0, 3.0, 0.0))
     assert round_off(stout, method(), 1e4) == near(8 * U * 100, rel=1e-14)
+
+
+def test_a_rounding_of_an_impulse_is_more_of_the_spin_of_a_sphere_of_little_inertia():
+    light = Body(mass=2.0, inertia=(0.01, 0.01, 0.01), shape=Sphere(radius=0.5))
+    rough = instance([light, POINT], (Contact(law="linear", stiffness=8.0, friction=0.25),))
+    # m R^2/J = 2 x 1/4 / 0.01
+    assert round_off(rough, method(), 1e4) == near(50 * U * 100, rel=1e-14)
+    smooth = instance([light, POINT], (Contact(law="linear", stiffness=8.0),))
+    assert round_off(smooth, method(), 1e4) == near(8 * U * 100, rel=1e-14)

@@ -16,6 +16,12 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # A sphere of little inertia, whose spin shows the rounding of a tangential impulse.
+    (
+        "hard-spheres[inertia_factors=1,0.00063 duration=3 samples=16]",
+        "rigid",
+        "event-driven",
+    ),
     # A slow impact, whose time is hardly known, before an earlier one must have been reported.
     (
         "newtons-cradle[balls=7 masses=0.0414,0.969,1.25,1.98,558,0.312,0.0856"
