@@ -98,8 +98,8 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
-    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of spheres of
-    little inertia that rub (`of_rubbing_spins`).
+    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of
+    spheres of little inertia that touch (`of_rubbing_spins`).
     """
     phase = instance.scales.duration / instance.scales.tau
     factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_rubbing_spins(instance))
@@ -127,15 +127,15 @@ def of_directions(instance: Instance) -> float:
 
 
 def of_rubbing_spins(instance: Instance) -> float:
-    """Roundings of a spin that one rounding of a velocity makes where spheres rub: m R^2/J, the
-    largest of any body; 0 without friction.
+    """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
+    the largest of any body; 0 without contacts.
 
-    A tangential impulse m u v, one rounding of a velocity v, changes the spin by m u v R/J.
+    Also a smooth contact leaves one in the tangential direction. A tangential impulse m u v, one rounding of a velocity v, changes the spin by m u v R/J.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
         return 0.0
-    if all(law.friction == 0 for law in problem.scene.all(Contact)):
+    if not problem.scene.all(Contact):
         return 0.0
     bodies = problem.scene.bodies
     turns = np.all(bodies.inertia > 0, axis=1)
