@@ -130,7 +130,8 @@ def of_rubbing_spins(instance: Instance) -> float:
     """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
     the largest of any body; 0 without contacts.
 
-    Also a smooth contact leaves one in the tangential direction. A tangential impulse m u v, one rounding of a velocity v, changes the spin by m u v R/J.
+    A tangential impulse m u v, one rounding of a velocity v, which a smooth contact leaves too,
+    changes the spin by m u v R/J.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
