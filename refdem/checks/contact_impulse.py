@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import worst
+from refdem.core.judgement import undecided, worst
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Scene, Sphere
@@ -133,7 +133,11 @@ class ContactImpulse(Check):
         unit = scene.bodies.mass[0] * subject.instance.scales.speed
         fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
         rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
-        findings = [self._normal(contact, unit, rounding)]
+        unresolved = subject.unresolved(variant.level)
+        if unresolved:
+            findings = [undecided(self.name, "normal", unresolved)]
+        else:
+            findings = [self._normal(contact, unit, rounding)]
         presses = contact.pushes_throughout
         if law.friction > 0 and law.tangential_stiffness == 0 and presses.any():
             findings.append(

@@ -138,7 +138,8 @@ class Energy(Check):
         At the finest level the bound is also what the imbalance at the coarsest implies with the
         claimed order.
         """
-        measured = self._imbalance(subject, runs[variant])
+        unresolved = subject.unresolved(variant.level)
+        measured = unresolved or self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         claimed, basis = subject.kept("energy", variant.level)

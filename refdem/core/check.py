@@ -82,6 +82,16 @@ class Subject:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)
 
+    def unresolved(self, level: float) -> str | None:
+        """The reason why a step is too long to resolve anything of the motion, or None."""
+        at_start = float(self.truncation(level)[0])
+        if at_start < refinement.UNRESOLVED:
+            return None
+        return (
+            f"a step of {level:.3g} s may err by {at_start:.2g} of the scale of the motion within"
+            " its shortest time"
+        )
+
     def bound(self, level: float) -> Array:
         """Relative error (until,) allowed at every certified sample."""
         if self.truth is None:

@@ -90,6 +90,8 @@ MEMORY = 4
 """Steps to which a multistep method looks back, and which another rule has to make for it at the
 start.
 """
+UNRESOLVED = 0.5
+"""Relative truncation error of a single tau from which a step resolves nothing of the motion."""
 TOLERANCE_FACTOR = 1e3
 """A tolerance is local: its error may add up to this many times itself (design: 1e3 tol S)."""
 
@@ -99,10 +101,10 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
     off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of
-    spheres of little inertia that touch (`of_rubbing_spins`).
+    spheres of little inertia that touch (`of_touching_spins`).
     """
     phase = instance.scales.duration / instance.scales.tau
-    factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_rubbing_spins(instance))
+    factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_touching_spins(instance))
     return factor * method.round_off * max(1.0, math.sqrt(steps), phase)
 
 
@@ -126,7 +128,7 @@ def of_directions(instance: Instance) -> float:
     return float(np.max(momentum / (moments.min(axis=1) * np.linalg.norm(omega, axis=1))))
 
 
-def of_rubbing_spins(instance: Instance) -> float:
+def of_touching_spins(instance: Instance) -> float:
     """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
     the largest of any body; 0 without contacts.
 
@@ -143,6 +145,27 @@ def of_rubbing_spins(instance: Instance) -> float:
     moments = bodies.inertia[turns].min(axis=1, initial=np.inf)
     ratio = bodies.mass[turns] * bodies.radius[turns] ** 2 / moments
     return float(np.max(ratio, initial=0.0))
+
+
+def of_alternating_friction(instance: Instance) -> float:
+    """Factor >= 1 by which friction without a tangential spring outgrows the errors of a step: mu,
+    or mu m R^2/J of a sphere of little inertia.
+
+    The direction of such friction is the sign of the slip. Where the slip is 0 but for the step,
+    friction alternates, and a step of it changes
+
+        the velocity by   mu F_n h/m,
+        the spin by       mu F_n h R/J,
+
+    mu and mu m R^2/J times what a step of the normal force F_n changes a velocity, and R omega, by.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 1.0
+    laws = problem.scene.all(Contact)
+    soft = [law for law in laws if law.law != "rigid" and law.tangential_stiffness == 0]
+    largest = max((law.friction for law in soft), default=0.0)
+    return max(1.0, largest, largest * of_touching_spins(instance))
 
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
@@ -289,7 +312,8 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
     """Relative truncation error (T,) allowed at times t (T,) [s].
 
-    It is C (1 + t/tau) (h/tau)^p for a step h, C 1e3 tol for a tolerance, and 0 if exact.
+    It is C (1 + t/tau) (h/tau)^p for a step h, C 1e3 tol for a tolerance, and 0 if exact. C is the
+    claimed constant, times `of_alternating_friction`.
     """
     if method.control == "exact":
         return np.zeros(len(t))
@@ -302,7 +326,8 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
         return np.full(len(t), constant * TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
     power = order(instance, method)
-    allowed: Array = method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** power
+    constant = method.constant * of_alternating_friction(instance)
+    allowed: Array = constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** power
     return allowed
 
 

@@ -16,6 +16,7 @@ from refdem.core.refinement import (
     clock,
     flight,
     levels,
+    of_alternating_friction,
     of_directions,
     of_far_places,
     order,
@@ -359,3 +360,40 @@ def test_a_rounding_of_an_impulse_is_more_of_the_spin_of_a_sphere_of_little_iner
     assert round_off(rough, method(), 1e4) == near(50 * U * 100, rel=1e-14)
     free = instance([light, POINT])
     assert round_off(free, method(), 1e4) == near(8 * U * 100, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("law", "factor"),
+    [
+        (Contact(law="linear", stiffness=8.0, friction=0.01), 1.0),
+        # mu m R^2/J = 0.25 x 2 x 1/4 / 0.01
+        (Contact(law="linear", stiffness=8.0, friction=0.25), 12.5),
+        # A tangential spring has no direction of its own, an impact no step.
+        (
+            Contact(law="linear", stiffness=8.0, friction=0.25, tangential_stiffness=2.0),
+            1.0,
+        ),
+        (Contact(law="rigid", friction=0.25), 1.0),
+    ],
+)
+def test_friction_that_alternates_outgrows_the_errors_of_a_step(law, factor):
+    light = Body(mass=2.0, inertia=(0.01, 0.01, 0.01), shape=Sphere(radius=0.5))
+    of = instance([light, POINT], (law,))
+    assert of_alternating_friction(of) == near(factor, rel=1e-14)
+    found = truncation(of, method(), 1 / 64, np.array([0.0, 2.0]))
+    np.testing.assert_allclose(found, factor * np.array([1.0, 5.0]) / 32**2, rtol=1e-14)
+
+
+def test_friction_on_a_point_outgrows_the_errors_of_a_step_by_its_coefficient():
+    law = Contact(law="linear", stiffness=8.0, friction=3.0)
+    assert of_alternating_friction(instance([POINT, POINT], (law,))) == near(3.0, rel=1e-14)
+
+
+def test_a_step_that_errs_by_half_of_the_scale_within_tau_resolves_nothing():
+    of = instance([POINT, POINT], (Contact(law="linear", stiffness=8.0, friction=8.0),))
+    # 8 (h/tau)^2 = 1/2
+    subject = Subject(of, method(), (1 / 8, 1 / 16), None)
+    assert subject.unresolved(1 / 8) == (
+        "a step of 0.125 s may err by 0.5 of the scale of the motion within its shortest time"
+    )
+    assert subject.unresolved(1 / 16) is None

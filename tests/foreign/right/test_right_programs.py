@@ -16,6 +16,17 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # Friction far above 1, which alternates by many times what a normal force moves.
+    (
+        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875 samples=16]",
+        "multistep-single",
+        "adams-bashforth-2",
+    ),
+    (
+        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875 samples=16]",
+        "soft-fused",
+        "kick-drift",
+    ),
     # A sphere of little inertia, whose spin shows the rounding of a tangential impulse.
     (
         "hard-spheres[inertia_factors=1,0.00063 duration=3 samples=16]",
