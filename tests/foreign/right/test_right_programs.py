@@ -18,12 +18,14 @@ FEWEST = 20
 FORMER = [
     # Friction far above 1, which alternates by many times what a normal force moves.
     (
-        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875 samples=16]",
+        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875"
+        " samples=16]",
         "multistep-single",
         "adams-bashforth-2",
     ),
     (
-        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875 samples=16]",
+        "two-spheres[damping=12.1 friction=67.3 angle=0.0561 branch=R-d duration=0.1875"
+        " samples=16]",
         "soft-fused",
         "kick-drift",
     ),
