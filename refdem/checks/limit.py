@@ -13,6 +13,7 @@ from refdem.core.judgement import (
     judged,
     no_truth,
     observed_order,
+    rounding_of_truth,
     signed,
     undecided,
 )
@@ -77,7 +78,8 @@ class Limit(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
-        floor = 3 * float(np.max(subject.resolution(subject.levels[-1]) * truth.growth()[:count]))
+        of_run = float(np.max(subject.resolution(subject.levels[-1]) * truth.growth()[:count]))
+        floor = 3 * of_run + rounding_of_truth(subject, truth, count)
         largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if largest[1] > floor and observed_order(*largest[:2]) < order - SETTLED:
             why = f"errors do not yet fall with order {order}; see the check `order`"

@@ -505,6 +505,22 @@ def _signed(
     return rows
 
 
+def rounding_of_truth(subject: Subject, truth: SampledTruth, count: int) -> float:
+    """Largest radius of the first `count` certified values, in scales.
+
+    A value is printed as a double. That of an angle of many turns is rounded by more than a run,
+    which knows the angle within a turn.
+    """
+    largest = 0.0
+    for name, quantity in subject.instance.quantities.items():
+        if name not in truth.values:
+            continue
+        radius = truth.radius(name)[:count]
+        known = radius[np.isfinite(radius)]
+        largest = max(largest, float(np.max(known, initial=0.0)) / quantity.scale)
+    return largest
+
+
 def _small_rotations(observed: dict[str, Array], truth: SampledTruth, count: int) -> Array:
     """Rotation vectors (3, count) [rad] from the true attitude q to the observed attitude p.
 

@@ -102,6 +102,9 @@ class Truth(ABC):
 
             sup over 0 <= s <= t of |D(t) D(s)^-1|  <=  S(t).
 
+        The norm is the same at s and at t: the largest Euclidean length of any part. The turn and
+        the angular velocity of a free body are one part each; elsewhere every coordinate is one.
+
         Judging takes the largest S so far (`SampledTruth.growth`). S(t) depends on t alone, not on
         the other times that are asked for.
         """

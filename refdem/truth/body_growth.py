@@ -101,7 +101,9 @@ SPIN = slice(3, 6)
 """Columns of errors, and the rows of what they become along the moving axes."""
 BODY = slice(3, 6)
 SPACE = slice(6, 9)
-"""Rows that are read besides the turn: each component of omega in body axes and in space."""
+"""Rows that are read besides the turn: omega in body axes and in space."""
+READ = (TURN, BODY, SPACE)
+"""The vectors that are read: each is measured by Euclid, as errors are when they are made."""
 TRANSVERSE = slice(1, 3)
 """Components along w and b."""
 
@@ -252,16 +254,16 @@ class BodyGrowth(ABC):
         rounding may have lost more than the part MAX_ROUNDING_PART.
         """
         one_turn = near([arb_of(self.scales.turn)])
-        # |D_psi| and |D_omega| of the theorem on cells, by quantity (7: the turn, six components).
-        by_turn = exact(np.zeros((1, 7)))
-        by_spin = exact(np.zeros((1, 7)))
+        # |D_psi| and |D_omega| of the theorem on cells, by vector that is read.
+        by_turn = exact(np.zeros((1, len(READ))))
+        by_spin = exact(np.zeros((1, len(READ))))
         for part in parts:
             response = read @ part
-            by_turn = by_turn + row_norms(response[..., TURN] * one_turn)
-            by_spin = by_spin + row_norms(response[..., SPIN] @ sources)
+            by_turn = by_turn + norms_of_read(response[..., TURN] * one_turn)
+            by_spin = by_spin + norms_of_read(response[..., SPIN] @ sources)
         if turns_anyhow:
             # |r . (q lambda)| <= |r| |lambda|, with lambda = J d/L + psi x m across m.
-            reach = row_norms(read[None, :, TRANSVERSE])
+            reach = norms_of_read(read[None, :, TRANSVERSE])
             by_turn = by_turn + reach * one_turn
             by_spin = by_spin + reach * spectral_norms(sources[:, TRANSVERSE])[:, None]
         # |D(t, s)| <= |D_psi| (1 + h g) + |D_omega| g with g = exp(a h) (theorem on cells).
@@ -759,18 +761,15 @@ def filled(entries: Mapping[tuple[int, int], Near]) -> Near:
     return matrices
 
 
-def row_norms(matrices: Near) -> Near:
-    """Upper bounds (cells, 7) of the norms of the quantities of matrices (cells, 9, columns).
+def norms_of_read(matrices: Near) -> Near:
+    """Upper bounds (cells, 3) of the norms of the vectors READ of matrices (cells, 9, columns).
 
-    The first three rows are one quantity, the turn; each of the other six is one. `middle` bounds
-    the norms of the doubles, `off` those of their errors.
+    `middle` bounds the norms of the doubles, `off` those of their errors.
     """
-    turn = spectral_norms(matrices[:, TURN])
-    middle = np.linalg.norm(matrices.middle[:, 3:], axis=-1)
-    off = np.linalg.norm(matrices.off[:, 3:], axis=-1)
+    norms = [spectral_norms(matrices[:, rows]) for rows in READ]
     return Near(
-        np.concatenate([turn.middle[:, None], middle], axis=1),
-        np.concatenate([turn.off[:, None], off], axis=1),
+        np.stack([one.middle for one in norms], axis=-1),
+        np.stack([one.off for one in norms], axis=-1),
     )
 
 

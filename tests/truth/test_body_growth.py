@@ -30,7 +30,7 @@ LOOKS = 12
 """Times at which what is left of them is compared."""
 MARGIN = 2e-3
 """What Runge and Kutta may be off."""
-MAX_OVERESTIMATE = 2.0
+MAX_OVERESTIMATE = 1.4
 """S is at most so many times the largest growth that is found."""
 ONE = (Fraction(1), Fraction(0), Fraction(0), Fraction(0))
 TILTED = (Fraction(1), Fraction(2), Fraction(-3), Fraction(1, 2))
@@ -88,17 +88,19 @@ class Numbers:
         return found
 
     def largest(self, matrices: Array) -> float:
-        """The largest growth (of a turn, or of one component) by matrices (n, 9, 6), over all
-        impulses of one scale in both parts.
+        """The largest growth of a vector (the turn, omega in body axes, omega in space) by matrices
+        (n, 9, 6), over all impulses of one scale in both parts.
         """
         return largest_of(matrices[..., :3] * self.turn, matrices[..., 3:] * self.spin)
 
 
 def largest_of(by_turn: Array, by_spin: Array) -> float:
     """The same by matrices (n, 9, 3) each, on errors that are counted in scales."""
-    turned = sum(np.linalg.norm(one[:, :3], ord=2, axis=(-2, -1)) for one in (by_turn, by_spin))
-    others = sum(np.linalg.norm(one[:, 3:], axis=-1) for one in (by_turn, by_spin))
-    return float(max(turned.max(), others.max()))
+    largest = 0.0
+    for rows in (slice(0, 3), slice(3, 6), slice(6, 9)):
+        growths = [np.linalg.norm(one[:, rows], ord=2, axis=(-2, -1)) for one in (by_turn, by_spin)]
+        largest = max(largest, float(sum(growths).max()))
+    return largest
 
 
 def crossed(vectors: Array) -> Array:
@@ -138,7 +140,7 @@ def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
 
 
 def compared(numbers: Numbers, t: Fraction, growth: float) -> None:
-    """S is not below the largest growth, and not above twice of it."""
+    """S is not below the largest growth, and not above MAX_OVERESTIMATE times it."""
     bound = inner(numbers.truth, t)
     assert growth <= bound * (1 + MARGIN), (
         f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
@@ -176,7 +178,7 @@ FOLLOWED = [
 
 
 @pytest.mark.parametrize(("inertia", "omega", "end"), FOLLOWED)
-def test_s_of_a_body_is_at_most_twice_the_largest_growth_and_not_below_it(inertia, omega, end):
+def test_s_of_a_body_is_not_below_the_largest_growth_and_at_most_1_4_times_it(inertia, omega, end):
     numbers = of_body(inertia, omega)
     rng = np.random.default_rng(1)
     omegas, passed = steps_of(numbers, end)

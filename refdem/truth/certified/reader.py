@@ -187,12 +187,17 @@ def problems_of_list(
             )
             return
         listed[entry[2]] = entry[1]
+    entries = list(home.glob(only or "*.jsonl"))
     there = {
         entry.name: hashlib.sha256(entry.read_bytes()).hexdigest()
-        for entry in home.glob(only or "*.jsonl")
+        for entry in entries
+        if entry.is_file()
     }
-    for name in sorted({only} if only else {*listed, *there}):
-        if name not in there:
+    no_files = {entry.name for entry in entries} - there.keys()
+    for name in sorted({only} if only else {*listed, *there, *no_files}):
+        if name in no_files:
+            yield f"{name}: not a file; expected a file of certified values"
+        elif name not in there:
             yield f"{name}: missing, though {LIST} has it"
         elif name not in listed:
             yield f"{name}: there, though {LIST} does not have it"

@@ -136,6 +136,14 @@ def test_a_lost_line_is_seen(folder: Path) -> None:
         load("pendulum", folder=folder)
 
 
+@pytest.mark.parametrize("name", ["pendulum", "new"])
+def test_a_directory_in_place_of_a_file_is_seen(folder: Path, name: str) -> None:
+    (folder / f"{name}.jsonl").unlink(missing_ok=True)
+    (folder / f"{name}.jsonl").mkdir()
+    with pytest.raises(ValueError, match=rf"{name}\.jsonl: not a file"):
+        load(folder=folder)
+
+
 def test_a_file_that_is_gone_or_new_is_seen(folder: Path) -> None:
     shutil.copy(STORE / "duffing.jsonl", folder)
     with pytest.raises(
