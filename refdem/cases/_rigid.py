@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.parameters import Parameter, Parameters
-from refdem.core.refinement import HORIZON
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 
@@ -112,40 +111,3 @@ def clear_of_all(impact_times: Array, samples: int, *, least: float, most: float
         clearance = np.minimum(clearance, 4.0 * off_grid)
     best = int(clearance.min(axis=1).argmax())
     return float(durations[best])
-
-
-SHORTER = 0.875
-"""The factor by which `shortest_time` makes tau shorter until it is short enough."""
-
-
-def shortest_time(
-    impact_times: Array,
-    duration: float,
-    samples: int,
-    longest: float,
-    waits: Array | None = None,
-) -> float:
-    """The time tau [s], at most `longest`, with which no sample is scored that a late impact may
-    have spoiled; of impacts at times (n,) [s] before the end.
-
-    A method that looks for contacts at the ends of its steps h is late by up to h in each impact,
-    and by k h in the k-th of a chain: until then velocities are still those of before. A sample at
-    t is scored where (1 + t/tau) (h/tau) S <= 0.1, and S >= 1 + t/tau of free flight, so that
-
-        k h <= 0.1 k tau/(1 + t/tau)^2,
-
-    which is to be less than the time from every impact to the sample after it, and, where `waits`
-    (n,) [s] are given, less than the time since the impact before it of one of its bodies: a method
-    that sees both in one step may take them in the wrong order.
-    """
-    within = impact_times[impact_times < duration]
-    interval = duration / samples
-    past = np.modf(within / interval)[0]
-    allowed = (1.0 - past) * interval
-    if waits is not None:
-        allowed = np.minimum(allowed, waits[: len(within)])
-    numbers = np.arange(1, len(within) + 1)
-    tau = longest
-    while np.any(HORIZON * numbers * tau > allowed * (1.0 + within / tau) ** 2):
-        tau *= SHORTER
-    return tau

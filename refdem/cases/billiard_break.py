@@ -10,6 +10,7 @@ from refdem.cases import _rigid
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
+from refdem.core.refinement import HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
 from refdem.errors import UsageError
@@ -28,6 +29,8 @@ TOLD_APART = 2.0**-24
 """Part of the time of an impact by which it must follow the one before it of one of its balls:
 binary64 keeps 2^-52 of it, and impacts enlarge what is lost.
 """
+SHORTER = 0.875
+"""The factor by which tau is made shorter until it is short enough."""
 WITHIN_WAIT = (1 / 4, 3 / 4)
 """Any other run ends between these parts of the wait for the impact that it does not show."""
 
@@ -190,8 +193,7 @@ class BilliardBreak(Case):
 
     def scales(self, p: Parameters) -> Scales:
         """tau is that of a flight over one diameter, or shorter, so that no impact that is seen
-        late spoils a sample that is scored or the order of impacts; L = V tau with V the largest
-        speed that the energy allows.
+        late spoils the order of impacts; L = V tau with V the largest speed that the energy allows.
         """
         course = _course(p)
         samples = int(p.samples)
@@ -205,8 +207,7 @@ class BilliardBreak(Case):
         duration = _rigid.clear_of_all(times[:shown], samples, least=least, most=most)
         fastest = _fastest(p)
         longest = 2.0 * float(p.radii.min()) / fastest
-        end = p.duration or duration
-        tau = _rigid.shortest_time(times, end, samples, longest, np.array(course.waits))
+        tau = _shortest_time(course, longest)
         return Scales(length=fastest * tau, tau=tau, duration=duration, mass=float(p.masses.max()))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -248,6 +249,27 @@ def _balls(p: Parameters) -> int:
     """The cue ball and n (n + 1)/2 of the rack."""
     rows = int(p.rows)
     return 1 + rows * (rows + 1) // 2
+
+
+def _shortest_time(course: "Course", longest: float) -> float:
+    """The time tau [s], at most `longest`, with which no late impact comes after the next one of
+    the same ball.
+
+    A method that looks for contacts at the ends of its steps h is late by up to h in each impact,
+    and by k h in the k-th of a chain. A sample at t is scored where (1 + t/tau) (h/tau) S <= 0.1,
+    and S >= 1 + t/tau of free flight, so that
+
+        k h <= 0.1 k tau/(1 + t/tau)^2,
+
+    which is to be less than the time since the impact before it of one of its balls: a method that
+    sees both in one step may take them in the wrong order.
+    """
+    times = np.array(course.times)
+    numbers = np.arange(1, len(times) + 1)
+    tau = longest
+    while np.any(HORIZON * numbers * tau > np.array(course.waits) * (1.0 + times / tau) ** 2):
+        tau *= SHORTER
+    return tau
 
 
 def _fastest(p: Parameters) -> float:

@@ -140,10 +140,9 @@ class NewtonsCradle(Case):
         least, most = (float(times[-1]) * part for part in AFTER_LAST)
         duration = _rigid.clear_of_all(times, samples, least=least, most=most)
         fastest = float(course.fastest)
-        longest = 2.0 * float(p.radii[:count].max()) / fastest
+        tau = 2.0 * float(p.radii[:count].max()) / fastest
         if course.shortest_wait is not None:
-            longest = min(longest, float(course.shortest_wait))
-        tau = _rigid.shortest_time(times, p.duration or duration, samples, longest)
+            tau = min(tau, float(course.shortest_wait))
         return Scales(
             length=fastest * tau,
             tau=tau,

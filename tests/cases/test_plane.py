@@ -36,7 +36,7 @@ def started(case, angle):
 
 
 @pytest.mark.parametrize("case", [*ONE, *TWO])
-@pytest.mark.parametrize("angle", [Fraction(14703, 10), Fraction(-10**9 - 1, 7)])
+@pytest.mark.parametrize("angle", [Fraction(14703, 10), Fraction(-(10**9) - 1, 7)])
 def test_a_rod_points_where_the_exact_angle_of_many_turns_does(case, angle):
     place, straight = started(case, angle)
     # Along y at the angle 0, beside a wheel of radius R.
