@@ -119,7 +119,8 @@ class Reversal(Check):
     def _order(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
     ) -> list[Finding]:
-        """The finding on the order of the return defect: p if p is odd, p + 1 if p is even.
+        """The finding on the order of the return defect over the two finest levels that are run
+        back: p if p is odd, p + 1 if p is even.
 
         The leading error term of even order is undone on the way back. There is no finding where
         the defect is at round-off, or below the next term of the error.
@@ -129,23 +130,22 @@ class Reversal(Check):
             expected = order
         else:
             expected = order + 1
+        run_back = {*subject.levels[-2:], _judged_level(subject)}
+        finest, coarser = sorted(run_back)[:2]
         coarse, fine = (
             _defect(subject, runs[Variant(h, "reversed")].trajectory, "reversed")
-            for h in subject.levels[-2:]
+            for h in (coarser, finest)
         )
         scales = subject.instance.scales
         method = subject.method
         next_term = (
-            method.constant
-            * scales.duration
-            / scales.tau
-            * (subject.levels[-1] / scales.tau) ** (expected + 1)
+            method.constant * scales.duration / scales.tau * (finest / scales.tau) ** (expected + 1)
         )
-        floor = max(next_term, subject.floor(subject.levels[-1]) * growth**2)
+        floor = max(next_term, subject.floor(finest) * growth**2)
         # Below round-off or the next term of the error the leading term cannot be observed.
         if not floor < fine <= coarse < HORIZON:
             return []
-        observed = math.log2(coarse / fine)
+        observed = math.log2(coarse / fine) / math.log2(coarser / finest)
         tolerance = max(0.15, 0.05 * expected)
         if tolerance < expected - observed < WHOLE:
             why = (

@@ -614,10 +614,8 @@ def test_a_defect_falls_with_the_order_from_a_larger_step():
 def test_a_return_error_of_an_even_order_has_the_next_odd_one():
     levels = (2 * H, H, H / 2)
     for claimed, expected, ratio in ((2, 3, 4.2), (1, 1, 1.85), (3, 3, 7.6)):
-        fine = 0.01
-        sizes = {H: ratio * fine, H / 2: fine}
         _, found = back(
-            lambda v, s=sizes: s.get(v.level, 0.0),
+            lambda v, p=log2(ratio): 0.01 * (2 * v.level / H) ** p,
             levels=levels,
             claims=method(order=claimed),
             forward=1.0,
@@ -626,6 +624,20 @@ def test_a_return_error_of_an_even_order_has_the_next_odd_one():
         assert found["order"].bound == near(0.15)
         verb = "meets" if found["order"].outcome == "pass" else "is below"
         assert f"{verb} the claimed {expected}" in found["order"].sentence
+
+
+def test_the_order_of_a_return_error_is_read_at_the_finest_level_that_is_run_back():
+    """A way back that is predictable only at finer levels than the way forward is run there."""
+    levels = (2 * H, H, H / 2)
+
+    def size(variant):
+        # The coarse pair lacks a whole order, as one that is not yet of small steps.
+        if variant.level >= H:
+            return 0.0192
+        return 0.018 * (2 * variant.level / H)
+
+    _, found = back(size, levels=levels, claims=method(order=1), forward=1.0)
+    assert found["order"].outcome == "pass"
 
 
 def test_a_return_error_whose_one_pair_lacks_less_than_an_order_decides_nothing():
