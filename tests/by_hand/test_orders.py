@@ -615,7 +615,7 @@ def test_a_return_error_of_an_even_order_has_the_next_odd_one():
     levels = (2 * H, H, H / 2)
     for claimed, expected, ratio in ((2, 3, 4.2), (1, 1, 1.85), (3, 3, 7.6)):
         _, found = back(
-            lambda v, p=log2(ratio): 0.01 * (2 * v.level / H) ** p,
+            lambda v, r=ratio: 0.01 * r ** log2(2 * v.level / H),
             levels=levels,
             claims=method(order=claimed),
             forward=1.0,
