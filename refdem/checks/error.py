@@ -253,12 +253,9 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     fine = observed[-1]
     floor = subject.floor(subject.levels[-1])
     rounding = floor * subject.truth.growth()[:count]
-    # Factor by which the error falls from one level to the next.
-    ratio = 2.0**subject.order
-    if method.control == "tolerance":
-        ratio = subject.levels[-2] / subject.levels[-1]
-        if not np.any(changes[0] > rounding):
-            return None
+    ratio = _ratio_of(subject, changes, rounding)
+    if ratio is None:
+        return None
     # The largest of the last change and of what those before imply for it, so far.
     implied = [change / ratio**k for k, change in enumerate(reversed(changes))]
     change = np.maximum.accumulate(np.maximum.reduce(implied))
@@ -272,6 +269,30 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
         times = instance.times[:count]
         allowed = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, allowed)
     return allowed
+
+
+def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float | None:
+    """Factor by which the error falls from one level to the next, that of the order claimed; None
+    if the changes (count,) say nothing.
+
+    If the last two changes fall by less than half of it, their own ratio: steps may be small beside
+    the times of a motion and not yet beside a force that changes at once, as that of a spring whose
+    ends pass close to each other. The check `order` says whether a method keeps its claim.
+    """
+    if subject.method.control == "tolerance":
+        if np.any(changes[0] > rounding):
+            return subject.levels[-2] / subject.levels[-1]
+        return None
+    claimed: float = 2.0**subject.order
+    if kinked(subject.instance, subject.method) or not np.any(changes[-1] > rounding):
+        return claimed
+    before, last = (float(np.max(change)) for change in changes[-2:])
+    seen = before / last
+    if seen >= claimed / 2:
+        return claimed
+    if seen > 1:
+        return seen
+    return None
 
 
 def _safety(subject: Subject, ratio: float, count: int) -> float:

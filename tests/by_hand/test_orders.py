@@ -331,6 +331,17 @@ def estimate(errors, of=None, claims=None, levels=LEVELS, growth=None, sample=-1
     return found if found is None else float(found[sample])
 
 
+def test_halvings_that_do_not_show_the_order_yet_imply_what_they_show():
+    # Changes of 2e-4 and 1e-4 fall by 2, in place of 16 of order 4: the rest is 1 of the last one.
+    slow = estimate({4 * H: 4e-4, 2 * H: 2e-4, H: 1e-4}, claims=method(order=4))
+    assert slow == near(4 * 1e-4 + 20 * ROUND_OFF, **LIKE)
+    # By more than half of 4: the claim stands, 1/3 of it.
+    claimed = estimate({4 * H: 4.1e-4, 2 * H: 2e-4, H: 1e-4}, claims=method(order=2))
+    assert claimed == near(4 / 3 * 1e-4 + 20 * ROUND_OFF, **LIKE)
+    # They do not fall at all.
+    assert estimate({4 * H: 2e-4, 2 * H: 2e-4, H: 1e-4}, claims=method(order=4)) is None
+
+
 def test_where_kinks_scatter_errors_the_room_is_64_or_16_and_a_straddled_step_is_added():
     errors = {4 * H: 4e-4, 2 * H: 1.1e-4, H: 3e-5}
     change = 8e-5
