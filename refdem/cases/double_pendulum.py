@@ -77,8 +77,7 @@ class DoublePendulum(Case):
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I, or the rate of one rod if that is more,
-        of the energy or at the start.
+        """L = l1 + l2, and 1/tau^2 = w1^2 + w2^2 + 2 E/I, or the rate of one rod if that is more.
 
         w1, w2 are the rates of the two modes at the bottom, w1^2 + w2^2 = g (m1 + m2)/m1 (1/l1 +
         1/l2). E is the energy above the bottom, I = (m1 + m2) l1^2 + m2 l2^2, so that 2 E/I is of
@@ -88,7 +87,8 @@ class DoublePendulum(Case):
             theta1'^2 <= 2 E/(m1 l1^2),   theta2'^2 <= 2 E (m1 + m2)/(m1 m2 l2^2),
 
         the largest values that T = E allows, which are up to 6 times 2 E/I for equal bobs and rods.
-        The same part of them is taken as a rate of the motion.
+        The same part of them is taken as a rate of the motion. With the kinetic energy of the start
+        alone, which one rod hands to the other soon, the largest values are taken themselves.
         """
         m1, m2 = p.masses
         l1, l2 = p.lengths
@@ -101,12 +101,13 @@ class DoublePendulum(Case):
         u = p.lengths * p.thetadot0
         squares = 0.5 * carried @ u**2
         coupling = m2 * u.prod() * np.cos(p.theta0[0] - p.theta0[1])
-        energy = squares + coupling + potential
+        kinetic = squares + coupling
+        energy = kinetic + potential
         modes = p.gravity * total / m1 * (1 / l1 + 1 / l2)
         of_both = modes + 2 * energy / (carried @ p.lengths**2)
-        of_one = 2 * energy * max(1 / (m1 * l1**2), total / (m1 * m2 * l2**2))
-        at_start = float(np.max(p.thetadot0**2))
-        tau = 1.0 / float(np.sqrt(max(of_both, of_one / OF_EQUAL_BOBS, at_start)))
+        of_one = 2 * max(1 / (m1 * l1**2), total / (m1 * m2 * l2**2))
+        whipped = of_one * max(energy / OF_EQUAL_BOBS, kinetic)
+        tau = 1.0 / float(np.sqrt(max(of_both, whipped)))
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(total))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

@@ -19,6 +19,13 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # A rod that turns fast at the start, and whips the lighter one round twice as fast.
+    (
+        "double-pendulum[masses=0.466,3.18 lengths=0.303,0.875 gravity=22.6 theta0=0.617,-0.523"
+        " thetadot0=-51.1,-3.17 duration=0.04716 samples=16]",
+        "rods",
+        "rk4",
+    ),
     # A spring whose ends pass close to each other: steps are not yet small beside that.
     (
         "coupled-pendulums[distance=0.409 gravity=91.9 stiffness=1.57 theta0=-87,-0.701"
