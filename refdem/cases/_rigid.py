@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.parameters import Parameter, Parameters
+from refdem.core.refinement import HORIZON
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 
@@ -111,3 +112,24 @@ def clear_of_all(impact_times: Array, samples: int, *, least: float, most: float
         clearance = np.minimum(clearance, 4.0 * off_grid)
     best = int(clearance.min(axis=1).argmax())
     return float(durations[best])
+
+
+SHORTER = 0.875
+"""The factor by which `shortest_time` makes tau shorter until it is short enough."""
+
+
+def shortest_time(impact_times: Array, allowed: Array, longest: float) -> float:
+    """The time tau [s], at most `longest`, with which impacts at times (n,) [s] are seen late by
+    less than is `allowed` (n,) [s] for each, wherever a sample is scored.
+
+    A method that looks for contacts at the ends of its steps h is late by up to h in each impact,
+    and by k h in the k-th of a chain. A sample at t is scored where (1 + t/tau) (h/tau) S <= 0.1,
+    and S >= 1 + t/tau of free flight, so that
+
+        k h <= 0.1 k tau/(1 + t/tau)^2.
+    """
+    numbers = np.arange(1, len(impact_times) + 1)
+    tau = longest
+    while np.any(HORIZON * numbers * tau > allowed * (1.0 + impact_times / tau) ** 2):
+        tau *= SHORTER
+    return tau

@@ -10,7 +10,6 @@ from refdem.cases import _rigid
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
-from refdem.core.refinement import HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
 from refdem.errors import UsageError
@@ -29,8 +28,6 @@ TOLD_APART = 2.0**-24
 """Part of the time of an impact by which it must follow the one before it of one of its balls:
 binary64 keeps 2^-52 of it, and impacts enlarge what is lost.
 """
-SHORTER = 0.875
-"""The factor by which tau is made shorter until it is short enough."""
 WITHIN_WAIT = (1 / 4, 3 / 4)
 """Any other run ends between these parts of the wait for the impact that it does not show."""
 
@@ -207,7 +204,8 @@ class BilliardBreak(Case):
         duration = _rigid.clear_of_all(times[:shown], samples, least=least, most=most)
         fastest = _fastest(p)
         longest = 2.0 * float(p.radii.min()) / fastest
-        tau = _shortest_time(course, longest)
+        # A method that sees two impacts of one ball in one step may take them in the wrong order.
+        tau = _rigid.shortest_time(times, np.array(course.waits), longest)
         return Scales(length=fastest * tau, tau=tau, duration=duration, mass=float(p.masses.max()))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -249,27 +247,6 @@ def _balls(p: Parameters) -> int:
     """The cue ball and n (n + 1)/2 of the rack."""
     rows = int(p.rows)
     return 1 + rows * (rows + 1) // 2
-
-
-def _shortest_time(course: "Course", longest: float) -> float:
-    """The time tau [s], at most `longest`, with which no late impact comes after the next one of
-    the same ball.
-
-    A method that looks for contacts at the ends of its steps h is late by up to h in each impact,
-    and by k h in the k-th of a chain. A sample at t is scored where (1 + t/tau) (h/tau) S <= 0.1,
-    and S >= 1 + t/tau of free flight, so that
-
-        k h <= 0.1 k tau/(1 + t/tau)^2,
-
-    which is to be less than the time since the impact before it of one of its balls: a method that
-    sees both in one step may take them in the wrong order.
-    """
-    times = np.array(course.times)
-    numbers = np.arange(1, len(times) + 1)
-    tau = longest
-    while np.any(HORIZON * numbers * tau > np.array(course.waits) * (1.0 + times / tau) ** 2):
-        tau *= SHORTER
-    return tau
 
 
 def _fastest(p: Parameters) -> float:

@@ -9,7 +9,6 @@ from refdem.cases import _plane, _rigid
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
-from refdem.core.refinement import HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
 from refdem.errors import UsageError
@@ -20,8 +19,6 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 MOST_BOUNCES = 40
 """Bounces that a run may show: e^-n digits are lost towards their end."""
-SHORTER = 0.875
-"""The factor by which tau is made shorter until it is short enough."""
 WITHIN_FLIGHT = (1 / 4, 3 / 4)
 """The run ends between these parts of the flight after its last bounce."""
 
@@ -144,7 +141,10 @@ class BouncingBall(Case):
         if len(before) > 0:
             # The flight after the last bounce is the shortest one.
             longest = min(longest, 2 * falling / p.gravity * p.restitution ** len(before))
-        tau = _shortest_time(before, end / samples, longest)
+        # A bounce that is seen late spoils samples up to the next one after it.
+        interval = end / samples
+        past = np.modf(before / interval)[0]
+        tau = _rigid.shortest_time(before, (1.0 - past) * interval, longest)
         return Scales(length=fastest * tau, tau=tau, duration=duration, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -184,27 +184,6 @@ def _before(p: Parameters, end: float) -> Array:
     """
     times = _bounces(p, MOST_BOUNCES + 1)
     return times[times < end]
-
-
-def _shortest_time(bounce_times: Array, interval: float, longest: float) -> float:
-    """The time tau [s], at most `longest`, with which no sample is scored that a late bounce may
-    have spoiled; of bounces at times (n,) [s], and samples an `interval` [s] apart.
-
-    A method that looks for contacts at the ends of its steps h is late by up to h in each bounce,
-    and by k h in the k-th: until then velocities are still those of before. A sample at t is scored
-    where (1 + t/tau) (h/tau) S <= 0.1, and S >= 1 + t/tau of free flight, so that
-
-        k h <= 0.1 k tau/(1 + t/tau)^2,
-
-    which is to be less than the time from every bounce to the sample after it.
-    """
-    past = np.modf(bounce_times / interval)[0]
-    allowed = (1.0 - past) * interval
-    numbers = np.arange(1, len(bounce_times) + 1)
-    tau = longest
-    while np.any(HORIZON * numbers * tau > allowed * (1.0 + bounce_times / tau) ** 2):
-        tau *= SHORTER
-    return tau
 
 
 CASE = BouncingBall()

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _plane, _two_rods
+from refdem.cases import _angles, _two_rods
 from refdem.core.case import Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -80,7 +80,7 @@ class CoupledPendulums(Case):
     def scene(self, p: Parameters) -> Scene:
         """The two bobs on their rods, and the spring between them."""
         # A bob moves with l theta' along the tangent (cos theta, sin theta).
-        sine, cosine = _plane.sine_and_cosine(p, "theta0")
+        sine, cosine = _angles.sine_and_cosine(p, "theta0")
         tangential = np.stack([cosine, sine, 0 * sine], axis=1)
         velocities = (p.lengths * p.thetadot0)[:, None] * tangential
         columns = zip(p.masses, _positions(p).tolist(), velocities.tolist(), strict=True)
@@ -151,7 +151,7 @@ class CoupledPendulums(Case):
 def _positions(p: Parameters) -> Array:
     """The places (2, 3) [m] of the bobs at the start: r = pivot + l (sin theta, -cos theta)."""
     pivots = np.array([[0.0, 0.0, 0.0], [p.distance, 0.0, 0.0]])
-    sine, cosine = _plane.sine_and_cosine(p, "theta0")
+    sine, cosine = _angles.sine_and_cosine(p, "theta0")
     radial = np.stack([sine, -cosine, 0 * sine], axis=1)
     positions: Array = pivots + p.lengths[:, None] * radial
     return positions

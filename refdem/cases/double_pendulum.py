@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _plane, _two_rods
+from refdem.cases import _angles, _two_rods
 from refdem.core.case import Case, given
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -64,7 +64,7 @@ class DoublePendulum(Case):
         theta' (cos theta, sin theta) against its beginning.
         """
         # Unit vectors (2, 3) along the rods and across them.
-        sine, cosine = _plane.sine_and_cosine(p, "theta0")
+        sine, cosine = _angles.sine_and_cosine(p, "theta0")
         zero = 0 * sine
         radial = np.stack([sine, -cosine, zero], axis=1)
         tangential = np.stack([cosine, sine, zero], axis=1)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _plane
+from refdem.cases import _angles
 from refdem.core.case import Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -55,7 +55,7 @@ class KapitzaPendulum(Case):
     def scene(self, p: Parameters) -> Scene:
         """The bob, and the pivot as a body that is carried."""
         # At t = 0 the pivot is at y = a, at rest; theta is measured from the top.
-        sine, cosine = _plane.sine_and_cosine(p, "theta0")
+        sine, cosine = _angles.sine_and_cosine(p, "theta0")
         speed = p.length * p.thetadot0
         position = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
         bob = Body(mass=MASS, position=position, velocity=(speed * cosine, -speed * sine, 0.0))

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _plane
+from refdem.cases import _angles
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -52,7 +52,7 @@ class Pendulum(Case):
         """The mass at l (sin theta0, -cos theta0), with the velocity l thetadot0 (cos theta0, sin
         theta0), on a rod from the origin.
         """
-        s, c = _plane.sine_and_cosine(p, "theta0")
+        s, c = _angles.sine_and_cosine(p, "theta0")
         speed = p.length * p.thetadot0
         mass = Body(
             mass=p.mass,

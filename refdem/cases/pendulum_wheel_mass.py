@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases import _plane
+from refdem.cases import _angles
 from refdem.cases._fitting import StringOnWheel
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -71,7 +71,7 @@ class PendulumWheelMass(StringOnWheel):
         # The string leaves the wheel at R e_t and goes on along e_r: a = R e_t + r e_r. With
         # e_t' = -theta' e_r and e_r' = theta' e_t its velocity is u e_r + r theta' e_t, where
         # u = r' - R theta' is also the upward velocity of the mass on the other side.
-        sine, cosine = _plane.sine_and_cosine(p, "theta0")
+        sine, cosine = _angles.sine_and_cosine(p, "theta0")
         tangential = np.array((cosine, sine, 0.0))
         radial = np.array((sine, -cosine, 0.0))
         u = p.rdot0 - p.wheel_radius * p.thetadot0

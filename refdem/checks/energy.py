@@ -139,7 +139,9 @@ class Energy(Check):
         claimed order.
         """
         unresolved = subject.unresolved(variant.level)
-        measured = unresolved or self._imbalance(subject, runs[variant])
+        if unresolved and not subject.keeps("energy"):
+            return undecided(self.name, quantity, unresolved)
+        measured = self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         claimed, basis = subject.kept("energy", variant.level)

@@ -450,7 +450,7 @@ def _constant_seen(subject: Subject, levels: list[Level]) -> float | None:
         if level.counts
     ]
     if ratios:
-        return max(ratios) * subject.method.constant
+        return max(ratios) * subject.constant
     return None
 
 
@@ -471,10 +471,12 @@ def _basis(subject: Subject, level: float, *, settled: bool) -> str:
             f"{factor:.3g} times the tolerance {level:.2g}, times the sensitivity S of the motion"
         )
     order = subject.order
-    constant = subject.method.constant
-    return (
-        f"claimed order {order}: |error| <= C (1 + t/tau) (h/tau)^{order} S with C = {constant:g}"
-    )
+    basis = f"claimed order {order}: |error| <= C (1 + t/tau) (h/tau)^{order} S with C ="
+    claimed = subject.method.constant
+    if subject.constant == claimed:
+        return f"{basis} {claimed:g}"
+    times = subject.constant / claimed
+    return f"{basis} {subject.constant:.3g}, {times:.3g} times as much where friction alternates"
 
 
 def _what(subject: Subject, quantity: str, level: float, point: int, count: int) -> str:

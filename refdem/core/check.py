@@ -82,14 +82,23 @@ class Subject:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)
 
+    @property
+    def constant(self) -> float:
+        """The error constant C that a step is allowed here (`refinement.error_constant`)."""
+        return refinement.error_constant(self.instance, self.method)
+
     def unresolved(self, level: float) -> str | None:
-        """The reason why a step is too long to resolve anything of the motion, or None."""
+        """The reason why friction that alternates leaves a step unable to resolve anything of the
+        motion, or None.
+        """
+        if self.method.control != "step" or self.constant == self.method.constant:
+            return None
         at_start = float(self.truncation(level)[0])
         if at_start < refinement.UNRESOLVED:
             return None
         return (
-            f"a step of {level:.3g} s may err by {at_start:.2g} of the scale of the motion within"
-            " its shortest time"
+            f"friction that alternates may put a step of {level:.3g} s off by {at_start:.2g} of the"
+            " scale of the motion within its shortest time"
         )
 
     def bound(self, level: float) -> Array:

@@ -168,6 +168,13 @@ def of_alternating_friction(instance: Instance) -> float:
     return max(1.0, largest, largest * of_touching_spins(instance))
 
 
+def error_constant(instance: Instance, method: Method) -> float:
+    """The error constant C that a step is allowed: the claimed one, times
+    `of_alternating_friction`.
+    """
+    return method.constant * of_alternating_friction(instance)
+
+
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
     """Relative round-off of places that are far from the origin compared with the scale L of their
     motion, or with the length of a rod whose angle they tell, as of a large ball that bounces by a
@@ -312,8 +319,8 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
     """Relative truncation error (T,) allowed at times t (T,) [s].
 
-    It is C (1 + t/tau) (h/tau)^p for a step h, C 1e3 tol for a tolerance, and 0 if exact. C is the
-    claimed constant, times `of_alternating_friction`.
+    It is C (1 + t/tau) (h/tau)^p for a step h with the C of `error_constant`, claimed C 1e3 tol
+    for a tolerance, and 0 if exact.
     """
     if method.control == "exact":
         return np.zeros(len(t))
@@ -326,7 +333,7 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
         return np.full(len(t), constant * TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
     power = order(instance, method)
-    constant = method.constant * of_alternating_friction(instance)
+    constant = error_constant(instance, method)
     allowed: Array = constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** power
     return allowed
 

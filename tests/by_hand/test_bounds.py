@@ -394,6 +394,11 @@ def test_a_step_that_errs_by_half_of_the_scale_within_tau_resolves_nothing():
     # 8 (h/tau)^2 = 1/2
     subject = Subject(of, method(), (1 / 8, 1 / 16), None)
     assert subject.unresolved(1 / 8) == (
-        "a step of 0.125 s may err by 0.5 of the scale of the motion within its shortest time"
+        "friction that alternates may put a step of 0.125 s off by 0.5 of the scale of the motion"
+        " within its shortest time"
     )
     assert subject.unresolved(1 / 16) is None
+    # Without such friction a long step is judged as ever, and so is a tolerance.
+    smooth = instance([POINT, POINT], (Contact(law="linear", stiffness=8.0, friction=0.5),))
+    assert Subject(smooth, method(), (4.0,), None).unresolved(4.0) is None
+    assert Subject(of, method("tolerance"), (1.0,), None).unresolved(1.0) is None

@@ -564,6 +564,21 @@ def test_the_limit_of_small_steps_is_a_part_of_its_own_last_change():
         assert found["state"].bound == near(2e-5 - 1e-5 + floor, rel=1e-6)
 
 
+def test_the_limit_of_small_steps_allows_what_the_printed_truth_is_rounded_by():
+    of = instance([POINT], (SPRING,), quantities={"x": 4.0})
+    h = 2.0**-7
+    levels = (4 * h, 2 * h, h)
+
+    def run(variant):
+        return standing(of, position=[[[4 * 16 * variant.level**2, 0, 0]]] * 5)
+
+    bounds = []
+    for radius in (0.0, 1e-6):
+        known = truth(TIMES, {"x": [0.0] * 5}, radius=radius)
+        bounds.append(judged("limit", of, run, levels=levels, known=known)["state"].bound)
+    assert bounds[1] - bounds[0] == near(1e-6 / 4, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("errors", "outcome"), [((1e-3, 3.0e-4, 8e-5), "fail"), ((1e-3, 3.1e-4, 8e-5), "undecided")]
 )

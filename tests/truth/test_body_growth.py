@@ -139,7 +139,7 @@ def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
     return omegas[::2], one + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def compared(numbers: Numbers, t: Fraction, growth: float) -> None:
+def assert_sharp(numbers: Numbers, t: Fraction, growth: float) -> None:
     """S is not below the largest growth, and not above MAX_OVERESTIMATE times it."""
     bound = inner(numbers.truth, t)
     assert growth <= bound * (1 + MARGIN), (
@@ -190,7 +190,9 @@ def test_s_of_a_body_is_not_below_the_largest_growth_and_at_most_1_4_times_it(in
         grown[k] = np.eye(6)
         if k in looks:
             t = Fraction(k * (end / STEPS))
-            compared(numbers, t, numbers.largest(numbers.readings(t, omegas[k]) @ grown[: k + 1]))
+            assert_sharp(
+                numbers, t, numbers.largest(numbers.readings(t, omegas[k]) @ grown[: k + 1])
+            )
 
 
 MANY = (1, 3, 7, 2000)
@@ -209,7 +211,7 @@ REPEATED = [
 ]
 
 
-def repeated(numbers: Numbers, periods: Sequence[int]) -> None:
+def assert_sharp_after_periods(numbers: Numbers, periods: Sequence[int]) -> None:
     """Impulses at random times of all periods so far, by powers of what a period makes of
     errors.
     """
@@ -234,12 +236,12 @@ def repeated(numbers: Numbers, periods: Sequence[int]) -> None:
                 struck = rng.integers(0, STEPS, IMPULSES // 10)
                 power = np.linalg.matrix_power(since[-1], n)
                 found = max(found, numbers.largest(readings @ since[k] @ power @ back[struck]))
-            compared(numbers, Fraction(seconds) + count * Fraction(period), found)
+            assert_sharp(numbers, Fraction(seconds) + count * Fraction(period), found)
 
 
 @pytest.mark.parametrize(("inertia", "omega", "periods"), REPEATED)
 def test_so_it_is_after_many_periods(inertia, omega, periods):
-    repeated(of_body(inertia, omega), periods)
+    assert_sharp_after_periods(of_body(inertia, omega), periods)
 
 
 POINTS = ["1,0,0,0,1,0,0,0,1,-1,-1/2,0", "1,0,1,-1,0,1,0,1,-1,0,-1,-1"]
@@ -258,7 +260,7 @@ def test_so_it_is_of_points_in_axes_that_are_not_principal(positions):
         float(truth.scale["attitude.w"]),
         float(truth.scale["omega.x"]),
     )
-    repeated(numbers, (1, 5, 500))
+    assert_sharp_after_periods(numbers, (1, 5, 500))
 
 
 NEEDLE = f"{2**-40} 1 {1 + 2**-41}"

@@ -216,17 +216,14 @@ def spoiled(content: bytes, random: Random) -> bytes:
     other = random.randrange(len(lines))
     swapped = list(lines)
     swapped[one], swapped[other] = lines[other], lines[one]
-    return random.choice(
-        [
-            content[:at] + bytes([content[at] ^ 1 << random.randrange(8)]) + content[at + 1 :],
-            content[:at] + content[at + 1 :],
-            content[:at] + bytes([random.randrange(256)]) + content[at:],
-            content[:at],
-            b"".join(lines[:one] + lines[one + 1 :]),
-            b"".join([*lines[:one], lines[one], *lines[one:]]),
-            b"".join(swapped),
-        ]
-    )
+    before, after = content[:at], content[at + 1 :]
+    flipped = before + bytes([content[at] ^ 1 << random.randrange(8)]) + after
+    put_in = before + bytes([random.randrange(256)]) + content[at:]
+    line_dropped = b"".join(lines[:one] + lines[one + 1 :])
+    line_doubled = b"".join([*lines[:one], lines[one], *lines[one:]])
+    line_moved = b"".join(swapped)
+    ways = [flipped, before + after, put_in, before, line_dropped, line_doubled, line_moved]
+    return random.choice(ways)
 
 
 @pytest.mark.parametrize("name", ["pendulum.jsonl", reader.LIST])
