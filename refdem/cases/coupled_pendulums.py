@@ -18,6 +18,12 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 DURATION = 30.0
 """Duration in tau: at the default parameters the energy passes to the other pendulum within it."""
+HIGHEST_ORDER = 8
+"""The highest order of a method whose step is held to tau."""
+PASS_STEP = 0.1
+"""Step of the search for close passes of the bobs, in units of the shortest time of the moment."""
+MOST_PASS_STEPS = 5_000
+"""Steps after which the search ends."""
 
 
 class CoupledPendulums(Case):
@@ -112,8 +118,20 @@ class CoupledPendulums(Case):
         E/I is of the size of the squared rate at which all of the energy turns both rods. A light
         bob may begin faster than that. A spring that is stretched far pulls a light bob as a strong
         gravity does: F is the largest force that the energy and the lengths of the rods allow, m l
-        that of the bob that it turns faster.
+        that of the bob that it turns faster. Bobs that pass each other closely turn the spring
+        faster than any of these, as `_rate_of_passes` finds.
         """
+        slow = self._time_without_passes(p)
+        duration = DURATION * slow
+        return Scales(
+            length=float(p.lengths.sum()),
+            tau=1.0 / max(1.0 / slow, _rate_of_passes(p, slow, p.duration or duration)),
+            duration=duration,
+            mass=float(p.masses.sum()),
+        )
+
+    def _time_without_passes(self, p: Parameters) -> float:
+        """The shortest time [s] of a motion in which the bobs do not pass each other closely."""
         inertia = float(p.masses @ p.lengths**2)
         kinetic = 0.5 * float(p.masses @ (p.lengths * p.thetadot0) ** 2)
         heights = p.lengths * (1 - np.cos(p.theta0))
@@ -124,17 +142,11 @@ class CoupledPendulums(Case):
         of_both = modes + 2 * energy / inertia
         at_start = float(np.max(p.thetadot0**2))
         pulled = self._largest_force(p, energy) / float(np.min(p.masses * p.lengths))
-        tau = 1.0 / float(np.sqrt(max(of_both, at_start, pulled)))
-        return Scales(
-            length=float(p.lengths.sum()),
-            tau=tau,
-            duration=DURATION * tau,
-            mass=float(p.masses.sum()),
-        )
+        return 1.0 / float(np.sqrt(max(of_both, at_start, pulled)))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: angles [rad] and rates [rad/s]."""
-        return _two_rods.quantities(self.scales(p).tau)
+        return _two_rods.quantities(self._time_without_passes(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Angles and their rates of the two rods, each from its pivot to its bob."""
@@ -155,6 +167,67 @@ def _positions(p: Parameters) -> Array:
     radial = np.stack([sine, -cosine, 0 * sine], axis=1)
     positions: Array = pivots + p.lengths[:, None] * radial
     return positions
+
+
+def _rate_of_passes(p: Parameters, slow: float, until: float) -> float:
+    """The largest rate [1/s] that steps have to resolve since the bobs pass each other; 0 where the
+    spring has no length without force, and so needs no direction.
+
+    Bobs that pass at the distance s with the velocity v turn the spring at the rate w = v/s, during
+    1/w. In that time a spring that gives a bob the acceleration a changes its velocity by a/w, and
+    a step h of a method of order p errs by about (h w)^p of it. With `slow`, the shortest time
+    without passes, and L = l1 + l2 that is (h r)^p of L/slow, the scale of velocities, where
+
+        r = w (a slow/(w L))^(1/p).
+
+    The motion is followed in binary64 until a time, by steps of Runge and Kutta that are short
+    beside 1/w; no more than MOST_PASS_STEPS, for a motion of many passes is soon past foretelling.
+    """
+    if p.spring_length == 0:
+        return 0.0
+
+    def tangents(theta: Array) -> NDArray[np.complex128]:
+        # In the complex plane (cos th, sin th) is exp(i th), and a bob hangs at -i l exp(i th).
+        along: NDArray[np.complex128] = np.exp(1j * theta)
+        return along
+
+    def spring(theta: Array) -> complex:
+        first, second = -1j * p.lengths * tangents(theta)
+        return complex(p.distance + second - first)
+
+    def rates(y: Array) -> Array:
+        theta, thetadot = y
+        vector = spring(theta)
+        force = p.stiffness * (1 - p.spring_length / abs(vector)) * vector
+        on_bobs = np.array([force, -force])
+        pulls = np.real(on_bobs * np.conj(tangents(theta)))
+        accelerations = pulls / p.masses - p.gravity * np.sin(theta)
+        return np.array([thetadot, accelerations / p.lengths])
+
+    def rate_of_pass(y: Array) -> float:
+        theta, thetadot = y
+        first, second = p.lengths * thetadot * tangents(theta)
+        return float(abs(second - first) / abs(spring(theta)))
+
+    y = np.array([p.theta0, p.thetadot0])
+    t = 0.0
+    largest = 0.0
+    for _ in range(MOST_PASS_STEPS):
+        w = rate_of_pass(y)
+        stretch = abs(spring(y[0])) - p.spring_length
+        if w > 0:
+            share = p.stiffness * abs(stretch) / min(p.masses) * slow / (w * p.lengths.sum())
+            largest = max(largest, w * share ** (1 / HIGHEST_ORDER))
+        if t >= until:
+            break
+        h = min(PASS_STEP / max(w, 1 / slow), until - t)
+        k1 = rates(y)
+        k2 = rates(y + h / 2 * k1)
+        k3 = rates(y + h / 2 * k2)
+        k4 = rates(y + h * k3)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        t += h
+    return largest
 
 
 CASE = CoupledPendulums()

@@ -25,7 +25,7 @@ from refdem.core.judgement import (
     room_of,
     undecided,
 )
-from refdem.core.refinement import HORIZON, clock, flight, kinked
+from refdem.core.refinement import HORIZON, clock, flight, kinked, of_far_places
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -273,13 +273,12 @@ def _claimed_forward_error(subject: Subject, level: float) -> float:
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
-    # Round-off c u sqrt(2 n) of the steps of both ways, and that of sums of equal terms: of the
-    # clock, and of positions and velocities in flight. All of it grows by S.
+    # Round-off c u sqrt(2 n) of the steps of both ways and that of sums of equal terms, in flight,
+    # or that of far places if it is more; and that of the clock. All of it grows by S.
     instance = subject.instance
-    of_steps = math.sqrt(2.0) * subject.round_off(level)
-    of_clock = clock(instance, subject.method, level)
-    of_flight = flight(instance, subject.method, level)
-    rounding = of_steps + (of_clock + of_flight)
+    near = math.sqrt(2.0) * subject.round_off(level) + flight(instance, subject.method, level)
+    far = math.sqrt(2.0) * of_far_places(instance, subject.method, level)
+    rounding = max(near, far) + clock(instance, subject.method, level)
     return rounding * float(subject.truth.growth()[-1])
 
 
