@@ -20,7 +20,7 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from refdem.checks._crossings import crossings, error_at, is_impact, shift
+from refdem.checks._crossings import Crossing, crossings, error_at, is_impact, shift
 from refdem.checks._impacts import falling, is_sequence
 from refdem.core.check import Array, Subject
 from refdem.core.judgement import difference, errors, made_of_velocities, room_of
@@ -40,7 +40,8 @@ def errors_of(
     errors against the truth of that sample and of the sample on the other side of the impact.
 
     So a velocity must be the one after the impact or the one before it; places are judged as
-    everywhere.
+    everywhere. Where a body has another impact between the two samples, neither of them shows its
+    velocity between the two impacts: at the sample beside the impact that velocity is not judged.
     """
     delay = subject.method.delay(level)
     scaled = errors(subject.instance, run, truth, delay)
@@ -58,7 +59,18 @@ def errors_of(
         across = errors(subject.instance, run, truth_at(truth, beside.other_side()), delay)
         for name in of_velocities:
             scaled[name] = np.minimum(scaled[name], across[name])
+        for name in of_velocities & _hidden_between(subject, run, beside):
+            scaled[name] = np.where(beside.late | beside.early, 0.0, scaled[name])
     return scaled
+
+
+def _hidden_between(subject: Subject, run: Trajectory, beside: "Beside") -> set[str]:
+    """The names of the velocities that no sample shows as they are between the impact and another
+    one.
+    """
+    if beside.met_again:
+        return made_of_velocities(subject.instance, run, beside.met_again)
+    return set()
 
 
 def _error_before(subject: Subject, level: float, truth: SampledTruth, of_places: Array) -> Array:
@@ -97,12 +109,14 @@ def may_see_late(subject: Subject) -> bool:
 class Beside:
     """The samples beside an impact: True in `late` (T,) for those after it that a run may show as
     before it, in `early` (T,) for those before it that a run may show as after it. `after` is the
-    number of the first sample after the impact.
+    number of the first sample after the impact; `met_again` are the bodies of the impact that have
+    another one between the sample before it and the sample after it.
     """
 
     late: Mask
     early: Mask
     after: int
+    met_again: tuple[int, ...] = ()
 
     def other_side(self) -> Whole:
         """The numbers (T,) of the samples that show what a run may: for those beside the impact the
@@ -137,7 +151,8 @@ def beside_impacts(
         roundings = max(roundings, steps_at(subject.instance, method, level))
     if may_see_late(subject):
         seen_after = level
-    for impact in crossings(subject, truth).get("contact", []):
+    impacts = crossings(subject, truth).get("contact", [])
+    for impact in impacts:
         # A step may end at the impact itself, to the rounding of a clock.
         rounding = impact.radius + method.round_off * roundings * abs(impact.time)
         moved = shift(error_at(impact, error, times), impact) + rounding
@@ -145,7 +160,22 @@ def beside_impacts(
         after = int(np.searchsorted(since, 0.0))
         late = (since >= 0.0) & (since <= moved + seen_after)
         early = (since < 0.0) & (since >= -moved)
-        yield Beside(late, early, after)
+        yield Beside(late, early, after, _met_again(impact, impacts, times, after))
+
+
+def _met_again(
+    impact: Crossing, impacts: list[Crossing], times: Array, after: int
+) -> tuple[int, ...]:
+    """The bodies of an impact that have another one in the same interval between samples, that
+    ends with sample number `after`.
+    """
+    if not 0 < after < len(times):
+        return ()
+    others: set[int] = set()
+    for other in impacts:
+        if other is not impact and times[after - 1] < other.time < times[after]:
+            others.update(other.bodies)
+    return tuple(body for body in impact.bodies if body in others)
 
 
 def left_by_late_impacts(

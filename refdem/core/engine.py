@@ -32,6 +32,8 @@ class Method:
     symplectic: no secular drift of energy.
     complete_state: a run can be continued from its end state.
     velocity_time: velocities and omegas hold at their sample, or half a step before it.
+    differenced_velocities: velocities are differences of places over a step, whose roundings they
+    show divided by the step.
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step that sees them.
     answers: the kind of questions that the method is for.
@@ -61,6 +63,7 @@ class Method:
     complete_state: bool = True
     precision: Literal["double", "single"] = "double"
     velocity_time: Literal["synchronous", "minus-half-step"] = "synchronous"
+    differenced_velocities: bool = False
     summed_clock: bool = False
     locates_events: bool = False
     deterministic: bool = True

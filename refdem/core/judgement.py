@@ -296,9 +296,15 @@ def _with_truth(
     return parts
 
 
-def made_of_velocities(instance: Instance, trajectory: Trajectory) -> set[str]:
-    """Names of the quantities that depend on velocities and not on positions."""
+def made_of_velocities(
+    instance: Instance, trajectory: Trajectory, bodies: Sequence[int] | None = None
+) -> set[str]:
+    """Names of the quantities that depend on velocities, of these `bodies` if any are named, and
+    not on positions.
+    """
     by_velocity, by_position = _dependences(instance, trajectory)
+    if bodies is not None:
+        by_velocity = _altered_quantities(instance, trajectory, ("velocity", "omega"), bodies)
     return by_velocity - by_position
 
 
@@ -313,9 +319,16 @@ def _dependences(instance: Instance, trajectory: Trajectory) -> tuple[set[str], 
 
 
 def _altered_quantities(
-    instance: Instance, trajectory: Trajectory, columns: tuple[str, str]
+    instance: Instance,
+    trajectory: Trajectory,
+    columns: tuple[str, str],
+    bodies: Sequence[int] | None = None,
 ) -> set[str]:
-    """Names of the quantities that come out differently where these columns are changed."""
+    """Names of the quantities that come out differently where these columns are changed, of these
+    bodies, or of all.
+    """
+    count = trajectory.position.shape[1]
+    is_changed = np.isin(np.arange(count), range(count) if bodies is None else bodies)
     from refdem.mechanics.quaternion import product
 
     # Any change without a symmetry of its own will do; an attitude must stay a unit quaternion.
@@ -324,9 +337,10 @@ def _altered_quantities(
     for column in columns:
         values = getattr(trajectory, column)
         if column == "attitude":
-            changed[column] = product(rotation, values)
+            other = product(rotation, values)
         else:
-            changed[column] = 1.5 * values + 0.25
+            other = 1.5 * values + 0.25
+        changed[column] = np.where(is_changed[:, None], other, values)
     before = instance.observe(trajectory)
     after = instance.observe(replace(trajectory, **changed))
     return {name for name in before if np.any(before[name] != after[name])}

@@ -101,11 +101,26 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
     off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of
-    spheres of little inertia that touch (`of_touching_spins`).
+    spheres of little inertia that touch (`of_touching_spins`). Of velocities that are differences
+    of places it is `of_differences` times as large.
     """
     phase = instance.scales.duration / instance.scales.tau
     factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_touching_spins(instance))
+    factor *= of_differences(instance, method, steps)
     return factor * method.round_off * max(1.0, math.sqrt(steps), phase)
+
+
+def of_differences(instance: Instance, method: Method, steps: float) -> float:
+    """Factor >= 1 by which a difference of places over a step h rounds a velocity more than another
+    method does.
+
+    A place is rounded by u L, and the difference of two of them over h by u L/h, which is tau/h
+    times u L/tau.
+    """
+    if not method.differenced_velocities or method.control != "step":
+        return 1.0
+    step = instance.scales.duration / steps
+    return max(1.0, instance.scales.tau / step)
 
 
 def of_directions(instance: Instance) -> float:
@@ -184,7 +199,9 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
     shows c u |r|/L, as any number. Steps make PLACE_ADDITIONS additions each, and of n steps
 
         three sigma of uniform roundings make   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
-        roundings of equal terms make           n u |r|/L, as in `flight`.
+        roundings of equal terms make           n u |r|/L, as in `flight`,
+
+    and the velocities of `of_differences` are rounded by so much more.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -199,7 +216,7 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
     roundings = max(ROUND_OFF_FACTOR, scattered)
     if _adds_equal_terms(instance.scene):
         roundings = max(roundings, steps)
-    return roundings * unit
+    return roundings * unit * of_differences(instance, method, steps)
 
 
 def sweeping(instance: Instance, method: Method) -> float:

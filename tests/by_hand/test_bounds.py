@@ -60,6 +60,20 @@ def test_round_off_is_eight_roundings_at_least():
     assert round_off(brief, method(), 0.25) == 8 * U
 
 
+def test_differences_of_places_round_velocities_by_tau_over_h():
+    # 1000 steps in T = 16 tau are 125/2 of tau/h.
+    differenced = method(differenced_velocities=True)
+    point = instance([POINT])
+    assert round_off(point, differenced, 1000) == near(62.5 * round_off(point, method(), 1000))
+    coarse = round_off(point, method(), 8)
+    assert round_off(point, differenced, 8) == coarse
+    exact = method("exact", differenced_velocities=True)
+    assert round_off(point, exact, 1000) == round_off(point, method(), 1000)
+    far = instance([Body(mass=2.0, position=(4000.0, 0.0, 0.0))])
+    plain = of_far_places(far, method(), 8e-3)
+    assert of_far_places(far, differenced, 8e-3) == near(62.5 * plain)
+
+
 def test_places_far_away_are_rounded_by_their_distance():
     bodies = [POINT, Body(mass=1.0, position=(0.0, -12.0, 5.0))]
     free = instance(bodies)

@@ -49,6 +49,9 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     backward: Annotated[
         bool, said("it can be asked for times that fall; the step stays positive")
     ] = False
+    differenced_velocities: Annotated[
+        bool, said("velocities are differences of places over a step h, which rounds them by u r/h")
+    ] = False
     locates_events: Annotated[
         bool, said("events are told at their own times, not at the end of the step that sees them")
     ] = False

@@ -88,7 +88,9 @@ LOOKING_BACK: dict[str, Any] = {
 }
 """Earlier steps are part of the state of these methods."""
 MULTISTEP = {
-    "stoermer": _method("stoermer", 2, order_with=TOUCH, symplectic=True),
+    "stoermer": _method(
+        "stoermer", 2, order_with=TOUCH, symplectic=True, differenced_velocities=True
+    ),
     "beeman": _method("beeman", 2, **LOOKING_BACK),
     "newmark": _method(
         "newmark", 2, order_with=TOUCH, reversible=True, symplectic=True, conserves=["momentum"]

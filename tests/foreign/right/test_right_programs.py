@@ -19,6 +19,19 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # Velocities that are differences of places, after few steps that are 1e-4 of tau.
+    (
+        "driven-duffing[beta=-0.4 delta=0 duration=0.005696 samples=16]",
+        "multistep",
+        "stoermer",
+    ),
+    # A sample just after the second impact of a ball between two samples.
+    (
+        "billiard-break[masses=0.241,0.832 radii=2.09,1.33 offset=0.118"
+        " tangential_restitution=0.819 friction=1.62 impacts=22 duration=5.346 samples=16]",
+        "rigid",
+        "late",
+    ),
     # The bobs pass each other closely, and turn the spring faster than either swings.
     (
         "coupled-pendulums[masses=843,0.842 stiffness=3.84 theta0=0.956,-1.11"
