@@ -311,28 +311,15 @@ def are_rods_solved(instance: Instance, method: Method) -> bool:
     """False where rods stand so, as those of a cluster that is nearly flat, that their impulses
     cannot be computed in the precision u of the method.
 
-    They solve G M^-1 G^T x = b, with the row n/|n|, -n/|n| of G for the ends of each rod. From a
-    matrix of condition K, x is known to the part K u.
+    They solve G M^-1 G^T x = b, with the directions G of the rods. From a matrix of condition K, x
+    is known to the part K u.
     """
     problem = instance.problem
-    if not isinstance(problem, Motion):
+    if not isinstance(problem, Motion) or not problem.scene.all(Rod):
         return True
-    bodies = problem.scene.bodies
-    rows = []
-    for rod in problem.scene.all(Rod):
-        # A rod without a second body ends at a point of space.
-        end = np.array(rod.anchor_b)
-        if rod.b >= 0:
-            end = end + bodies.position[rod.b]
-        along = bodies.position[rod.a] - end
-        row = np.zeros_like(bodies.position)
-        row[rod.a] = along / np.linalg.norm(along)
-        if rod.b >= 0:
-            row[rod.b] = -row[rod.a]
-        rows.append((row / np.sqrt(bodies.mass)[:, None]).ravel())
-    if not rows:
-        return True
-    condition = float(np.linalg.cond(np.array(rows))) ** 2
+    masses = np.repeat(problem.scene.bodies.mass, 3)
+    directions = refinement.rod_directions(problem.scene)
+    condition = float(np.linalg.cond(directions / np.sqrt(masses))) ** 2
     return condition * method.round_off <= MOST_LOST
 
 

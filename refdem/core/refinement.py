@@ -100,12 +100,18 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
 
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
-    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), and of
-    spheres of little inertia that touch (`of_touching_spins`). Of velocities that are differences
+    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), of spheres of
+    little inertia that touch (`of_touching_spins`), and of rods that hardly fix what they hold
+    (`of_rods`). Of velocities that are differences
     of places it is `of_differences` times as large.
     """
     phase = instance.scales.duration / instance.scales.tau
-    factor = max(ROUND_OFF_FACTOR, of_directions(instance), of_touching_spins(instance))
+    factor = max(
+        ROUND_OFF_FACTOR,
+        of_directions(instance),
+        of_touching_spins(instance),
+        of_rods(instance),
+    )
     factor *= of_differences(instance, method, steps)
     return factor * method.round_off * max(1.0, math.sqrt(steps), phase)
 
@@ -160,6 +166,48 @@ def of_touching_spins(instance: Instance) -> float:
     moments = bodies.inertia[turns].min(axis=1, initial=np.inf)
     ratio = bodies.mass[turns] * bodies.radius[turns] ** 2 / moments
     return float(np.max(ratio, initial=0.0))
+
+
+def of_rods(instance: Instance) -> float:
+    """Roundings of a place that one rounding of the length of each rod makes; 0 without rods.
+
+    Lengths that are off by s leave the bodies off by M^-1 G^T (G M^-1 G^T)^-1 s, G the directions
+    of the rods. Of rods that lie nearly in a plane, as those of a flat cluster, that is many times
+    s, across the plane.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 0.0
+    rods = problem.scene.all(Rod)
+    if not rods:
+        return 0.0
+    masses = np.repeat(problem.scene.bodies.mass, 3)
+    lengths = np.array([rod.length for rod in rods])
+    # With A = G M^-1/2 it is M^-1/2 A^+ s.
+    held = (
+        np.linalg.pinv(rod_directions(problem.scene) / np.sqrt(masses)) / np.sqrt(masses)[:, None]
+    )
+    return float(np.max(np.abs(held) @ lengths) / instance.scales.length)
+
+
+def rod_directions(scene: Scene) -> Array:
+    """The rates G (rods, 3 bodies) of the lengths of the rods with the places of the bodies: along
+    each rod, of size 1, at its first body, and the opposite at its second, if it has one.
+    """
+    places = scene.bodies.position
+    rows = []
+    for rod in scene.all(Rod):
+        # A rod without a second body ends at a point of space.
+        end = np.array(rod.anchor_b)
+        if rod.b >= 0:
+            end = end + places[rod.b]
+        along = places[rod.a] - end
+        row = np.zeros_like(places)
+        row[rod.a] = along / np.linalg.norm(along)
+        if rod.b >= 0:
+            row[rod.b] = -row[rod.a]
+        rows.append(row.ravel())
+    return np.array(rows)
 
 
 def of_alternating_friction(instance: Instance) -> float:

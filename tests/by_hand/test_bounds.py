@@ -19,6 +19,7 @@ from refdem.core.refinement import (
     of_alternating_friction,
     of_directions,
     of_far_places,
+    of_rods,
     order,
     round_off,
     scored,
@@ -58,6 +59,18 @@ def test_round_off_is_eight_roundings_times_the_root_of_the_steps_or_the_phase(s
 def test_round_off_is_eight_roundings_at_least():
     brief = instance([POINT], scales=Scales(4.0, 8.0, 2.0))
     assert round_off(brief, method(), 0.25) == 8 * U
+
+
+@pytest.mark.parametrize("height", [0.5, 0.01])
+def test_rods_that_hardly_fix_a_body_round_it_by_so_much_more(height):
+    # Two rods of length l from the world at (+-1, -height) meet in a body: lengths that are both
+    # off by s lift it by s l/height, in units of L = 4.
+    length = sqrt(1 + height**2)
+    rods = tuple(Rod(a=0, length=length, anchor_b=(x, -height, 0.0)) for x in (1.0, -1.0))
+    held = instance([Body(mass=2.0)], rods)
+    assert of_rods(held) == near(length**2 / height / 4.0)
+    assert round_off(held, method(), 1) == near(max(8.0, of_rods(held)) * U * 16.0)
+    assert of_rods(instance([POINT], (SPRING,))) == 0.0
 
 
 def test_differences_of_places_round_velocities_by_tau_over_h():
