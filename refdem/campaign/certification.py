@@ -300,7 +300,8 @@ class Certification:
         `blocks` are the lines of the sets by case, `lines` those of the samples; where these are
         of all cases, files of others are deleted.
         """
-        from refdem.truth.certified.writing import file_text, sums
+        from refdem.truth.certified.listing import listing
+        from refdem.truth.certified.writing import file_text
 
         certified = self.folder / "certified"
         sampled = self.folder / "samples"
@@ -319,7 +320,7 @@ class Certification:
             _delete_others(sampled, lines)
         for home in (certified, sampled):
             texts = {path.name: path.read_text(encoding="utf-8") for path in home.glob("*.jsonl")}
-            (home / LIST).write_text(sums(texts))
+            (home / LIST).write_text(listing(texts))
 
 
 def _delete_others(folder: Path, cases: Iterable[str]) -> None:

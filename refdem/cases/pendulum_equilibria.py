@@ -47,7 +47,7 @@ class PendulumEquilibria(Case):
             name="delta",
             default="1e-3",
             unit="rad",
-            doc="angle from it at the start",
+            doc="angle from it at the start, towards +x",
             at_least=-3,
             at_most=3,
         ),

@@ -72,7 +72,7 @@ class TwoBodyOrbit(Case):
             name="eccentricity",
             default="1/2",
             unit="1",
-            doc="of the ellipse, below 1",
+            doc="of the ellipse, below 1; Newton's orbit starts at its periapsis",
             at_least=0,
             at_most=0.999999,
         ),
@@ -80,7 +80,7 @@ class TwoBodyOrbit(Case):
             name="stiffness",
             default="",
             unit="N/m",
-            doc="a spring to the centre in place of gravity",
+            doc="a spring to the centre in place of gravity; starts at the end of the long axis",
             above=0,
         ),
     )

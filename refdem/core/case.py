@@ -271,11 +271,13 @@ class Instance:
             )
         duration_in_tau = scales.duration / scales.tau
         if not SHORTEST <= duration_in_tau <= LONGEST:
-            raise UsageError(
-                f"parameter duration: got {scales.duration:.6g} s,"
-                f" {duration_in_tau:.3g} times the shortest time tau ="
+            got = (
+                f"{scales.duration:.6g} s, {duration_in_tau:.3g} times the shortest time tau ="
                 f" {scales.tau:.6g} s of the motion; expected {SHORTEST:g} to {LONGEST:g} times tau"
             )
+            if "duration" in self.p.changed():
+                raise UsageError(f"parameter duration: got {got}")
+            raise UsageError(f"{self.label}: it lasts {got}: take other parameters")
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:

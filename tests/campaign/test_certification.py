@@ -13,6 +13,7 @@ from refdem.core.store import Store
 from refdem.errors import UsageError
 from refdem.truth import load
 from refdem.truth.certified import reader, writing
+from refdem.truth.certified.listing import listing
 
 SETS = """
 [[harmonic-oscillator]]
@@ -156,7 +157,7 @@ def test_what_a_new_proof_does_not_confirm_is_named(folder: Path) -> None:
     )
     assert reproof.damaged(folder) == ["harmonic-oscillator.jsonl: not as sha256sums.txt has it"]
     listed = {name.name: name.read_text() for name in (folder / "certified").glob("*.jsonl")}
-    (folder / "certified" / reader.LIST).write_text(writing.sums(listed))
+    (folder / "certified" / reader.LIST).write_text(listing(listed))
     (found,) = reproof.contradictions(
         load("harmonic-oscillator", folder=folder / "certified"),
         jobs=1,

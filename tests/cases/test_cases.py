@@ -385,3 +385,11 @@ def test_every_default_has_a_truth() -> None:
             raise AssertionError(name) from error
         assert found
         assert all(ball.radius <= Fraction(1, 10**20) for ball in found.values())
+
+
+def test_a_motion_that_is_too_long_for_its_shortest_time_names_what_was_set():
+    unset = {"bounces": "25", "restitution": "0.1"}
+    with pytest.raises(UsageError, match=r"^bouncing-ball\[.*\]: it lasts .* take other param"):
+        discovery.case("bouncing-ball").at(**unset)
+    with pytest.raises(UsageError, match=r"^parameter duration: got 1e\+13 s"):
+        discovery.case("harmonic-oscillator").at(duration="1e13")

@@ -56,9 +56,9 @@ def test_a_check_of_a_store_proves_a_sample_again(refdem: Run, tmp_path: Path) -
     (home / "samples").mkdir()
     lines = (truth_folder() / "certified" / "logistic.jsonl").read_text()
     (home / "certified" / "logistic.jsonl").write_text(lines)
-    from refdem.truth.certified.writing import sums
+    from refdem.truth.certified.listing import listing
 
-    (home / "certified" / "sha256sums.txt").write_text(sums({"logistic.jsonl": lines}))
+    (home / "certified" / "sha256sums.txt").write_text(listing({"logistic.jsonl": lines}))
     shutil.copy(truth_folder() / "sets.toml", home)
     done = refdem(
         "certify", "--check", "--folder", str(home), "--each", "1", store=tmp_path / "store.sqlite"

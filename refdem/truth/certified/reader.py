@@ -9,7 +9,8 @@ to that double.
 
 sha256 is the last member of its line. That of a set is of its lines, each with its newline, with
 the text of sha256 itself left empty; that of the first line is of the whole file, with its own text
-left empty. sha256sums.txt, beside the files, lists each of them and no other.
+left empty. sha256sums.txt, beside the files, begins with their number, as a comment, and lists each
+of them and no other.
 """
 
 import hashlib
@@ -32,6 +33,7 @@ DECIMAL = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,400})?")
 RADIUS = re.compile(r"0|[0-9]\.[0-9]{2}e-?[0-9]{1,3}")
 DOUBLE = re.compile(r"-?0x[01]\.[0-9a-f]{1,13}p[+-][0-9]{1,4}")
 SEALED = re.compile(r'(\{.*"sha256":")([0-9a-f]{64})("\}\n)')
+COUNTED = re.compile(r"# ([0-9]{1,6}) files")
 LISTED = re.compile(r"([0-9a-f]{64})  ([A-Za-z0-9_-]+\.jsonl)")
 TEXT = {
     "set": str,
@@ -178,7 +180,12 @@ def problems_of_list(
     if not path.is_file():
         yield f"{LIST}: missing in {home}"
         return
-    for number, line in enumerate(text_of(path).split("\n")[:-1], 1):
+    head, *lines = text_of(path).split("\n")[:-1] or [""]
+    count = COUNTED.fullmatch(head)
+    if count is None:
+        yield f"{LIST}, line 1: got {head[:40]!r}, expected the number of files, as `# 46 files`"
+        return
+    for number, line in enumerate(lines, 2):
         entry = LISTED.fullmatch(line)
         if entry is None or entry[2] in listed:
             yield (
@@ -187,6 +194,8 @@ def problems_of_list(
             )
             return
         listed[entry[2]] = entry[1]
+    if len(listed) != int(count[1]):
+        yield f"{LIST}: {len(listed)} files are listed, and its first line counts {count[1]}"
     entries = list(home.glob(only or "*.jsonl"))
     there = {
         entry.name: hashlib.sha256(entry.read_bytes()).hexdigest()

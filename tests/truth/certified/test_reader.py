@@ -15,6 +15,7 @@ import pytest
 
 from refdem.truth import load
 from refdem.truth.certified import reader, writing
+from refdem.truth.certified.listing import listing
 
 STORE = reader.default_folder()
 HEAVY = ("flint", "numpy", "msgspec", "typer", "refdem.core", "refdem.errors")
@@ -30,7 +31,7 @@ def folder(tmp_path: Path) -> Path:
 def listed(folder: Path) -> None:
     """Writes the list of the folder's files as they are."""
     texts = {path.name: path.read_text() for path in folder.glob("*.jsonl")}
-    (folder / reader.LIST).write_text(writing.sums(texts))
+    (folder / reader.LIST).write_text(listing(texts))
 
 
 def changed(folder: Path, old: str, new: str, *, hashed: bool = False) -> None:
