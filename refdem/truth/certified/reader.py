@@ -175,27 +175,13 @@ def problems_of_list(
     `inside` says what is wrong with a file in itself, or nothing.
     """
     problem = inside or inner_problem
-    listed: dict[str, str] = {}
-    path = home / LIST
-    if not path.is_file():
-        yield f"{LIST}: missing in {home}"
+    try:
+        count, listed = listed_in(home)
+    except ValueError as error:
+        yield str(error)
         return
-    head, *lines = text_of(path).split("\n")[:-1] or [""]
-    count = COUNTED.fullmatch(head)
-    if count is None:
-        yield f"{LIST}, line 1: got {head[:40]!r}, expected the number of files, as `# 46 files`"
-        return
-    for number, line in enumerate(lines, 2):
-        entry = LISTED.fullmatch(line)
-        if entry is None or entry[2] in listed:
-            yield (
-                f"{LIST}, line {number}: not a digest and the name of a file, or one that was there"
-                " before"
-            )
-            return
-        listed[entry[2]] = entry[1]
-    if len(listed) != int(count[1]):
-        yield f"{LIST}: {len(listed)} files are listed, and its first line counts {count[1]}"
+    if len(listed) != count:
+        yield f"{LIST}: {len(listed)} files are listed, and its first line counts {count}"
     entries = list(home.glob(only or "*.jsonl"))
     there = {
         entry.name: hashlib.sha256(entry.read_bytes()).hexdigest()
@@ -213,6 +199,31 @@ def problems_of_list(
         elif listed[name] != there[name]:
             # What is wrong inside the file is told in its own words where there are any.
             yield problem(home / name) or f"{name}: not as {LIST} has it"
+
+
+def listed_in(home: Path) -> tuple[int, dict[str, str]]:
+    """The number of files that the list of a folder counts, and their digests by name; raises
+    ValueError for what is not such a list.
+    """
+    path = home / LIST
+    if not path.is_file():
+        raise ValueError(f"{LIST}: missing in {home}")
+    head, *lines = text_of(path).split("\n")[:-1] or [""]
+    count = COUNTED.fullmatch(head)
+    if count is None:
+        raise ValueError(
+            f"{LIST}, line 1: got {head[:40]!r}, expected the number of files, as `# 46 files`"
+        )
+    listed: dict[str, str] = {}
+    for number, line in enumerate(lines, 2):
+        entry = LISTED.fullmatch(line)
+        if entry is None or entry[2] in listed:
+            raise ValueError(
+                f"{LIST}, line {number}: not a digest and the name of a file, or one that was there"
+                " before"
+            )
+        listed[entry[2]] = entry[1]
+    return int(count[1]), listed
 
 
 def inner_problem(path: Path) -> str:
