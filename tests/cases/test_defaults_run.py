@@ -1,5 +1,5 @@
-"""What a newcomer types first, `refdem run CASE`, is answered: the defaults of a case are no setting
-that engines refuse.
+"""What a newcomer types first, `refdem run CASE`, is answered: no engine refuses a case only for its
+defaults.
 """
 
 import pytest
