@@ -26,7 +26,7 @@ PARAMETERS = (
         above=0,
     ),
     Parameter(name="stiffness", default="128", unit="N/m", doc="normal spring", above=0),
-    Parameter(name="damping", default="1", unit="kg/s", doc="normal dashpot", at_least=0),
+    Parameter(name="damping", default="0", unit="kg/s", doc="normal dashpot", at_least=0),
     Parameter(
         name="closing_speed", default="1", unit="m/s", doc="size of the relative velocity", above=0
     ),

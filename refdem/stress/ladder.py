@@ -11,8 +11,10 @@ from refdem.core.case import Canonical
 from refdem.errors import UsageError
 from refdem.stress.measures.measure import Measure
 
-ELASTIC_SPHERES = "two-spheres[damping=0 angle=1/2]"
+ELASTIC_SPHERES = "two-spheres[angle=1/2]"
 """An oblique impact without a dashpot, which all engines can run."""
+DAMPED_SPHERES = "two-spheres[damping=1]"
+"""A head-on impact with a dashpot."""
 SIX_DECADES = ("1", "1e1", "1e2", "1e4", "1e6")
 """Rungs of a number that grows from 1 to a million."""
 TWELVE_DECADES = (*SIX_DECADES, "1e9", "1e12")

@@ -153,11 +153,13 @@ STARTS += [
     ("two-body-orbit", {"eccentricity": "0.99", "gm": "2", "semi_major": "3"}),
     ("two-body-orbit", {"eccentricity": "0.6", "stiffness": "4", "semi_major": "2"}),
     ("two-spheres", {}),
+    ("two-spheres", {"damping": "1"}),
     (
         "two-spheres",
         {
             "masses": "1,3",
             "radii": "1/4,1/2",
+            "damping": "1",
             "angle": "0.5",
             "friction": "0.1",
             "spins": "0,0,1,0,0,-2",

@@ -133,7 +133,7 @@ def test_what_a_method_does_not_claim_is_judged_by_physics_beside_its_claim():
 
 
 def test_a_law_that_changes_the_total_says_so_and_one_that_does_not_is_silent():
-    rubbing = {"friction": "1/4", "angle": "1/2", "tangential_stiffness": "0"}
+    rubbing = {"damping": "1", "friction": "1/4", "angle": "1/2", "tangential_stiffness": "0"}
     reference = discovery.engine("reference")
     changed = sentences(reference, "two-spheres", **rubbing, branch="R")
     kept = sentences(reference, "two-spheres", **rubbing)
@@ -144,7 +144,7 @@ def test_a_law_that_changes_the_total_says_so_and_one_that_does_not_is_silent():
 
 def test_the_lever_of_the_torque_decides_what_the_law_does_to_the_total():
     """With slip at R and torque at R - d/2 the total stays; one lever R for both changes it."""
-    rubbing = {"friction": "1/4", "angle": "1/2", "tangential_stiffness": "96"}
+    rubbing = {"damping": "1", "friction": "1/4", "angle": "1/2", "tangential_stiffness": "96"}
     instance = discovery.case("two-spheres").at(**rubbing, branch="slip-R")
     assert torque_reason(instance.scene) is None
     reference = discovery.engine("reference")

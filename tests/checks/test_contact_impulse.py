@@ -191,8 +191,8 @@ def test_it_does_not_apply_where_something_else_acts_nor_without_steps():
 
 RIGHT = RightSpheres()
 SPREAD: dict[str, tuple[str, dict[str, str]]] = {
-    "stiff": ("two-spheres", {"stiffness": "16"}),
-    "stiff, light": ("two-spheres", {"stiffness": "8"}),
+    "stiff": ("two-spheres", {"damping": "1", "stiffness": "16"}),
+    "stiff, light": ("two-spheres", {"damping": "1", "stiffness": "8"}),
     "damped": ("two-spheres", {"damping": "4"}),
     "unequal": ("two-spheres", {"damping": "1/2", "masses": "1,2"}),
     "overdamped": ("two-spheres", {"damping": "32", "cutoff": "zero_force"}),

@@ -165,6 +165,7 @@ def test_the_scale_of_energy_does_not_vanish_where_terms_cancel_or_nothing_moves
 
 
 STICKING = {
+    "damping": "1",
     "angle": "1/2",
     "friction": "1/4",
     "tangential_stiffness": "96",
@@ -185,7 +186,7 @@ def test_a_contact_with_tangential_springs_never_gains_energy():
     assert faster["balance"] == "fail"
 
 
-SLIDING = {"angle": "1", "friction": "1/16", "masses": "1,3"}
+SLIDING = {"damping": "1", "angle": "1", "friction": "1/16", "masses": "1,3"}
 
 
 @pytest.mark.parametrize("rubbing", [STICKING, SLIDING], ids=["spring", "sliding"])

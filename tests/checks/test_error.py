@@ -60,14 +60,14 @@ def test_a_stiffness_that_is_wrong_by_a_hair_is_seen_where_steps_are_cut_at_cont
         sees=("error", "v1"),
         before=of_elements(Contact, stiffness=scaled(1 + part)),
     )
-    instance = discovery.case("two-spheres").at()
+    instance = discovery.case("two-spheres").at(damping="1")
     carrier = hair.carrier(discovery.engine("reference"))
     record = record_of(task_of(carrier, "rk4", instance, truth_of(instance), 4, ("error",)))
     assert {finding.outcome for finding in record.findings} == outcomes
 
 
 def test_a_method_that_may_straddle_a_kink_keeps_the_room_of_scattered_errors():
-    instance = discovery.case("two-spheres").at()
+    instance = discovery.case("two-spheres").at(damping="1")
     reference = discovery.engine("reference")
     truth = truth_of(instance)
 

@@ -18,7 +18,7 @@ from refdem.core.variant import Variant
 SPECIFICATION = Specification(name="test", case=[], levels=3, method="velocity-verlet")
 STIFF = {
     **{"masses": "1,3", "radii": "1/2,3/4", "angle": "1/2", "spins": "0,0,1,0,0,-2"},
-    **{"friction": "1/4", "tangential_stiffness": "96"},
+    **{"damping": "1", "friction": "1/4", "tangential_stiffness": "96"},
 }
 
 

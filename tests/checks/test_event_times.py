@@ -23,7 +23,8 @@ REFERENCE = discovery.engine("reference")
 TRUTHS = {}
 BELT = {"x0": "2"}
 WALL = {"member": "dem-05-hertz"}
-OBLIQUE = {
+DAMPED = {"damping": "1"}
+OBLIQUE = DAMPED | {
     "angle": "1/2",
     "friction": "1/4",
     "tangential_stiffness": "96",
@@ -74,11 +75,11 @@ def found(subject, change=lambda events: events):
         ("stick-slip", "stick-slip", {"belt": "-1", "gamma": "0.7"}, {"stick", "slip"}),
         ("coulomb-oscillator", "exact-coulomb", {}, {"stop"}),
         ("coulomb-oscillator", "stick-slip", {"x0": "-1", "v0": "1/3"}, {"stick"}),
-        ("two-spheres", "exact-head-on", {}, {"release"}),
+        ("two-spheres", "exact-head-on", DAMPED, {"release"}),
         ("two-spheres", "exact-head-on", {"cutoff": "zero_force", "damping": "6"}, {"release"}),
         ("two-spheres", "oblique-contact", OBLIQUE, {"release"}),
         ("two-spheres", "contact-events", OBLIQUE | {"cutoff": "zero_force"}, {"release"}),
-        ("two-spheres", "velocity-verlet", {}, {"release"}),
+        ("two-spheres", "velocity-verlet", DAMPED, {"release"}),
         ("two-spheres", "rk4", OBLIQUE, {"release"}),
         ("hertz-spheres", "exact-hertz", {}, {"release"}),
         ("wedge-collision", "exact-wedge", {}, {"release"}),
@@ -119,16 +120,16 @@ def moved(kind, by):
             lambda events: [*events, Event(events[0].time, "slip", 0)],
         ),
         ("coulomb-oscillator", "exact-coulomb", {}, "stop", moved("stop", 1e-10)),
-        ("two-spheres", "exact-head-on", {}, "release", moved("release", 1e-10)),
+        ("two-spheres", "exact-head-on", DAMPED, "release", moved("release", 1e-10)),
         (
             "two-spheres",
             "exact-head-on",
-            {},
+            DAMPED,
             "contact",
             lambda events: [*events, Event(0.1, "contact", 0)],
         ),
-        ("two-spheres", "velocity-verlet", {}, "release", moved("release", 2e-4)),
-        ("two-spheres", "rk4", {}, "release", moved("release", 1e-8)),
+        ("two-spheres", "velocity-verlet", DAMPED, "release", moved("release", 2e-4)),
+        ("two-spheres", "rk4", DAMPED, "release", moved("release", 1e-8)),
         ("hertz-spheres", "rk4", {}, "release", moved("release", 1e-5)),
         (
             "two-spheres",
@@ -149,7 +150,7 @@ def test_events_that_are_wrong_are_seen(case, method, given, kind, change):
 
 
 def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
-    subject = trial_of("two-spheres", "exact-head-on")
+    subject = trial_of("two-spheres", "exact-head-on", **DAMPED)
     seen = found(
         subject,
         lambda events: [
@@ -164,14 +165,15 @@ def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
 
 def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():
     seen = found(
-        trial_of("two-spheres", "exact-head-on"), lambda events: [Event(0.0, "contact", 0), *events]
+        trial_of("two-spheres", "exact-head-on", **DAMPED),
+        lambda events: [Event(0.0, "contact", 0), *events],
     )
     assert seen["contact"].outcome == "pass"
 
 
 @pytest.mark.parametrize(("located", "outcome"), [(False, "pass"), (True, "fail")])
 def test_a_method_that_sees_events_at_steps_may_be_a_step_late(located, outcome):
-    subject = trial_of("two-spheres", "rk4")
+    subject = trial_of("two-spheres", "rk4", **DAMPED)
     subject = replace(subject, method=replace(subject.method, locates_events=located))
     assert found(subject, moved("release", subject.levels[-1]))["release"].outcome == outcome
     if not located:
@@ -196,7 +198,7 @@ def test_a_crowd_is_left_alone_without_a_look_at_every_pair():
 
 def test_without_truth_nothing_is_decided():
     subject = replace(
-        trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows"
+        trial_of("two-spheres", "exact-head-on", **DAMPED), truth=None, truth_reason="nobody knows"
     )
     assert [(f.quantity, f.outcome) for f in found(subject).values()] == [("release", "undecided")]
 

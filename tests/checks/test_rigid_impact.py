@@ -99,6 +99,6 @@ def test_a_run_that_begins_without_an_approach_has_no_impact_and_no_division(
 
 
 def test_other_scenes_are_left_out() -> None:
-    instance = discovery.case("two-spheres").at()
+    instance = discovery.case("two-spheres").at(damping="1")
     task = task_of(Transparent(), "verlet", instance, truth_of(instance), 3, (NAME,))
     assert [f for f in record_of(task).findings if f.check == NAME] == []

@@ -24,6 +24,7 @@ from tests.right_spheres import RightSpheres
 SPECIFICATION = Specification(name="test", case=[], levels=3)
 CASES = {
     "two-spheres": {
+        "damping": "1",
         "angle": "1/2",
         "friction": "1/4",
         "tangential_stiffness": "96",
@@ -402,7 +403,9 @@ def test_friction_that_alternates_about_no_slip_breaks_no_symmetry(method, frict
     """Two spheres that meet head on have no slip at all along an axis, and one of a rounding when
     the scene is turned, of which explicit friction makes a step's worth.
     """
-    instance = discovery.case("two-spheres").at(friction=friction, duration="0.625", samples="16")
+    instance = discovery.case("two-spheres").at(
+        damping="1", friction=friction, duration="0.625", samples="16"
+    )
     specification = Specification(
         name="head on", case=[], levels=3, method=method, checks=["symmetry"], most_steps=2e3
     )

@@ -38,7 +38,7 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["run", "two-spheres", "--engine", "mujoco"], "an attractive contact force"),
+        (["run", "two-spheres[damping=1]", "--engine", "mujoco"], "an attractive contact force"),
         (["run", "logistic", "billiards", "--engine", "rebound"], "cannot run an iteration"),
         (
             ["run", "harmonic-oscillator", "--engine", "reference", "--method", "rattle"],

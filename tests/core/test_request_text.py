@@ -36,7 +36,10 @@ def leaves(key: str, value: object) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("case", "given"),
     [
-        ("two-spheres", {"angle": "1/3", "friction": "1/4", "spins": "0,0,1/7,0,0,-2"}),
+        (
+            "two-spheres",
+            {"damping": "1", "angle": "1/3", "friction": "1/4", "spins": "0,0,1/7,0,0,-2"},
+        ),
         ("free-rigid-body", {"attitude": "1,2,3,4"}),
         ("pendulum", {}),
         ("newtons-first-law", {"member": "stack"}),

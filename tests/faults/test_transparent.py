@@ -94,7 +94,7 @@ def test_dry_friction_stops_at_the_turning_point_for_ever():
 
 @pytest.mark.parametrize("cutoff", ["zero_overlap", "zero_force"])
 def test_spheres_part_with_the_restitution_of_the_linear_law(cutoff):
-    found = run("two-spheres", "verlet", 4, cutoff=cutoff)
+    found = run("two-spheres", "verlet", 4, damping="1", cutoff=cutoff)
     b, w0 = 1.0, 16.0  # c/(2 m), sqrt(k/m) with m = 1/2, k = 128, c = 1
     w = np.sqrt(w0**2 - b**2)
     if cutoff == "zero_overlap":

@@ -38,7 +38,7 @@ SHORT = {"duration": "2", "samples": "8"}
     [
         ("no-gyroscopic-term", "free-rigid-body", "rk4", SHORT),
         ("velocity-not-held", "pendulum", "verlet", SHORT),
-        ("damping-doubled", "two-spheres", "verlet", {"samples": "16"}),
+        ("damping-doubled", "two-spheres", "verlet", {"damping": "1", "samples": "16"}),
     ],
 )
 def test_a_code_with_a_known_fault_is_told_by_it(fault, case, method, given):

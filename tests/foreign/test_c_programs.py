@@ -7,8 +7,9 @@ import subprocess
 import pytest
 
 SMOOTH = ("harmonic-oscillator", "harmonic-oscillator[gravity=1]", "free-rigid-body")
-RUBBING = "two-spheres[damping=0 angle=1/2 friction=1/4 masses=1,3 radii=1/2,3/4]"
-CONTACTS = ("two-spheres", RUBBING)
+DAMPED = "two-spheres[damping=1]"
+RUBBING = "two-spheres[angle=1/2 friction=1/4 masses=1,3 radii=1/2,3/4]"
+CONTACTS = ("two-spheres", DAMPED, RUBBING)
 
 
 @pytest.mark.parametrize(
@@ -16,7 +17,7 @@ CONTACTS = ("two-spheres", RUBBING)
     [
         ("c", SMOOTH + CONTACTS),
         ("cpp", SMOOTH + CONTACTS),
-        ("staggered", SMOOTH[:2] + CONTACTS[:1]),
+        ("staggered", SMOOTH[:2] + CONTACTS[:2]),
     ],
 )
 def test_a_correct_program_raises_no_alarm(workshop, language, cases):
@@ -57,7 +58,7 @@ def test_a_correct_program_of_first_order_raises_no_alarm(workshop):
     found = workshop.judged(
         workshop.built("staggered", ("dem.c", "kick(-h / 2);", "forces();"), *synchronous),
         *SMOOTH[:2],
-        "two-spheres",
+        DAMPED,
     )
     assert found.status == 0, found.said
     assert found.outcomes["harmonic-oscillator/order/state"] == "pass"
@@ -98,11 +99,11 @@ FAULTS = {
         ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++"),
     ),
     "contacts told a step late": (
-        ("c", "two-spheres", "event-times/contact"),
+        ("c", DAMPED, "event-times/contact"),
         ("dem.c", "(k + 1) * interval", "(k + 2) * interval"),
     ),
     "events at steps said to be located": (
-        ("c", "two-spheres", "event-times/contact"),
+        ("c", DAMPED, "event-times/contact"),
         ("refdem.toml", "backward = true", "backward = true\nlocates_events = true"),
     ),
     "a force on one body only": (
@@ -130,7 +131,7 @@ FAULTS = {
         ("dem.cpp", " - cross(w, L)", " - 0.0 * cross(w, L)"),
     ),
     "the damping's sign": (
-        ("cpp", "two-spheres", "error/v1.x"),
+        ("cpp", DAMPED, "error/v1.x"),
         ("dem.cpp", "+ e.damping * closing", "- e.damping * closing"),
     ),
     "the quaternion conjugated in output": (
@@ -165,7 +166,7 @@ def test_smoke_and_explain_take_a_program(workshop):
     smoke = workshop.refdem("smoke", toml)
     assert smoke.returncode == 0, smoke.stdout + smoke.stderr
     assert "pass" in smoke.stdout
-    explained = workshop.refdem("explain", "two-spheres", "--engine", toml)
+    explained = workshop.refdem("explain", DAMPED, "--engine", toml)
     assert "dem-c/velocity-verlet" in explained.stdout
     refused = workshop.refdem("explain", "pendulum", "--engine", toml)
     is_rod = "not supported: rod" in refused.stdout
@@ -173,7 +174,7 @@ def test_smoke_and_explain_take_a_program(workshop):
 
 
 def test_what_a_program_refuses_at_run_time_is_unsupported(workshop):
-    found = workshop.judged(workshop.built("c"), "two-spheres[cutoff=zero_force]")
+    found = workshop.judged(workshop.built("c"), "two-spheres[damping=1 cutoff=zero_force]")
     assert found.status == 2, "nothing was judged"
     assert set(found.outcomes.values()) == {"unsupported"}
     assert (

@@ -157,7 +157,7 @@ def test_its_case_runs_in_every_engine_and_is_reported(refdem: Command, home: Pa
 def test_its_check_judges_cases_of_refdem(refdem: Command, home: Path) -> None:
     done = refdem(
         "run",
-        "two-spheres[damping=0]",
+        "two-spheres",
         "--engine",
         "reference",
         "--method",

@@ -33,7 +33,7 @@ def outcomes(case, given, checks=()):
         ("moments-of-inertia", {"density": "703/500", "a": "439/1000", "c": "3000"}),
         ("quaternions", {"vector": "-1/2,1,2"}),
         ("quaternions", {"omega": "0,0,0", "vector": "0,0,0"}),
-        ("two-spheres", {"friction": "1", "samples": "16"}),
+        ("two-spheres", {"damping": "1", "friction": "1", "samples": "16"}),
         (
             "two-spheres",
             {
@@ -88,6 +88,7 @@ def test_rounding_of_a_rate_that_starts_at_zero_is_no_flip():
         (
             "two-spheres",
             {
+                "damping": "1",
                 "spins": ",".join(["2.293"] * 6),
                 "masses": "2,0.1",
                 "samples": "2",

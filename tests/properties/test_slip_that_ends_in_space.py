@@ -17,7 +17,7 @@ from refdem.faults.fault import Fault
 from refdem.scene.elements.contact import Contact
 
 SETTINGS = 64
-ASKED = {"friction": "1/2", "angle": "2/5", "spins": "1,0,0,0,2,0"}
+ASKED = {"damping": "1", "friction": "1/2", "angle": "2/5", "spins": "1,0,0,0,2,0"}
 
 
 def drawn(seed):
@@ -92,7 +92,7 @@ def test_velocity_verlet_answers_where_steps_that_look_for_a_zero_of_the_slip_re
     ],
 )
 def test_slip_that_keeps_to_a_plane_is_for_all(plane):
-    problem = discovery.case("two-spheres").at(friction="1/2", **plane).problem
+    problem = discovery.case("two-spheres").at(damping="1", friction="1/2", **plane).problem
     assert ENGINE.unsupported(problem, ENGINE.method("rk4")) is None
 
 

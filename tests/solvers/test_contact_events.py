@@ -62,9 +62,10 @@ def test_overlap_and_force_are_those_of_the_damped_sine():
 @pytest.mark.parametrize(
     "given",
     [
-        {"angle": "1", "friction": "0.1"},
+        {"damping": "1", "angle": "1", "friction": "0.1"},
         {"angle": "1", "friction": "0.1", "damping": "0", "branch": "R"},
         {
+            "damping": "1",
             "angle": "1.2",
             "friction": "0.1",
             "cutoff": "zero_force",
@@ -93,6 +94,7 @@ def test_friction_impulse_is_mu_times_the_normal_impulse_in_gross_sliding(stiffn
 def test_a_collision_turned_in_space_is_the_same_collision_turned():
     """Out of the plane too: axes permuted cyclically, the motion is permuted, to round-off."""
     given = {
+        "damping": "1",
         "angle": "0.6",
         "friction": "0.3",
         "tangential_stiffness": "100",
@@ -116,7 +118,7 @@ def test_a_collision_turned_in_space_is_the_same_collision_turned():
 
 
 def test_it_is_the_cheapest_method_for_an_oblique_collision_and_refuses_what_cannot_touch():
-    oblique = discovery.case("two-spheres").at(angle="1", friction="0.3").problem
+    oblique = discovery.case("two-spheres").at(damping="1", angle="1", friction="0.3").problem
     assert ENGINE.best(oblique).name == "contact-events"
     assert ENGINE.unsupported_motion(
         discovery.case("harmonic-oscillator").at().problem, ENGINE.method("contact-events")
@@ -272,6 +274,7 @@ def largest_gain(scene, seen):
 
 STICKING = [
     {
+        "damping": "1",
         "angle": "0.008727",
         "friction": "1/2",
         "tangential_stiffness": "256/7",
@@ -279,6 +282,7 @@ STICKING = [
         "branch": "R",
     },
     {
+        "damping": "1",
         "angle": "1/2",
         "friction": "1/4",
         "tangential_stiffness": "96",
@@ -334,7 +338,13 @@ def test_spheres_that_part_within_rounding_do_not_stick_and_slip_instead():
 @pytest.mark.parametrize("stiffness", ["1/2", "1/64", "3"])
 def test_a_tangential_spring_of_any_stiffness_slips_the_way_it_pulls(stiffness):
     """Below 1 N/m as above: a spring is a spring however soft it is."""
-    given = {"friction": "1/256", "angle": "1/2", "tangential_stiffness": stiffness, "samples": "8"}
+    given = {
+        "damping": "1",
+        "friction": "1/256",
+        "angle": "1/2",
+        "tangential_stiffness": stiffness,
+        "samples": "8",
+    }
     problem = discovery.case("two-spheres").at(**given).problem
     seen, series = (
         ENGINE.run(Request(problem=problem, method=name))[0]
@@ -345,7 +355,9 @@ def test_a_tangential_spring_of_any_stiffness_slips_the_way_it_pulls(stiffness):
 
 
 @pytest.mark.parametrize("friction", ["1e6", "1e12"])
-@pytest.mark.parametrize("more", [{}, {"damping": "0"}, {"cutoff": "zero_force"}], ids=str)
+@pytest.mark.parametrize(
+    "more", [{"damping": "1"}, {}, {"damping": "1", "cutoff": "zero_force"}], ids=str
+)
 def test_friction_without_measure_ends_with_its_force(friction, more):
     """The last slip lasts 1e-8 s and less, and a step that goes on beyond it overflows: what is no
     number has not settled.
@@ -367,7 +379,7 @@ def test_friction_without_measure_ends_with_its_force(friction, more):
 def test_far_from_the_origin_the_motion_is_the_same_from_its_own_middle(far):
     problem = (
         discovery.case("two-spheres")
-        .at(friction="1/4", angle="1/2", tangential_stiffness="64", samples="8")
+        .at(damping="1", friction="1/4", angle="1/2", tangential_stiffness="64", samples="8")
         .problem
     )
     away = far * np.array([1.0, -0.375, 0.25])
@@ -412,6 +424,7 @@ def test_planes_and_springs_move_with_the_middle():
 
 
 SLIPS_AGAIN = {
+    "damping": "1",
     "masses": "1.796875,2.9375",
     "radii": "1.171875,0.5",
     "stiffness": "77.75",
@@ -423,6 +436,7 @@ SLIPS_AGAIN = {
     "branch": "R-d",
 }
 SLIPS_BETWEEN = {
+    "damping": "1",
     "masses": "0.703125,2.96875",
     "radii": "1,0.875",
     "stiffness": "118.046875",
@@ -434,6 +448,7 @@ SLIPS_BETWEEN = {
     "branch": "R-d",
 }
 TILTS = {
+    "damping": "1",
     "masses": "1.21875,2.7421875",
     "radii": "1.265625,0.5625",
     "stiffness": "192",

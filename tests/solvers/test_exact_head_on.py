@@ -13,8 +13,8 @@ from refdem.scene import Scene
 
 STATE = tuple(f"{kind}{i}.x" for i in (1, 2) for kind in "rv")
 GIVEN = [
+    {"damping": "1"},
     {},
-    {"damping": "0"},
     {"damping": "6", "cutoff": "zero_force"},
     {"damping": "16", "cutoff": "zero_force"},
     {"damping": "20", "cutoff": "zero_force"},

@@ -14,7 +14,7 @@ from refdem.scene import Scene
 from refdem.solvers.oblique_contact import METHOD
 
 STATE = tuple(f"{kind}{i}.{axis}" for i in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
-RUBS = {"angle": "0.6", "friction": "1/4", "tangential_stiffness": "96"}
+RUBS = {"damping": "1", "angle": "0.6", "friction": "1/4", "tangential_stiffness": "96"}
 SETS = {
     "holds, slips, is pulled": RUBS,
     "elastic": RUBS | {"damping": "0"},
@@ -30,7 +30,7 @@ SETS = {
             "branch": "R",
         }
     ),
-    "smooth": {"angle": "0.6"},
+    "smooth": {"damping": "1", "angle": "0.6"},
     "rough": RUBS | {"friction": "2"},
     "never parts": RUBS | {"damping": "20"},
 }
@@ -74,7 +74,7 @@ def test_channels_and_release_are_those_of_the_extrapolating_method(given):
     [
         {"damping": "8"},
         {"damping": "15.84"},
-        {"stiffness": "100"},
+        {"damping": "1", "stiffness": "100"},
         {"damping": "1e4", "cutoff": "zero_force"},
         RUBS | {"friction": "2", "tangential_stiffness": "1e4"},
     ],
@@ -127,7 +127,9 @@ def body_at(bodies, number: int, turn: np.ndarray):
 
 def test_what_it_cannot_say_is_refused_by_name():
     assert refused(**RUBS) is None
-    assert "without a tangential spring" in (refused(angle="0.6", friction="1/4") or "")
+    assert "without a tangential spring" in (
+        refused(damping="1", angle="0.6", friction="1/4") or ""
+    )
     assert "out of its plane" in (refused(**RUBS, spins="0,1,0,0,0,0") or "")
     problem = discovery.case("two-spheres").at(**RUBS).motion
     assert "backwards" in (METHOD.unsupported(Motion(problem.scene, -problem.times)) or "")

@@ -23,6 +23,7 @@ ORDERS = {"velocity-verlet": 2, "rk4": 4}
 ULP = 2.0**-53
 HEAD_ON = {"damping": "6"}
 RUBBING = {
+    "damping": "1",
     "masses": "1,3",
     "radii": "1/2,4/5",
     "angle": "1/2",
@@ -35,7 +36,12 @@ COLLISIONS = {
     "damped, zero overlap": HEAD_ON,
     "damped, zero force": {**HEAD_ON, "cutoff": "zero_force"},
     "sliding": {"damping": "0", "angle": "1", "friction": "0.3"},
-    "sliding, then rolling": {"angle": "0.1", "friction": "0.3", "cutoff": "zero_force"},
+    "sliding, then rolling": {
+        "damping": "1",
+        "angle": "0.1",
+        "friction": "0.3",
+        "cutoff": "zero_force",
+    },
     "stick and slip": {**RUBBING, **SPINS},
     "stick and slip, zero force, arm R": {**RUBBING, "cutoff": "zero_force", "branch": "R"},
 }

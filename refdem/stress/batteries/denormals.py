@@ -1,7 +1,7 @@
 """Lengths so small that numbers become denormal, where binary64 has ever fewer digits."""
 
 from refdem.core.symmetry import Symmetry
-from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder, scene_words
+from refdem.stress.ladder import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
 
 RUNGS = ("1e50", "1e100", "1e150", "1e200", "1e250", "1e290", "1e300", "1e305", "1e307", "1e308")
@@ -27,7 +27,7 @@ BATTERY = Battery(
         )
         for case, promised in (
             ("harmonic-oscillator", "1e150"),
-            ("two-spheres", "1e150"),
+            (DAMPED_SPHERES, "1e150"),
             (ELASTIC_SPHERES, "1e150"),
             ("newtons-first-law", "1e150"),
             ("pendulum", "1e100"),

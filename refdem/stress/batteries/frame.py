@@ -128,7 +128,7 @@ FRAMES: tuple[
 """Name, rung in words, symmetry, rungs, promised rung, its basis, and the transformation of a
 rung.
 """
-RUBBING_SPHERES = "two-spheres[friction=1/4 angle=1/2]"
+RUBBING_SPHERES = "two-spheres[damping=1 friction=1/4 angle=1/2]"
 CASES = {
     "far away": (
         "harmonic-oscillator",

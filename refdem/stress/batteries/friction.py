@@ -112,7 +112,7 @@ BATTERY = Battery(
             rungs=LESS,
             promised="0",
             basis=RUBS,
-            given=lambda x: {"friction": f"{x}", "angle": "1/2"},
+            given=lambda x: {"damping": "1", "friction": f"{x}", "angle": "1/2"},
             samples=8,
         ),
         Ladder(
@@ -124,7 +124,12 @@ BATTERY = Battery(
             basis=GRIPS,
             exempt={"rk4": ("1e3", BEYOND)},
             measure=Parameters(
-                lambda x: {"friction": f"{x}", "angle": "1/2", "tangential_stiffness": "64"},
+                lambda x: {
+                    "damping": "1",
+                    "friction": f"{x}",
+                    "angle": "1/2",
+                    "tangential_stiffness": "64",
+                },
                 samples=8,
             ),
         ),
@@ -135,7 +140,12 @@ BATTERY = Battery(
             rungs=SLOWER,
             promised="0",
             basis=RUBS,
-            given=lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"},
+            given=lambda x: {
+                "damping": "1",
+                "friction": "1/4",
+                "angle": f"{x}",
+                "tangential_stiffness": "64",
+            },
             samples=8,
         ),
     ),

@@ -23,14 +23,14 @@ BATTERY = Battery(
             "second sphere heavier",
             case="two-spheres",
             along="m2/m1",
-            given=lambda x: {"masses": f"1,{x}"},
+            given=lambda x: {"masses": f"1,{x}", "damping": "1"},
             samples=8,
         ),
         ladder(
             "first sphere heavier",
             case="two-spheres",
             along="m1/m2",
-            given=lambda x: {"masses": f"{x},1"},
+            given=lambda x: {"masses": f"{x},1", "damping": "1"},
             samples=8,
         ),
         ladder(

@@ -3,7 +3,7 @@ to the end.
 """
 
 from refdem.core.symmetry import Symmetry
-from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder, scene_words
+from refdem.stress.ladder import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
 
 RUNGS = tuple(f"1e-{k}" for k in range(2, 16))
@@ -34,7 +34,7 @@ BATTERY = Battery(
         )
         for case, promised in (
             ("harmonic-oscillator", "1e-10"),
-            ("two-spheres", "1e-10"),
+            (DAMPED_SPHERES, "1e-10"),
             (ELASTIC_SPHERES, "1e-10"),
             ("pendulum", "1e-8"),
             ("two-body-orbit", "1e-8"),

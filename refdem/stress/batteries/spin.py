@@ -33,7 +33,7 @@ BATTERY = Battery(
         ladder(
             "spheres that rub",
             case="two-spheres",
-            given=lambda x: {"friction": "1/4", "spins": f"0,0,{x},0,0,{x / 2}"},
+            given=lambda x: {"damping": "1", "friction": "1/4", "spins": f"0,0,{x},0,0,{x / 2}"},
             samples=8,
             costly=True,
         ),

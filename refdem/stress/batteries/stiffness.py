@@ -20,7 +20,7 @@ BATTERY = Battery(
             rungs=HARDER,
             promised="1e12",
             basis=BASIS,
-            given=lambda x: {"stiffness": f"{x}"},
+            given=lambda x: {"stiffness": f"{x}", "damping": "1"},
             samples=8,
         ),
         parameter_ladder(

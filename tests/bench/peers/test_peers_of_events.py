@@ -13,12 +13,17 @@ from refdem.bench.session import sampled_truth
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
 
-RUBS = {"angle": "0.6", "friction": "1/4", "tangential_stiffness": "96"}
+RUBS = {"damping": "1", "angle": "0.6", "friction": "1/4", "tangential_stiffness": "96"}
+PUSHES = {"damping": "1", "cutoff": "zero_force"}
 
 
 @pytest.mark.parametrize(
     "given",
-    [RUBS | {"masses": "1,2", "spins": "0,0,1,0,0,-2"}, RUBS | {"damping": "0"}, {"angle": "0.6"}],
+    [
+        RUBS | {"masses": "1,2", "spins": "0,0,1,0,0,-2"},
+        RUBS | {"damping": "0"},
+        {"damping": "1", "angle": "0.6"},
+    ],
 )
 def test_heyoka_holds_slips_and_parts_as_truth_does(given: dict[str, str]) -> None:
     instance = discovery.case("two-spheres").at(**given, samples="16")
@@ -29,7 +34,7 @@ def test_heyoka_holds_slips_and_parts_as_truth_does(given: dict[str, str]) -> No
 
 
 def test_pairs_that_are_pulled_no_more_or_leave_the_plane_are_not_said() -> None:
-    for given in ({"cutoff": "zero_force"}, {"friction": "1/4"}, RUBS | {"spins": "0,1,0,0,0,0"}):
+    for given in (PUSHES, {"friction": "1/4"}, RUBS | {"spins": "0,1,0,0,0,0"}):
         assert oblique(discovery.case("two-spheres").at(**given).motion.scene) is None
     assert oblique(discovery.case("hertz-spheres").at().motion.scene) is None
 

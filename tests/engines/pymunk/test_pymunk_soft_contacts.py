@@ -17,10 +17,17 @@ from tests.engines.accuracy import largest_error
 
 METHOD = ENGINE.methods[0]
 OBLIQUE = {"damping": "0", "angle": "1/2", "masses": "1,3", "radii": "1/2,3/4"}
-SPINNING = {"angle": "-3/4", "masses": "1,1/8", "spins": "0,0,1,0,0,-2", "cutoff": "zero_force"}
+DAMPED = {"damping": "1"}
+SPINNING = DAMPED | {
+    "angle": "-3/4",
+    "masses": "1,1/8",
+    "spins": "0,0,1,0,0,-2",
+    "cutoff": "zero_force",
+}
 SETTINGS = [
     ("two-spheres", {}),
-    ("two-spheres", {"cutoff": "zero_force"}),
+    ("two-spheres", DAMPED),
+    ("two-spheres", DAMPED | {"cutoff": "zero_force"}),
     ("two-spheres", {"cutoff": "zero_force", "damping": "8"}),
     ("two-spheres", OBLIQUE),
     ("two-spheres", SPINNING),
@@ -79,7 +86,7 @@ def test_a_wrong_sign_or_factor_of_a_force_shows(monkeypatch, maker, case, given
 
 @pytest.mark.parametrize(
     ("case", "given"),
-    [("two-spheres", OBLIQUE), ("two-spheres", {}), ("hertz-spheres", {}), ("duffing", {})],
+    [("two-spheres", OBLIQUE), ("two-spheres", DAMPED), ("hertz-spheres", {}), ("duffing", {})],
 )
 def test_a_wrong_factor_of_a_spring_s_force_shows(monkeypatch, case, given):
     class Weak(pymunk.DampedSpring):
@@ -98,7 +105,7 @@ def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
         damping = property(lambda self: 0.0, lambda self, value: None)
 
     monkeypatch.setattr("pymunk.DampedSpring", Undamped)
-    assert largest_error(ENGINE, METHOD, "two-spheres", {}, 1024) > 3e-2
+    assert largest_error(ENGINE, METHOD, "two-spheres", DAMPED, 1024) > 3e-2
 
 
 def test_the_force_that_must_not_pull_asks_how_fast_the_discs_close(monkeypatch):

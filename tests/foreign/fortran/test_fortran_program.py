@@ -4,7 +4,12 @@ wrong.
 
 import pytest
 
-CASES = ("harmonic-oscillator", "harmonic-oscillator[gravity=1]", "free-rigid-body", "two-spheres")
+CASES = (
+    "harmonic-oscillator",
+    "harmonic-oscillator[gravity=1]",
+    "free-rigid-body",
+    "two-spheres[damping=1]",
+)
 FAULTS = {
     "the gyroscopic term with the other sign": (
         "free-rigid-body",
@@ -19,7 +24,7 @@ FAULTS = {
         "rate(s + 0*h*rate(s))",
     ),
     "the mass forgotten": (
-        "two-spheres[masses=1,3]",
+        "two-spheres[masses=1,3 damping=1]",
         "momentum/total",
         "force(:, k)/bodies(k)%mass",
         "force(:, k)",
@@ -48,5 +53,5 @@ def test_what_a_program_refuses_at_run_time_is_unsupported(workshop):
     toml = workshop.built(
         "fortran", ("refdem.toml", '"contact:linear"', '"contact:linear", "friction"')
     )
-    found = workshop.judged(toml, "two-spheres[angle=1/2 friction=1/4]")
+    found = workshop.judged(toml, "two-spheres[damping=1 angle=1/2 friction=1/4]")
     assert set(found.outcomes.values()) == {"unsupported"}

@@ -185,7 +185,7 @@ FORMER = [
     ),
     # A graze: spheres pass each other in less than the time of a head-on contact.
     (
-        "two-spheres[damping=0 angle=1.5 closing_speed=10 duration=0.0143 samples=5]",
+        "two-spheres[angle=1.5 closing_speed=10 duration=0.0143 samples=5]",
         "soft",
         "rk4",
     ),
@@ -221,12 +221,12 @@ FORMER = [
     ("asymmetric-field[mass=0.00161 x2=5.85 duration=0.4012 samples=16]", "soft", "drift-kick"),
     # Multistep weights may be negative: an impulse is no mean of the forces within its interval.
     (
-        "two-spheres[damping=0 angle=1.5 duration=0.0625 samples=16]",
+        "two-spheres[angle=1.5 duration=0.0625 samples=16]",
         "multistep",
         "adams-bashforth-2",
     ),
     # A multistep method looks back over steps in which velocities still changed.
-    ("two-spheres[damping=0 duration=0.3 samples=32]", "multistep", "adams-bashforth-2"),
+    ("two-spheres[duration=0.3 samples=32]", "multistep", "adams-bashforth-2"),
     # A multistep method starts with another rule, which has another error constant.
     ("two-body-orbit[duration=0.866 samples=16]", "multistep", "adams-bashforth-moulton-4"),
     # Terms that cancel at a step of which the half leaves but round-off.

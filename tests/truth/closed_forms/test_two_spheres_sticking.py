@@ -22,10 +22,10 @@ UNEQUAL = {"masses": "1,3", "radii": "1/2,3/4"}
 SPUN = UNEQUAL | {"spins": "0,0,1,0,0,-2"}
 SPRING = {"tangential_stiffness": "256/7", "friction": "1/2"}
 CONTACTS = [
-    (SPRING | SPUN | {"angle": "0.008727", "branch": "R"}, "slip, pull, release"),
+    (SPRING | SPUN | {"damping": "1", "angle": "0.008727", "branch": "R"}, "slip, pull, release"),
     (SPRING | {"angle": "1.48353", "branch": "R-d", "damping": "0", "friction": "2"}, "release"),
     (
-        {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96"} | SPUN,
+        {"damping": "1", "angle": "1/2", "friction": "1/4", "tangential_stiffness": "96"} | SPUN,
         "slip, stick, slip back, pull, release",
     ),
     (
@@ -48,7 +48,13 @@ CONTACTS = [
         "stick, slip back, pull, release",
     ),
     (
-        {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "branch": "slip-R"}
+        {
+            "damping": "1",
+            "angle": "1/2",
+            "friction": "1/4",
+            "tangential_stiffness": "96",
+            "branch": "slip-R",
+        }
         | SPUN,
         "slip, stick, slip back, pull, release",
     ),

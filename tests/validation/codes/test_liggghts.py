@@ -8,7 +8,7 @@ def test_the_gate_is_open(gates):
 def test_numbers_of_a_contact_one_per_cent_too_high_close_it(gates):
     gates.assert_closed(
         "liggghts",
-        "two-spheres",
+        "two-spheres[damping=1]",
         "order/state",
         "liggghts/driver.py",
         "{law[key] if key",

@@ -8,7 +8,7 @@ def test_the_gate_is_open(gates):
 def test_a_material_as_its_documentation_has_it_closes_it(gates):
     gates.assert_closed(
         "yade",
-        "two-spheres[cutoff=zero_force]",
+        "two-spheres[damping=1 cutoff=zero_force]",
         "order/state",
         "yade/driver.py",
         "ViscElMat(kn=2 * kn",
