@@ -1,6 +1,4 @@
-"""What a newcomer types first, `refdem run CASE`, is answered: no engine refuses a case only for its
-defaults.
-"""
+"""`refdem run CASE` is what a newcomer types first: no case is refused for its defaults alone."""
 
 import pytest
 
