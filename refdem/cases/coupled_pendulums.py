@@ -24,6 +24,10 @@ PASS_STEP = 0.1
 """Step of the search for close passes of the bobs, in units of the shortest time of the moment."""
 MOST_PASS_STEPS = 5_000
 """Steps after which the search ends."""
+FASTEST_PASS = 1e6
+"""The largest rate of a pass in units of that of the motion without it: no step resolves more, as
+where the bobs meet.
+"""
 
 
 class CoupledPendulums(Case):
@@ -227,7 +231,7 @@ def _rate_of_passes(p: Parameters, slow: float, until: float) -> float:
         k4 = rates(y + h * k3)
         y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
         t += h
-    return largest
+    return min(largest, FASTEST_PASS / slow)
 
 
 CASE = CoupledPendulums()
