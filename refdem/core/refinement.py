@@ -102,8 +102,7 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     The second part is the rounding of the parameters themselves: a frequency that is off by u is
     off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), of spheres of
     little inertia that touch (`of_touching_spins`), and of rods that hardly fix what they hold
-    (`of_rods`). Of velocities that are differences
-    of places it is `of_differences` times as large.
+    (`of_rods`). Of velocities that are differences of places it is `of_differences` times as large.
     """
     phase = instance.scales.duration / instance.scales.tau
     factor = max(

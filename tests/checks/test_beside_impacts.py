@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.checks._beside_impacts import _met_again
+from refdem.checks._crossings import Crossing
 from refdem.core import discovery
 from tests.checks.a_step_late import StepLate
 
@@ -40,6 +42,22 @@ def test_a_wall_seen_one_step_late_passes_at_any_restitution_speed_and_step(give
 def test_spheres_that_meet_one_step_late_pass(case):
     given = {"friction": "0"} if case == "hard-spheres" else {}
     assert failures(StepLate(), case, **given) == {}
+
+
+@pytest.mark.parametrize(
+    ("others", "hidden"),
+    [
+        ([], ()),
+        ([(1.25, (2, 5))], (2,)),
+        ([(1.25, (3, 2)), (1.9, (5, 3))], (2, 3)),
+        ([(1.25, (4, 5))], ()),
+        ([(0.75, (2, 3)), (2.25, (2, 3))], ()),
+    ],
+)
+def test_a_body_that_meets_again_between_two_samples_has_a_velocity_that_none_shows(others, hidden):
+    """Bodies 2 and 3 meet at t = 1.5, between samples at 1 and 2."""
+    told = [Crossing(time, 0.0, 1.0, 0.0, 1.0, bodies) for time, bodies in [(1.5, (2, 3)), *others]]
+    assert _met_again(told[0], told, np.arange(4.0), 2) == hidden
 
 
 def claiming(**claims):
