@@ -186,6 +186,7 @@ def _rate_of_passes(p: Parameters, slow: float, until: float) -> float:
 
     The motion is followed in binary64 until a time, by steps of Runge and Kutta that are short
     beside 1/w; no more than MOST_PASS_STEPS, for a motion of many passes is soon past foretelling.
+    The rate is FASTEST_PASS/slow at most.
     """
     if p.spring_length == 0:
         return 0.0

@@ -37,6 +37,9 @@ MOST_POINTS = 256
 """Points that a curve in a record keeps: the largest value of each of as many stretches."""
 
 
+PLACE = ("position", "attitude")
+MOTION = ("velocity", "omega")
+"""The columns of a trajectory that say where bodies are, and how they move."""
 ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 """The quantities that are compared together as one rotation."""
 PREDICTION_FACTOR = 4.0
@@ -284,8 +287,8 @@ def _with_truth(
     observed = instance.observe(trajectory)
     if not delay:
         return [(observed, truth)]
-    by_velocity, by_position = _dependences(instance, trajectory)
-    of_velocity_alone = by_velocity - by_position
+    by_velocity = _altered_quantities(instance, trajectory, MOTION)
+    of_velocity_alone = made_of_velocities(instance, trajectory)
     on_time = {name: values for name, values in observed.items() if name not in by_velocity}
     delayed = {name: values for name, values in observed.items() if name in of_velocity_alone}
     parts = []
@@ -302,20 +305,8 @@ def made_of_velocities(
     """Names of the quantities that depend on velocities, of these `bodies` if any are named, and
     not on positions.
     """
-    by_velocity, by_position = _dependences(instance, trajectory)
-    if bodies is not None:
-        by_velocity = _altered_quantities(instance, trajectory, ("velocity", "omega"), bodies)
-    return by_velocity - by_position
-
-
-def _dependences(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
-    """Names of the quantities that depend on velocities, and of those that depend on positions.
-
-    A quantity depends on those columns of a trajectory whose change alters it.
-    """
-    of_velocities = _altered_quantities(instance, trajectory, ("velocity", "omega"))
-    of_positions = _altered_quantities(instance, trajectory, ("position", "attitude"))
-    return of_velocities, of_positions
+    by_velocity = _altered_quantities(instance, trajectory, MOTION, bodies)
+    return by_velocity - _altered_quantities(instance, trajectory, PLACE)
 
 
 def _altered_quantities(
@@ -325,7 +316,7 @@ def _altered_quantities(
     bodies: Sequence[int] | None = None,
 ) -> set[str]:
     """Names of the quantities that come out differently where these columns are changed, of these
-    bodies, or of all.
+    bodies, or of all; they depend on those columns.
     """
     count = trajectory.position.shape[1]
     is_changed = np.isin(np.arange(count), range(count) if bodies is None else bodies)

@@ -23,6 +23,7 @@ from refdem.core.problem import Motion
 from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
+from refdem.mechanics.freedom import rod_jacobian
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
@@ -182,31 +183,24 @@ def of_rods(instance: Instance) -> float:
         return 0.0
     masses = np.repeat(problem.scene.bodies.mass, 3)
     lengths = np.array([rod.length for rod in rods])
-    # With A = G M^-1/2 it is M^-1/2 A^+ s.
-    held = (
-        np.linalg.pinv(rod_directions(problem.scene) / np.sqrt(masses)) / np.sqrt(masses)[:, None]
-    )
-    return float(np.max(np.abs(held) @ lengths) / instance.scales.length)
+    # With A = G M^-1/2 the matrix M^-1 G^T (G M^-1 G^T)^-1 is M^-1/2 A^+.
+    weights = 1.0 / np.sqrt(masses)
+    pseudoinverse = np.linalg.pinv(rod_directions(problem.scene) * weights)
+    moved_by = weights[:, None] * pseudoinverse
+    return float(np.max(np.abs(moved_by) @ lengths) / instance.scales.length)
 
 
 def rod_directions(scene: Scene) -> Array:
-    """The rates G (rods, 3 bodies) of the lengths of the rods with the places of the bodies: along
-    each rod, of size 1, at its first body, and the opposite at its second, if it has one.
+    """The rates G (rods, 3 bodies) of the lengths of the rods with the places of the bodies:
+    `rod_jacobian`, in which points of the world that rods hang from stand still.
     """
+    rods = scene.all(Rod)
     places = scene.bodies.position
-    rows = []
-    for rod in scene.all(Rod):
-        # A rod without a second body ends at a point of space.
-        end = np.array(rod.anchor_b)
-        if rod.b >= 0:
-            end = end + places[rod.b]
-        along = places[rod.a] - end
-        row = np.zeros_like(places)
-        row[rod.a] = along / np.linalg.norm(along)
-        if rod.b >= 0:
-            row[rod.b] = -row[rod.a]
-        rows.append(row.ravel())
-    return np.array(rows)
+    fixed = [rod.anchor_b for rod in rods if rod.b < 0]
+    points = np.array([*places, *fixed])
+    numbers = iter(range(len(places), len(points)))
+    ends = [(rod.a, rod.b if rod.b >= 0 else next(numbers)) for rod in rods]
+    return rod_jacobian(points, ends)[:, : places.size]
 
 
 def of_alternating_friction(instance: Instance) -> float:

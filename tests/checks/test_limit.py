@@ -111,16 +111,14 @@ def test_errors_that_do_not_fall_with_the_claimed_order_decide_nothing_here():
 
 
 @pytest.mark.parametrize(
-    ("case", "method"),
-    [("two-spheres", "velocity-verlet"), ("harmonic-oscillator", "exact-harmonic")],
+    ("case", "given", "method"),
+    [
+        ("two-spheres", {"damping": "1"}, "velocity-verlet"),
+        ("harmonic-oscillator", {"duration": "8"}, "exact-harmonic"),
+    ],
 )
-def test_it_does_not_apply_to_kinks_nor_without_a_step(case, method):
-    assert (
-        found(
-            ENGINE, method, (case, {"duration": "8"} if case != "two-spheres" else {"damping": "1"})
-        )
-        == []
-    )
+def test_it_does_not_apply_to_kinks_nor_without_a_step(case, given, method):
+    assert found(ENGINE, method, (case, given)) == []
 
 
 def test_two_levels_are_too_few():
