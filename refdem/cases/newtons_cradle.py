@@ -130,8 +130,8 @@ class NewtonsCradle(Case):
 
     def scales(self, p: Parameters) -> Scales:
         """tau is the shortest time between two impacts of one ball, at most that of a flight over
-        one diameter; L = v tau with the largest speed that any ball has. The run ends after the
-        last impact.
+        R_i + R_(i+1) of any neighbours, in which one could pass the other unseen; L = v tau with
+        the largest speed that any ball has. The run ends after the last impact.
         """
         count = int(p.balls)
         samples = int(p.samples)
@@ -140,7 +140,8 @@ class NewtonsCradle(Case):
         least, most = (float(times[-1]) * part for part in AFTER_LAST)
         duration = _rigid.clear_of_all(times, samples, least=least, most=most)
         fastest = float(course.fastest)
-        tau = 2.0 * float(p.radii[:count].max()) / fastest
+        reaches = p.radii[: count - 1] + p.radii[1:count]
+        tau = float(reaches.min()) / fastest
         if course.shortest_wait is not None:
             tau = min(tau, float(course.shortest_wait))
         return Scales(

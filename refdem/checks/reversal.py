@@ -32,8 +32,8 @@ from refdem.mechanics.quaternion import angle_between
 
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
-MAX_RETURN_HALVINGS = 4
-"""Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
+MOST_STEPS_BACK = 6e5
+"""Steps of a way back at a level finer than the finest of the plan: errors grow on both ways, so a
 motion may be predictable forward and not back.
 """
 
@@ -91,13 +91,13 @@ class Reversal(Check):
         findings: list[Finding] = []
         if _has_order(subject) and len(subject.levels) > 1:
             findings = self._order(subject, runs, growth)
-        if _claimed_defect(subject, level) > HORIZON:
+        bound, basis = _return_bound(subject, runs, level, growth)
+        if bound > HORIZON:
             why = (
                 "the bound on the return error exceeds a tenth of the scale: the run is"
                 " longer than the predictability horizon"
             )
             return findings or [undecided(self.name, "return", why)]
-        bound, basis = _return_bound(subject, runs, level, growth)
         for variant in self.needs(subject):
             if variant.level == level and variant.goes_on:
                 findings.append(
@@ -333,17 +333,21 @@ def _compared_level(subject: Subject, level: float) -> float:
 
 
 def _judged_level(subject: Subject) -> float:
-    """The level that is judged: the finest h, or the first of h/2, h/4, ...,
-    h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
+    """The level that is judged: the finest h, or the first of h/2, h/4, ... of at most
+    MOST_STEPS_BACK steps at which the way back is predictable.
 
     It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
-    scale. Where it is so at none of these levels the finest is taken, and nothing is decided.
+    scale. Where it is so at none of these levels the finest of the plan is taken.
     """
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
         return finest
-    finer = (finest / 2**k for k in range(MAX_RETURN_HALVINGS + 1))
-    return next((level for level in finer if _claimed_defect(subject, level) <= HORIZON), finest)
+    level = finest
+    while _claimed_defect(subject, level) > HORIZON:
+        level /= 2
+        if subject.instance.scales.duration / level > MOST_STEPS_BACK:
+            return finest
+    return level
 
 
 def _has_order(subject: Subject) -> bool:

@@ -725,6 +725,22 @@ def test_the_way_back_is_judged_at_the_first_step_at_which_it_is_predictable():
     assert reversal._claimed_defect(subject, 2.0**-6) == near(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize(("forward", "quantity"), [(0.0, "reversed"), (1e-3, "return")])
+def test_a_way_back_beyond_the_claims_is_decided_by_the_error_that_is_seen(forward, quantity):
+    """At S = 1e9 the claims bound nothing at any step; a forward run without an error does."""
+    steep = known_of(growth=[1, 1, 1, 1, 1e9])
+    subject, found = back(lambda variant: 0.0, known=steep, levels=(H,), forward=forward)
+    assert reversal._claimed_defect(subject, H) > 0.1
+    assert list(found) == [quantity]
+
+
+def test_a_bound_on_the_way_back_that_is_seen_forward_has_all_of_the_growth():
+    steep = known_of(growth=[1, 1, 1, 1, 1e9])
+    subject, found = back(lambda variant: 0.0, known=steep, levels=(H,))
+    reached = 20 * subject.noise(H)
+    assert found["reversed"].bound == near(2 * (reached * 1e9 + reached**2 * 1e9), rel=1e-9)
+
+
 def test_a_tolerance_is_compared_with_the_one_before_it():
     subject = Subject(swinging(), method("tolerance"), (1e-4, 1e-6, 1e-8), known_of())
     assert reversal._compared_level(subject, 1e-8) == 1e-6

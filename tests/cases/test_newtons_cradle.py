@@ -27,6 +27,12 @@ def test_the_scene_has_gaps_between_surfaces() -> None:
     assert surfaces == pytest.approx(np.array([0.125, 0.375]))
 
 
+def test_no_ball_passes_a_smaller_neighbour_within_tau() -> None:
+    """The balls reach over 1/2 + 1/4 and 1/4 + 10; the fastest is the first, at 1 m/s."""
+    case = CASE.at(balls="3", radii="1/2,1/4,10,1,1,1,1", gaps="8,8,1,1,1,1")
+    assert case.scales.tau == 0.75
+
+
 def test_numbers_of_balls_that_are_not_there_do_not_count() -> None:
     one = CASE.at(balls="3", masses="1,2,3,4,5,6,7", velocities="1,0,0,9,9,9,9")
     other = CASE.at(balls="3", masses="1,2,3,1,1,1,1", velocities="1,0,0,0,0,0,0")
