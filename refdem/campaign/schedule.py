@@ -7,7 +7,6 @@ started for that.
 
 import ctypes
 import math
-import multiprocessing
 import os
 import resource
 import signal
@@ -23,6 +22,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, Protocol, TypeVar
 
+from refdem.campaign.spawning import Spawning
 from refdem.core.engine import Stages, Waiting
 from refdem.core.outside import one_line
 from refdem.core.run import Failure
@@ -281,7 +281,7 @@ class Schedule:
 
         self._pool = ProcessPool(
             max_workers=self._size,
-            context=multiprocessing.get_context("spawn"),
+            context=Spawning(),  # type: ignore[arg-type]
             initializer=begin,
             initargs=(os.getpid(), tempfile.gettempdir()),
         )

@@ -106,6 +106,8 @@ class Stress:
             name="stress", case=[], engines=self.engines, method=self.method
         )
         engines, _ = plan.engines(specification)
+        # Before any run, which may change the files of its program.
+        versions = {engine.name: engine.version() for engine in engines}
         attempts: list[Attempt] = []
         for battery in self.batteries:
             for ladder in battery.ladders:
@@ -120,7 +122,6 @@ class Stress:
                 waves.setdefault(self._wave(attempt), []).append((attempt, task))
             for _, wave in sorted(waves.items()):
                 self._run(schedule, wave)
-        versions = {engine.name: engine.version() for engine in engines}
         return self._recorded(attempts, versions)
 
     def _attempts(

@@ -51,11 +51,13 @@ class External(ProgramEngine):
 
     @cached_property
     def _version(self) -> str:
-        return self.program.version()
+        return self.program.version() or f"files {self.fingerprint(self.methods[0])[:12]}"
 
     def version(self) -> str:
-        """What its version command prints, or part of the digest of its files."""
-        return self._version or f"files {self.fingerprint(self.methods[0])[:12]}"
+        """What its version command prints, or part of the digest of its files, as they are when it
+        is asked for first: a run may change or delete them.
+        """
+        return self._version
 
     def fingerprint(self, method: Method) -> str:
         """sha256 of refdem.toml, every file that the command names, every file that `inputs`

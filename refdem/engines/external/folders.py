@@ -2,39 +2,88 @@
 in them.
 
 All that a process makes lie in one folder, which it holds by a lock, so that others see when it is
-gone; its supervisors (supervisor.py) take that folder away if it is killed.
+gone; its supervisors (supervisor.py) take that folder away if it is killed. In it each engine has a
+home of its own, so that a program which moves or empties the folder above its own costs no other
+engine a run. What has been taken away all the same is made again.
 """
 
 import atexit
 import fcntl
 import os
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
 from pathlib import Path
 
 from refdem.engines.external.supervisor import remove
+from refdem.errors import EngineError
 
 PREFIX = "refdem-runs-"
 """Of the folder of a process that holds it."""
 MAKING = "refdem-new-"
 """Of one that is just being made; the number of the process comes next, for nobody holds it yet."""
 
+MOST_TRIES = 3
+"""Times that a run is begun where someone takes the homes of engines away meanwhile."""
+_MAKING = threading.Lock()
+_HELD: list[Path] = []
+"""The folders that this process has made for itself; those before the last one were taken away."""
+_HOMES: dict[str, Path] = {}
+"""The homes of engines by their names."""
+
 
 @contextmanager
-def run_folder() -> Iterator[Path]:
-    """An empty folder for one run."""
-    folder = Path(tempfile.mkdtemp(dir=home()))
+def run_folder(engine: str = "") -> Iterator[Path]:
+    """An empty folder for one run of an engine, in the home of that engine."""
+    folder = made_in_home(engine)
     try:
         yield folder
     finally:
         remove(folder)
 
 
-@cache
+def made_in_home(engine: str) -> Path:
+    """A new folder in the home of an engine; raises EngineError where it is taken away each
+    time.
+    """
+    for _ in range(MOST_TRIES):
+        try:
+            return Path(tempfile.mkdtemp(dir=engine_home(engine)))
+        except FileNotFoundError:
+            # Someone took the home away since it was looked for.
+            continue
+    raise EngineError(
+        f"the folder for temporary files, {tempfile.gettempdir()}, is emptied again and again;"
+        " expected that what refdem makes there stays: set TMPDIR to another folder"
+    )
+
+
+def engine_home(engine: str) -> Path:
+    """The folder of this process in which the runs of one engine lie."""
+    outer = home()
+    with _MAKING:
+        inner = _HOMES.get(engine)
+        if inner is None or inner.parent != outer or not is_there(inner):
+            inner = _HOMES[engine] = Path(tempfile.mkdtemp(dir=outer))
+        return inner
+
+
 def home() -> Path:
     """The folder of this process; those of processes that are gone are taken away first."""
+    with _MAKING:
+        if not _HELD or not is_there(_HELD[-1]):
+            _HELD.append(_held())
+        return _HELD[-1]
+
+
+def is_there(folder: Path) -> bool:
+    """Whether a folder is there, and no link in its place."""
+    return folder.is_dir() and not folder.is_symlink()
+
+
+def _held() -> Path:
+    """A new folder that this process holds."""
     sweep()
     making = f"{MAKING}{os.getpid()}-"
     created = Path(tempfile.mkdtemp(prefix=making))

@@ -13,6 +13,7 @@ import socket
 import subprocess
 import sys
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -43,6 +44,7 @@ LONGEST_WAIT = 2e6
 LONGEST_CHARACTER = 4
 """Bytes of a character in UTF-8, at most."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
+EMPTY: Mapping[str, str] = {}
 _LOCAL = threading.local()
 _BUSY: set["Supervised"] = set()
 """Supervisors whose programs are under way, of all threads."""
@@ -171,12 +173,19 @@ def supervised() -> Supervised:
     return supervisor
 
 
-def run(command: list[str], folder: Path, out: BinaryIO, err: BinaryIO, limits: Limits) -> Ended:
-    """Runs a command in a folder, without input."""
+def run(
+    command: list[str],
+    folder: Path,
+    out: BinaryIO,
+    err: BinaryIO,
+    limits: Limits,
+    environment: Mapping[str, str] = EMPTY,
+) -> Ended:
+    """Runs a command in a folder, without input; `environment` is added to that of this process."""
     request = {
         "command": command,
         "folder": str(folder),
-        "environment": {},
+        "environment": dict(environment),
         "timeout": limits.timeout,
         "bytes": limits.file_bytes,
         "memory": limits.memory,
@@ -194,7 +203,8 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     # What it said is read from the descriptor: in its folder a program may put anything at that
     # name.
     with made(folder / "stdout.txt") as out, made(folder / "stderr.txt") as err:
-        exit = run(command, folder, out, err, limits)
+        # A program that empties the folder for temporary files empties the home of its engine.
+        exit = run(command, folder, out, err, limits, {"TMPDIR": str(folder.parent)})
         says = _last_lines(err)
     if exit.status is None:
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")

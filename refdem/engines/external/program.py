@@ -17,7 +17,7 @@ from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import EngineTable
-from refdem.engines.external.folders import run_folder
+from refdem.engines.external.folders import MOST_TRIES, is_there, run_folder
 from refdem.engines.external.kept import kept
 from refdem.engines.external.process import GIGABYTE, Limits, ended, most_memory, run
 from refdem.errors import EngineError, UsageError
@@ -92,16 +92,32 @@ class Program:
         return ""
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
-        """One run; what it wrote is kept where something went wrong, and the error says where."""
-        with run_folder() as folder:
-            try:
-                return (yield from self._stages(request, folder))
-            except EngineError as error:
-                place = kept(folder, self.table.name)
-                sentence = str(error)
-                if place:
-                    sentence += f"{KEPT} {place})"
-                raise type(error)(sentence) from None
+        """One run, which is made again where the home of the engine was taken away meanwhile: who
+        did that may be another program.
+        """
+        failure = EngineError(f"{self.table.name} was not run")
+        for _ in range(MOST_TRIES):
+            with run_folder(self.table.name) as folder:
+                try:
+                    return (yield from self._kept(request, folder))
+                except EngineError as error:
+                    failure = error
+                if is_there(folder.parent):
+                    break
+        raise failure
+
+    def _kept(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
+        """One run in its folder; what it wrote is kept where something went wrong, and the error
+        says where.
+        """
+        try:
+            return (yield from self._stages(request, folder))
+        except EngineError as error:
+            place = kept(folder, self.table.name)
+            sentence = str(error)
+            if place:
+                sentence += f"{KEPT} {place})"
+            raise type(error)(sentence) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
         """Writes the request into the folder, yields the command to be run there, and reads its

@@ -103,7 +103,8 @@ class ServedProgram(Program):
         self, request: Request, earlier: tuple[Request, Answer] | None
     ) -> Stages[list[Answer]]:
         """The answers of a fresh process to a request, and to an `earlier` one after it."""
-        with run_folder() as first, run_folder() as second:
+        name = self.table.name
+        with run_folder(name) as first, run_folder(name) as second:
             asked = [self._asked(request, first)]
             if earlier is not None:
                 asked.append(self._asked(earlier[0], second))

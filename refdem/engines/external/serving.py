@@ -12,7 +12,6 @@ What goes to such a program and what comes back are lines of JSON:
 import atexit
 import contextlib
 import json
-import tempfile
 import threading
 import weakref
 from collections import OrderedDict
@@ -24,7 +23,7 @@ from typing import Any
 
 from refdem.core.outside import one_line
 from refdem.core.problem import Request
-from refdem.engines.external.folders import home
+from refdem.engines.external.folders import made_in_home
 from refdem.engines.external.process import (
     MAX_OUTPUT,
     Limits,
@@ -119,7 +118,7 @@ class Served:
         """Starts the supervisor; the program starts with the first request."""
         self.name = name
         self.command = command
-        self.folder = Path(tempfile.mkdtemp(dir=home()))
+        self.folder = made_in_home(name)
         self.supervised = Supervised()
         self.count = 0
         self.before: Request | None = None
@@ -139,7 +138,7 @@ class Served:
         message = {
             "command": self.command,
             "folder": str(self.folder),
-            "environment": {},
+            "environment": {"TMPDIR": str(self.folder.parent)},
             "ready": limits.start_timeout,
             "warm": limits.warm_up,
             "timeout": limits.timeout,

@@ -14,9 +14,16 @@ from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.finding import CampaignSheet
 from refdem.core.store import Store
-from refdem.engines.external import supervisor
-from refdem.engines.external.folders import home
+from refdem.engines.external import folders, supervisor
+from refdem.engines.external.folders import (
+    engine_home,
+    home,
+    is_there,
+    made_in_home,
+    run_folder,
+)
 from refdem.engines.external.process import Supervised
+from refdem.errors import EngineError
 
 DEEP = 1100
 """Folders in folders: more than Python recurses."""
@@ -134,3 +141,33 @@ def test_the_supervisor_of_a_killed_process_takes_away_folders_however_deep(
     with os.fdopen(heard, "rb") as ended:
         assert ended.read() == b""
     assert not left.exists()
+
+
+def test_each_engine_has_a_home_of_its_own_which_is_made_anew_where_it_was_taken_away() -> None:
+    first = engine_home("first")
+    assert engine_home("first") == first
+    other = engine_home("other")
+    assert other != first
+    assert other.parent == first.parent == home()
+    first.rename(first.with_name(f"{first.name}-moved"))
+    first.symlink_to("/")
+    again = engine_home("first")
+    assert is_there(again)
+    assert again != first
+    assert engine_home("other") == other
+
+
+def test_a_run_finds_a_folder_after_all_folders_were_taken_away() -> None:
+    before = home()
+    supervisor.remove(before)
+    with run_folder("first") as folder:
+        assert is_there(folder)
+    assert home() != before
+
+
+def test_a_folder_that_is_taken_away_each_time_is_an_error_that_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folders, "engine_home", lambda _: tmp_path / "gone")
+    with pytest.raises(EngineError, match="is emptied again and again"):
+        made_in_home("first")

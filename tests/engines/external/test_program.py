@@ -131,7 +131,7 @@ def test_what_a_program_leaves_running_is_ended_and_said(
 
 
 @contextmanager
-def made_in(place: Path) -> Iterator[Path]:
+def made_in(place: Path, _: str) -> Iterator[Path]:
     """The folder of a run at another place."""
     folder = place / "run"
     folder.mkdir()

@@ -4,9 +4,11 @@ usage: program.py REQUEST TRAJECTORY EVENTS, in the empty folder of a run. The m
 for says which misbehaviour it is; `good` has none. modes.py says how each must end.
 """
 
+import contextlib
 import json
 import mmap
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -629,6 +631,88 @@ def edits_its_request(*_):
 @after
 def closes_all(*_):
     os.closerange(0, 256)
+
+
+# Losses --------------------------------------------------------------------------------------
+
+
+HOME = os.path.dirname(os.path.abspath(__file__))
+
+
+@after
+def deletes_itself(*_):
+    os.remove(os.path.abspath(__file__))
+
+
+@after
+def deletes_an_input(*_):
+    os.remove(os.path.join(HOME, "input.txt"))
+
+
+@after
+def deletes_its_description(*_):
+    os.remove(os.path.join(HOME, "refdem.toml"))
+
+
+@after
+def renames_the_home_of_its_engine(*_):
+    above = os.path.dirname(os.getcwd())
+    os.rename(above, above + "-moved")
+
+
+@after
+def renames_the_folder_of_all_runs(*_):
+    above = os.path.dirname(os.path.dirname(os.getcwd()))
+    os.rename(above, above + "-moved")
+
+
+def empties(folder):
+    """Takes away all that is in a folder."""
+    for name in os.listdir(folder):
+        shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
+
+
+@after
+def empties_the_temporary_folder(*_):
+    empties(os.environ["TMPDIR"])
+
+
+@after
+def empties_the_temporary_folder_of_all(*_):
+    empties(os.path.join(os.path.dirname(HOME), "temporary"))
+
+
+def processes_of_refdem():
+    """The folders in /proc of all processes with the store of this campaign."""
+    store = os.environ["REFDEM_STORE"].encode()
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{name}/environ", "rb") as file:
+                is_one = store in file.read()
+        except OSError:
+            continue
+        if is_one:
+            yield f"/proc/{name}"
+
+
+@after
+def truncates_shared_memory(*_):
+    """Only what processes of this campaign have mapped: others on this machine go on."""
+    mapped = set()
+    for process in processes_of_refdem():
+        with contextlib.suppress(OSError), open(f"{process}/maps") as file:
+            mapped |= {int(line.split()[4]) for line in file if "/dev/shm/" in line}
+    for entry in os.scandir("/dev/shm"):
+        if entry.inode() in mapped:
+            os.truncate(entry.path, 0)
+
+
+@after
+def kills_the_resource_tracker(*_):
+    for process in processes_of_refdem():
+        with contextlib.suppress(OSError), open(f"{process}/cmdline") as file:
+            if "resource_tracker" in file.read():
+                os.kill(int(os.path.basename(process)), signal.SIGKILL)
 
 
 # Events --------------------------------------------------------------------------------------
