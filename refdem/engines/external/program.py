@@ -17,7 +17,7 @@ from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import EngineTable
-from refdem.engines.external.folders import MOST_TRIES, is_there, run_folder
+from refdem.engines.external.folders import MOST_TRIES, run_folder
 from refdem.engines.external.kept import kept
 from refdem.engines.external.process import GIGABYTE, Limits, ended, most_memory, run
 from refdem.errors import EngineError, UsageError
@@ -92,8 +92,8 @@ class Program:
         return ""
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
-        """One run, which is made again where the home of the engine was taken away meanwhile: who
-        did that may be another program.
+        """One run, which is made again where its request was taken away meanwhile: who did that may
+        be another program.
         """
         failure = EngineError(f"{self.table.name} was not run")
         for _ in range(MOST_TRIES):
@@ -102,7 +102,7 @@ class Program:
                     return (yield from self._kept(request, folder))
                 except EngineError as error:
                     failure = error
-                if is_there(folder.parent):
+                if (folder / FILES["request"]).is_file():
                     break
         raise failure
 

@@ -5,6 +5,7 @@ for says which misbehaviour it is; `good` has none. modes.py says how each must 
 """
 
 import contextlib
+import functools
 import json
 import mmap
 import os
@@ -45,6 +46,18 @@ def after(function):
     """A misbehaviour when the answer is there."""
     AFTER[function.__name__.replace("_", "-")] = function
     return function
+
+
+def once(function):
+    """A misbehaviour of the first run alone, so that it hits another program at most once."""
+
+    @functools.wraps(function)
+    def begun(*given):
+        with contextlib.suppress(FileExistsError):
+            os.mkdir(os.path.join(HOME, "begun"))
+            function(*given)
+
+    return begun
 
 
 # Ends ----------------------------------------------------------------------------------------
@@ -661,6 +674,7 @@ def renames_the_home_of_its_engine(*_):
 
 
 @after
+@once
 def renames_the_folder_of_all_runs(*_):
     above = os.path.dirname(os.path.dirname(os.getcwd()))
     os.rename(above, above + "-moved")
@@ -678,6 +692,7 @@ def empties_the_temporary_folder(*_):
 
 
 @after
+@once
 def empties_the_temporary_folder_of_all(*_):
     empties(os.path.join(os.path.dirname(HOME), "temporary"))
 
