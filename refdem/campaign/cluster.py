@@ -5,12 +5,15 @@ machine. A worker that dies costs no run: what it had is made again by another o
 """
 
 import asyncio
+import contextlib
+import logging
 import math
 import queue
 import time
 import uuid
 from collections import deque
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from typing import Any
 
 import msgspec
@@ -43,6 +46,10 @@ LONGER = 4.0
 """Times the seconds of a batch after which a worker begins no other run of it."""
 MOST = 2048
 """Runs in a batch at most."""
+LOST = (OSError, RuntimeError, CancelledError)
+"""What Dask raises where the scheduler is gone: connections that close, clients that are closed,
+questions that are given up.
+"""
 MOST_BYTES = 2**20
 """Of the requests in a batch, unless one alone has more."""
 
@@ -65,8 +72,9 @@ class Cluster:
         """Connects, and raises ClusterError unless workers are there and all of them are fit."""
         self._client = connected(self._address)
         try:
-            self._wait_for_workers()
-            self._refuse_misfits()
+            with _noticed(self._address):
+                self._wait_for_workers()
+                self._refuse_misfits()
         except BaseException:
             self._client.close()
             raise
@@ -75,6 +83,11 @@ class Cluster:
 
     def __exit__(self, *error: object) -> None:
         self._local.__exit__(*error)
+        # Workers live on, and so would the programs that they keep alive. A scheduler that is lost
+        # cannot pass this on: they end these by themselves after a while.
+        if self._client.status == "running":
+            with contextlib.suppress(*LOST):
+                self._client.run(remote.rested, on_error="ignore")
         self._client.close()
 
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
@@ -84,7 +97,10 @@ class Cluster:
         """
         if any(job.function is not worker.run for job in jobs):
             return self._local.results(jobs)
-        return _Distribution(self._client, self._expected, self._timeout, jobs).results()
+        distribution = _Distribution(
+            self._client, self._address, self._expected, self._timeout, jobs
+        )
+        return distribution.results()
 
     def _wait_for_workers(self) -> None:
         """Returns once there is a worker; raises ClusterError if none comes."""
@@ -119,8 +135,11 @@ class Cluster:
 class _Distribution:
     """The runs of some jobs, spread over the workers of a client."""
 
-    def __init__(self, client: Any, expected: bytes, timeout: float, jobs: Sequence[Job]) -> None:
+    def __init__(
+        self, client: Any, address: str, expected: bytes, timeout: float, jobs: Sequence[Job]
+    ) -> None:
         self._client = client
+        self._address = address
         self._expected = expected
         self._timeout = timeout
         self._waiting = deque(jobs)
@@ -141,7 +160,9 @@ class _Distribution:
                 if self._running:
                     yield from self._next_results()
         finally:
-            self._client.cancel(list(self._running))
+            # Without a scheduler there is nothing to cancel.
+            with contextlib.suppress(*LOST):
+                self._client.cancel(list(self._running))
 
     def _look(self) -> None:
         """Counts the threads of all workers now and then; raises ClusterError if none came back for
@@ -151,9 +172,10 @@ class _Distribution:
         if now < self._looked + LOOK:
             return
         if self._client.status != "running":
-            raise ClusterError(f"the scheduler is gone; {_KEPT}")
+            raise _gone(self._address)
         self._looked = now
-        self._threads = sum(self._client.nthreads().values())
+        with _noticed(self._address):
+            self._threads = sum(self._client.nthreads().values())
         if self._threads:
             self._peopled = now
         elif now > self._peopled + ARRIVAL:
@@ -199,9 +221,10 @@ class _Distribution:
             errands=[self._errand(job, now) for job in jobs],
         )
         # A key of its own, so that equal runs which are asked for again are made again.
-        future = self._client.submit(
-            remote.made, msgspec.msgpack.encode(batch), key=f"refdem-{uuid.uuid4().hex}"
-        )
+        with _noticed(self._address):
+            future = self._client.submit(
+                remote.made, msgspec.msgpack.encode(batch), key=f"refdem-{uuid.uuid4().hex}"
+            )
         self._running[future] = jobs
         future.add_done_callback(self._ended.put)
 
@@ -251,7 +274,7 @@ class _Distribution:
         from distributed import KilledWorker
 
         if future.status in ("cancelled", "lost"):
-            raise ClusterError(f"the scheduler is gone; {_KEPT}")
+            raise _gone(self._address)
         error = future.exception()
         if isinstance(error, KilledWorker):
             if len(jobs) == 1:
@@ -275,6 +298,23 @@ class _Distribution:
 _KEPT = "what is finished is in the store: run the same command again to go on"
 
 
+def _gone(address: str) -> ClusterError:
+    """The error that says that the scheduler was lost."""
+    return ClusterError(
+        f"the scheduler at {one_line(address)} is gone; start it again, or leave --scheduler away;"
+        f" {_KEPT}"
+    )
+
+
+@contextlib.contextmanager
+def _noticed(address: str) -> Iterator[None]:
+    """Within this context an error of the connection to the scheduler says that it is gone."""
+    try:
+        yield
+    except LOST as error:
+        raise _gone(address) from error
+
+
 def connected(address: str) -> Any:
     """A client of the scheduler at an address; raises ClusterError if none answers within CONNECT
     seconds, or if Dask is not installed.
@@ -286,6 +326,8 @@ def connected(address: str) -> Any:
             f"a scheduler needs the package distributed ({error}); install it with"
             " `pip install 'refdem[distributed]'`"
         ) from error
+    # Dask would log a lost scheduler with a traceback, and ClusterError says it in a sentence.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         # A client that does not come to be leaves threads behind, so one question goes first.
         asyncio.run(asyncio.wait_for(_identity(address), CONNECT))

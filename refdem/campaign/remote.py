@@ -7,7 +7,7 @@ other side checks as it reads them.
 import multiprocessing
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 import msgspec
@@ -144,20 +144,67 @@ def _misfit_of(expected: MethodState) -> str:
     return ""
 
 
-_here = threading.local()
-"""Each thread of a worker has a schedule of its own: one process, which runs the engines."""
+IDLE = 60.0
+"""Seconds without a batch after which a worker ends the processes that it has started for runs:
+refdem was killed, or the scheduler is lost. They start again within some seconds.
+"""
 
 
-def _schedule() -> Schedule:
-    """The schedule of this thread: an engine that crashes or hangs costs its process and its run,
-    and the worker goes on.
+class _Processes:
+    """The schedule of one thread of a worker: one process, which runs the engines. An engine that
+    crashes or hangs costs that process and its run, and the worker goes on.
     """
+
+    def __init__(self) -> None:
+        self._busy = threading.Lock()
+        self._schedule: Schedule | None = None
+        self._idle = threading.Timer(IDLE, self.rest)
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job once with its bytes or its Failure, in the order in which they end."""
+        self._idle.cancel()
+        with self._busy:
+            if self._schedule is None:
+                self._schedule = Schedule(1, timeout=0.0)
+            yield from self._schedule.results(jobs)
+        self._idle = threading.Timer(IDLE, self.rest)
+        self._idle.daemon = True
+        self._idle.start()
+
+    def rest(self) -> None:
+        """Ends the process, and the programs that it keeps alive, unless it is busy: the next batch
+        starts another.
+        """
+        if not self._busy.acquire(blocking=False):
+            return
+        try:
+            if self._schedule is not None:
+                self._schedule.__exit__()
+                self._schedule = None
+        finally:
+            self._busy.release()
+
+
+_here = threading.local()
+_OF_THREADS: list[_Processes] = []
+"""Those of all threads of this worker."""
+
+
+def _schedule() -> _Processes:
+    """The schedule of this thread."""
     if not hasattr(_here, "schedule"):
         # The nanny of a worker starts it as a daemon, which may not have processes of its own.
         multiprocessing.current_process().daemon = False
-        _here.schedule = Schedule(1, timeout=0.0)
-    schedule: Schedule = _here.schedule
+        _here.schedule = _Processes()
+        _OF_THREADS.append(_here.schedule)
+    schedule: _Processes = _here.schedule
     return schedule
+
+
+def rested() -> None:
+    """Ends what this worker keeps running for runs, except what another campaign uses now."""
+    for processes in tuple(_OF_THREADS):
+        processes.rest()
 
 
 class _Begin:

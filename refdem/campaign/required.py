@@ -14,7 +14,8 @@ from refdem.campaign.missing import Place, parts, with_lost, with_missing
 from refdem.campaign.specification import Specification
 from refdem.core.engine import Engine
 from refdem.core.finding import DECIDED, Record, Sheet
-from refdem.errors import StoreError, UsageError
+from refdem.core.outside import opened
+from refdem.errors import EngineError, StoreError, UsageError
 
 CHECK = "  "
 """The indentation of a line with a check and its quantities."""
@@ -81,10 +82,12 @@ def read(path: Path) -> set[str]:
     `  check: quantity, quantity`, and one that is indented further goes on with the quantities.
     """
     try:
-        lines = path.read_text(encoding="utf-8").split("\n")
-    except FileNotFoundError:
-        return set()
-    except (OSError, UnicodeDecodeError) as error:
+        file = opened(path)
+        if file is None:
+            return set()
+        with file:
+            lines = file.read().decode("utf-8").split("\n")
+    except (EngineError, OSError, UnicodeDecodeError) as error:
         raise UsageError(
             f"{path} cannot be read: {error}; restore it from version control"
         ) from None

@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from refdem.cli import completion
+from refdem.errors import UsageError
 
 Engines = Annotated[
     list[str] | None,
@@ -18,7 +19,7 @@ Jobs = Annotated[
     int | None, typer.Option(help="Number of worker processes; default: one per core.")
 ]
 Scheduler = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="ADDRESS",
         help=(
@@ -27,3 +28,17 @@ Scheduler = Annotated[
         ),
     ),
 ]
+
+
+def scheduler_address(given: str | None) -> str:
+    """The address of the scheduler that was named, empty if none was; raises UsageError for a name
+    that is empty, as that of a variable which is not set.
+    """
+    if given is None:
+        return ""
+    if not given.strip():
+        raise UsageError(
+            "--scheduler is empty; expected the address that `dask scheduler` prints, as"
+            " tcp://HOST:PORT, or no --scheduler for runs on this machine"
+        )
+    return given

@@ -54,7 +54,7 @@ def command(
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     jobs: options.Jobs = None,
-    scheduler: options.Scheduler = "",
+    scheduler: options.Scheduler = None,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print the outcome as JSON in place of the summary.")
@@ -80,6 +80,7 @@ def command(
     start = time.perf_counter()
     if step is not None and steps_per_tau is not None:
         raise UsageError("--step and --steps-per-tau both came; expected at most one of them")
+    address = options.scheduler_address(scheduler)
     base = asked_for(case or [], set or [], campaign)
     refuse_partial(base, bless, method or step or steps_per_tau)
     # What is not given here stays as the campaign has it.
@@ -94,7 +95,8 @@ def command(
     if bless:
         specification = msgspec.structs.replace(specification, required="")
     progress = Progress()
-    sheets = Campaign(specification, store, count, not no_cache, progress, scheduler).sheets()
+    whole = Campaign(specification, store, count, not no_cache, progress, address)
+    sheets = whole.sheets()
     write_report(out, [*sheets, *resolution.of_records(measured, sheets)], store)
     changes = []
     if bless:

@@ -48,7 +48,7 @@ def command(
         Path, typer.Option(help="Folder for sweep.md, sweep.csv and sweep.json.")
     ] = Path("refdem-sweep"),
     jobs: options.Jobs = None,
-    scheduler: options.Scheduler = "",
+    scheduler: options.Scheduler = None,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print the table as JSON in place of text.")
@@ -78,6 +78,7 @@ def command(
 
     if step is not None and steps_per_tau is not None:
         raise UsageError("--step and --steps-per-tau both came; expected at most one of them")
+    address = options.scheduler_address(scheduler)
     count = workers(jobs)
     progress = Progress()
     instances, names = grid.instances(case, set or [])
@@ -95,7 +96,7 @@ def command(
     specification, absent = present(specification)
     refuse_unwritable(out)
     store = Store(default_path())
-    campaign = Campaign(specification, store, count, not no_cache, progress, scheduler)
+    campaign = Campaign(specification, store, count, not no_cache, progress, address)
     sheets = campaign.sheets()
     settings = {}
     for instance in instances:

@@ -1,6 +1,8 @@
 """Records as JSON lines: a sheet a line, finite numbers only."""
 
+import errno
 import math
+import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,9 +11,9 @@ from typing import Any
 import msgspec
 
 from refdem.core.finding import Finding, Level, Record, Series, Sheet
-from refdem.core.outside import printable
+from refdem.core.outside import opened, printable
 from refdem.core.reading import said
-from refdem.errors import UNREADABLE, StoreError, UsageError
+from refdem.errors import UNREADABLE, EngineError, StoreError, UsageError
 
 RECORDS = "records.jsonl"
 NUMBERS = ("value", "bound", "order_seen", "order_claimed", "constant_seen", "sharpness")
@@ -34,16 +36,8 @@ def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
     UsageError.
     """
     path = folder / name
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        why = error.strerror or error
-        raise StoreError(
-            f"cannot read {path}: {why}. Expected the folder of a report; make one with `refdem"
-            " run`."
-        ) from None
     sheets = []
-    for number, line in enumerate(data.splitlines(), 1):
+    for number, line in enumerate(_content(path).splitlines(), 1):
         if not line.strip():
             continue
         try:
@@ -55,6 +49,23 @@ def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
                 " Expected one sheet of the schema of `refdem schema records`."
             ) from None
     return sheets
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of a plain file; raises StoreError for a link, a pipe, a device, or no file."""
+    why = os.strerror(errno.ENOENT)
+    try:
+        file = opened(path)
+    except EngineError as error:
+        why = str(error)
+        file = None
+    if file is None:
+        raise StoreError(
+            f"cannot read {path}: {why}. Expected the folder of a report; make one with `refdem"
+            " run`."
+        )
+    with file:
+        return file.read()
 
 
 def _printable(line: bytes) -> bytes:

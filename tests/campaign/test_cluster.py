@@ -2,6 +2,7 @@
 dies; and what a user is told of a cluster that is not there or not fit.
 """
 
+import multiprocessing
 import os
 import signal
 import socket
@@ -26,8 +27,11 @@ from refdem.core.finding import Record
 from refdem.core.problem import Request
 from refdem.core.run import Failure
 from refdem.core.store import Store
+from refdem.engines.external import supervisor
 from refdem.errors import ClusterError
 
+PLAYED = "tcp://played:1"
+"""The address of the player below."""
 LIMIT = 600.0
 """[s], a time limit that no busy machine reaches."""
 
@@ -105,6 +109,44 @@ def test_records_are_those_of_one_process_though_a_worker_is_killed(
     assert records_there == records_here
     assert there.trajectories == here.trajectories
     assert len(here.trajectories) > 20
+    assert started_by_workers(two_workers) == []
+
+
+def started_by_workers(local_cluster: LocalCluster) -> list[int]:
+    """The processes below all workers, apart from the resource trackers of Python."""
+    client = connected(local_cluster.scheduler_address)
+    try:
+        below = client.run(lambda: supervisor.descendants())
+    finally:
+        client.close()
+    processes = [process for of_worker in below.values() for process in of_worker]
+    commands = {process: Path(f"/proc/{process}/cmdline").read_bytes() for process in processes}
+    return [process for process, command in commands.items() if b"tracker;main" not in command]
+
+
+def test_a_worker_that_gets_no_batch_any_more_ends_what_it_has_started(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(remote, "IDLE", 0.0)
+    before = set(multiprocessing.active_children())
+    processes = remote._Processes()
+    job = Job(0, worker.run, ("reference", request(), float("inf")), computes=True)
+    for _ in range(2):
+        ((_, result),) = processes.results([job])
+        assert isinstance(result, bytes)
+        processes._idle.join()
+        assert set(multiprocessing.active_children()) == before
+
+
+def test_what_is_busy_is_not_ended() -> None:
+    processes = remote._Processes()
+    job = Job(0, worker.run, ("reference", request(), float("inf")), computes=True)
+    results = processes.results([job, job])
+    next(results)
+    processes.rest()
+    assert isinstance(next(results)[1], bytes)
+    assert list(results) == []
+    processes.rest()
 
 
 def test_an_engine_that_crashes_in_a_cluster_costs_its_own_run(two_workers: LocalCluster) -> None:
@@ -271,7 +313,7 @@ class Player:
 
     def nthreads(self) -> dict[str, int]:
         """One worker with one thread."""
-        return {"tcp://played": 1}
+        return {PLAYED: 1}
 
     def submit(self, function: object, data: bytes, key: str) -> Answered:
         """The future of a batch."""
@@ -291,7 +333,7 @@ def played_results(player: Player, jobs: int) -> dict[int, bytes | Failure]:
     asked = [
         Job(number, worker.run, (str(number), request(), float("inf"))) for number in range(jobs)
     ]
-    distribution = cluster._Distribution(player, b"", LIMIT, asked)
+    distribution = cluster._Distribution(player, PLAYED, b"", LIMIT, asked)
     results = list(distribution.results())
     assert len(results) == jobs
     return {job.key: result for job, result in results}
@@ -339,7 +381,9 @@ def test_what_hung_before_is_not_sent() -> None:
     arguments = ("reference", request(), float("inf"))
     job = Job(0, worker.run, arguments, given_up=lambda: failure)
     player = Player(all_made)
-    assert list(cluster._Distribution(player, b"", LIMIT, [job]).results()) == [(job, failure)]
+    assert list(cluster._Distribution(player, PLAYED, b"", LIMIT, [job]).results()) == [
+        (job, failure)
+    ]
     assert player.sizes == []
 
 
@@ -354,8 +398,8 @@ def returned(outcomes: int, misfit: str = "") -> bytes:
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ("cancelled", "the scheduler is gone"),
-        ("lost", "the scheduler is gone"),
+        ("cancelled", "the scheduler at tcp://played:1 is gone; start it again"),
+        ("lost", "the scheduler at tcp://played:1 is gone; start it again"),
         (ValueError("worn\nout"), "a worker failed outside of its runs: ValueError: worn"),
         (returned(0), "0 outcomes; expected 1"),
         (returned(2), "2 outcomes; expected 1"),
@@ -373,6 +417,52 @@ def test_what_comes_back_is_checked(answer: object, words: str) -> None:
 def test_a_scheduler_that_is_gone_is_noticed() -> None:
     with pytest.raises(ClusterError, match="run the same command again to go on"):
         played_results(Player(all_made, status="closed"), 1)
+
+
+def test_a_connection_that_closes_says_that_the_scheduler_is_gone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def closed() -> None:
+        raise OSError("in <TCP>: Stream is closed")
+
+    player = Player(all_made)
+    monkeypatch.setattr(player, "nthreads", closed)
+    with pytest.raises(ClusterError, match="the scheduler at tcp://played:1 is gone"):
+        played_results(player, 1)
+
+
+KILLED = """
+import subprocess, sys, time
+from refdem.campaign import cluster, worker
+from refdem.campaign.schedule import Job
+from refdem.errors import ClusterError
+
+options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show"]
+command = [sys.executable, "-m", "distributed.cli.dask_scheduler", *options]
+scheduler = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+lines = (line for line in scheduler.stderr if "Scheduler at:" in line)
+address = next(lines).split()[-1]
+client = cluster.connected(address)
+job = Job(0, worker.run, ("reference", b"", float("inf")))
+scheduler.kill()
+while client.status == "running":
+    time.sleep(0.01)
+try:
+    list(cluster._Distribution(client, address, b"", 600.0, [job]).results())
+except ClusterError as error:
+    print(error)
+client.close()
+"""
+
+
+def test_a_scheduler_that_is_killed_is_one_sentence_and_no_traceback() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED], capture_output=True, text=True, check=True, timeout=LIMIT
+    )
+    (line,) = done.stdout.splitlines()
+    assert line.startswith("the scheduler at tcp://127.0.0.1:")
+    assert line.endswith("is in the store: run the same command again to go on")
+    assert "Traceback" not in done.stderr
 
 
 def test_a_campaign_whose_workers_never_come_back_ends(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -95,3 +95,9 @@ def test_a_scheduler_makes_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "CONNECT", 0.2)
     with pytest.raises(ClusterError, match="no scheduler answers at 'nowhere'"):
         called(*SHORT, "--set", "theta0=1", "--scheduler", "nowhere")
+
+
+def test_an_empty_scheduler_is_refused() -> None:
+    for empty in ("", " "):
+        with pytest.raises(UsageError, match="--scheduler is empty; expected the address"):
+            called(*SHORT, "--set", "theta0=1", "--scheduler", empty)

@@ -41,6 +41,7 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "pendulum", "--step", "nan"], "expected a finite number"),
         (["run", "pendulum", "--jobs", "-1"], "--jobs"),
         (["run", "pendulum", "--jobs", "0"], "--jobs"),
+        (["run", "pendulum", "--scheduler", ""], "--scheduler is empty"),
         (["gate", "nowhere/refdem.toml"], "nowhere"),
         (["run", "pendulum", "--set", "theta0=1", "--set", "theta0=2"], "twice"),
         (["run", "pendulum", "--set", "theta0=1e400"], "between 1e-100 and 1e100"),

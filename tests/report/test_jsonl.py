@@ -1,6 +1,8 @@
 """Records as JSON lines: what is written is read back, and what cannot be read is said."""
 
 import math
+import os
+from pathlib import Path
 
 import pytest
 
@@ -136,3 +138,12 @@ def test_records_that_nest_without_end_are_refused_in_one_sentence(tmp_path):
     (tmp_path / RECORDS).write_bytes(b"[" * 100_000)
     with pytest.raises(UsageError, match="line 1"):
         sheets_in(tmp_path)
+
+
+def test_records_by_a_link_or_a_pipe_are_not_read(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere.jsonl").write_bytes(b"")
+    (tmp_path / "link.jsonl").symlink_to("elsewhere.jsonl")
+    os.mkfifo(tmp_path / "pipe.jsonl")
+    for name in ("link.jsonl", "pipe.jsonl"):
+        with pytest.raises(StoreError, match=f"cannot read .*{name}: "):
+            sheets_in(tmp_path, name)
