@@ -35,6 +35,7 @@ from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Sensitivity, Size
+from refdem.truth.scout import Scout
 from refdem.truth.traced_field import Field, Program, traced
 from refdem.truth.validated_ivp.integration import Integration, Piece
 
@@ -54,6 +55,10 @@ many bits take about ten times the work.
 GAIN = Fraction(1, 16)
 """The part by which the end of a motion must move when bits are doubled, for more to be tried: a
 motion that loses bits by and by comes twice as far.
+"""
+AHEAD = 4
+"""Steps of a scout for each piece of a forecast. A forecast makes an eighth of what is left, and a
+step is as long as two or more pieces: so the scout is at the end before the forecast is.
 """
 
 
@@ -404,5 +409,13 @@ class ValidatedFlow(Guarded, Truth):
             def state() -> tuple[Fraction, int, arb]:
                 return flow.end, len(flow.pieces), largest(flow.spread.radii())
 
-            follow(course, state, step, t, lambda: course.work_to(time, target, next_bits))
+            scout = Scout(flow.field, flow.centre, float(flow.end))
+            course.clock = scout.clock
+
+            def work() -> float:
+                """What is left, as the scout sees it, who goes AHEAD of each piece."""
+                scout.go_on(AHEAD, time)
+                return course.work_to(time, target, next_bits)
+
+            follow(course, state, step, t, work)
         return course.work_to(time, target, next_bits)
