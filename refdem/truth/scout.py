@@ -21,6 +21,8 @@ ORDER = 20
 """The order of the Taylor polynomials: 3^-20 of the speed is left out at the end of a step."""
 RATIO = 1 / 3
 """Of a step and the radius of convergence."""
+FADING = 1 / 4
+"""Of the largest speed of a coordinate, from step to step."""
 
 
 class Scout:
@@ -53,8 +55,8 @@ class Scout:
         """The radius of convergence, about; not a positive finite number if there is none.
 
         With the coefficients c_n of y, those of the speed y' are n c_n. Each is measured against
-        the largest |c_1| so far; a coordinate that has rested so far says nothing. R is the least
-        (|c_1|/|n c_n|)^(1/(n - 1)) of the last two n.
+        the largest |c_1| of late, since |c_1| may pass zero; a coordinate that has rested so far
+        says nothing. R is the least (|c_1|/|n c_n|)^(1/(n - 1)) of the last two n.
         """
         radii = [float("inf")]
         for i, one in enumerate(series):
@@ -62,7 +64,7 @@ class Scout:
             if not all(map(isfinite, sizes)):
                 return 0.0
             sizes += [0.0] * (ORDER + 1 - len(sizes))
-            self.fastest[i] = max(self.fastest[i], sizes[1])
+            self.fastest[i] = max(self.fastest[i] * FADING, sizes[1])
             radii += [
                 (self.fastest[i] / (n * sizes[n])) ** (1 / (n - 1))
                 for n in (ORDER - 1, ORDER)

@@ -37,7 +37,7 @@ from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Sensitivity, Size
 from refdem.truth.scout import Scout
 from refdem.truth.traced_field import Field, Program, traced
-from refdem.truth.validated_ivp.integration import Integration, Piece
+from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece
 
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
@@ -407,8 +407,9 @@ class ValidatedFlow(Guarded, Truth):
                 return True
 
             def state() -> tuple[Fraction, int, arb]:
-                return flow.end, len(flow.pieces), largest(flow.spread.radii())
+                return flow.end, len(flow.pieces), self.radius_of(flow)
 
+            # Its clock is not the time alone: whips to come are known before they are proved.
             scout = Scout(flow.field, flow.centre, float(flow.end))
             course.clock = scout.clock
 
@@ -419,3 +420,14 @@ class ValidatedFlow(Guarded, Truth):
 
             follow(course, state, step, t, work)
         return course.work_to(time, target, next_bits)
+
+    def radius_of(self, flow: Integration) -> arb:
+        """The largest radius of a quantity at the end of what is integrated, which is what digits
+        are asked of; that of the set where a quantity is not finite there.
+        """
+        with precision(flow.bits + GUARD):
+            values = self.reading.values(flow.reached())
+        radius = largest([value.rad() for value in values.values()])
+        if radius.is_finite():
+            return radius
+        return largest(flow.spread.radii())
