@@ -23,13 +23,16 @@ RATIO = 1 / 3
 """Of a step and the radius of convergence."""
 FADING = 1 / 4
 """Of the largest speed of a coordinate, from step to step."""
+SHORTEST = 2.0**-24
+"""Of the longest step: a shorter one says that the motion is singular."""
 
 
 class Scout:
     """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s].
 
     `times` has the ends of the steps. `ended` says that no step goes on from the last one: the
-    series is not finite there, or does not end (a motion at rest).
+    series is not finite there, or does not end (a motion at rest). `is_singular` says that steps
+    have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
     """
 
     def __init__(self, field: Program, start: Sequence[arb], begin: float) -> None:
@@ -37,7 +40,9 @@ class Scout:
         self.y = [value.mid() for value in start]
         self.times = [begin]
         self.fastest = [0.0] * len(self.y)
+        self.longest = 0.0
         self.ended = False
+        self.is_singular = False
 
     def advance(self) -> None:
         """Makes a step, if there is one."""
@@ -50,6 +55,9 @@ class Scout:
         if is_made:
             self.y = following
             self.times.append(self.times[-1] + length)
+            self.longest = max(self.longest, length)
+            self.is_singular = length < SHORTEST * self.longest
+            self.ended = self.is_singular
 
     def radius(self, series: Sequence[Sequence[arb]]) -> float:
         """The radius of convergence, about; not a positive finite number if there is none.
@@ -81,7 +89,7 @@ class Scout:
 
     def clock(self, t: float) -> float:
         """The number of steps to a time [s], with the part of the last one; beyond the last step
-        at the pace of the later half; the time itself where there are no steps.
+        at the pace of the later half, or no further; the time itself where there are no steps.
         """
         times = self.times
         steps = len(times) - 1
@@ -92,6 +100,8 @@ class Scout:
             number = max(number, 1)
             begin = times[number - 1]
             return number - 1 + (t - begin) / (times[number] - begin)
+        if self.is_singular:
+            return float(steps)
         # The last step that begins in the first half of the time.
         half = bisect_right(times, (times[0] + times[-1]) / 2) - 1
         pace = (steps - half) / (times[-1] - times[half])

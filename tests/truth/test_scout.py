@@ -27,6 +27,15 @@ def test_a_step_is_a_part_of_the_distance_to_a_pole():
     assert parts == pytest.approx([RATIO * ORDER ** (-1 / (ORDER - 1))] * 5, rel=0.02)
 
 
+def test_a_clock_stands_still_beyond_a_singularity():
+    scout = scout_of(lambda y: [y[0] * y[0]], [1])
+    scout.go_on(1000, 2.0)
+    assert scout.is_singular
+    assert scout.times[-1] == pytest.approx(1.0)
+    assert len(scout.times) < 100
+    assert scout.clock(5.0) == scout.clock(2.0) == len(scout.times) - 1
+
+
 def test_a_harmonic_motion_has_even_steps_and_is_followed():
     scout = scout_of(lambda y: [y[1], -y[0]], [1, 0])
     scout.go_on(1000, 2 * pi)
