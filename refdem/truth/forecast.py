@@ -1,5 +1,6 @@
 """What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
-pace of the later half of that.
+pace of the later half of that. Where the motion has a clock of its own that says how fast it will
+be (scout.py), the pace is that by the clock.
 
 Following takes long itself where the motion is dear, so that whoever asks within `told_to` hears of
 every forecast on the way, of the rough one after the first piece before all others. The first
@@ -8,10 +9,11 @@ was followed is kept, so that following an eighth of a dear motion costs nothing
 counted in pieces; a second is what the pieces so far took.
 """
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import log2
 from time import process_time
@@ -46,6 +48,9 @@ NextBits = Callable[[int, float | None], int | None]
 followed to its end); None if none.
 """
 
+Clock = Callable[[float], float]
+"""A time [s] as another one, which rises with it."""
+
 Listener = Callable[[float], None]
 """Is called with the CPU seconds that are expected to be left."""
 
@@ -76,19 +81,32 @@ class Mark:
     radius: float
 
 
+def seconds_themselves(t: float) -> float:
+    """The clock of a motion that has none: the time [s]."""
+    return t
+
+
 @dataclass
 class Course:
-    """A motion as far as it was followed at some precision."""
+    """A motion as far as it was followed at some precision.
+
+    `clock` turns a time [s] into that in which the motion goes on at an even pace; the methods
+    speak of times by it.
+    """
 
     bits: int
     marks: list[Mark] = field(default_factory=list)
+    clock: Clock = seconds_themselves
 
     def later_half(self) -> tuple[Mark, Mark]:
-        """The mark at which half of the time had passed, and the last one."""
-        last = self.marks[-1]
-        middle = (self.marks[0].time + last.time) / 2
-        half = next(mark for mark in reversed(self.marks) if mark.time <= middle)
-        return half, last
+        """The mark at which half of the time had passed, and the last one, both by the clock."""
+        marks = self.marks
+        last = replace(marks[-1], time=self.clock(marks[-1].time))
+        middle = (self.clock(marks[0].time) + last.time) / 2
+        # Marks rise in time, and their times by the clock do too.
+        number = bisect_right(marks, middle, key=lambda mark: self.clock(mark.time))
+        half = marks[max(0, number - 1)]
+        return replace(half, time=self.clock(half.time)), last
 
     def pieces_to(self, t: float) -> float:
         """How many pieces are left, at the pace of the later half."""
@@ -116,10 +134,11 @@ class Course:
         return float("inf")
 
     def work_to(self, t: float, target: float, next_bits: NextBits) -> float:
-        """Pieces of this precision that are left until the radius at t is 2^target, those of higher
-        precisions at their own weight.
+        """Pieces of this precision that are left until the radius at t [s] is 2^target, those of
+        higher precisions at their own weight.
         """
-        last = self.marks[-1]
+        last = self.later_half()[1]
+        t = self.clock(t)
         bits = self.bits
         work = self.pieces_to(min(t, max(last.time, self.time_of(TOO_LARGE))))
         for _ in range(TRIES):
@@ -159,7 +178,7 @@ def follow(
     `state` has the time reached, the pieces made and the radius of the set; `work` is what the
     course says is left, in pieces.
     """
-    begun = process_time()
+    spent = 0.0
     tell = _LISTENER.get() or (lambda seconds: None)
     telling = 1
 
@@ -169,10 +188,18 @@ def follow(
             size = log2(float(radius))
         else:
             size = -1000.0
-        return Mark(float(reached), pieces, process_time() - begun, size)
+        return Mark(float(reached), pieces, spent, size)
+
+    def timed_step() -> bool:
+        """Makes a step, and counts what it took: not what `work` takes."""
+        nonlocal spent
+        begun = process_time()
+        goes_on = step()
+        spent += process_time() - begun
+        return goes_on
 
     course.marks.append(mark())
-    while course.marks[-1].time < t and step():
+    while course.marks[-1].time < t and timed_step():
         course.marks.append(mark())
         pieces_made = course.marks[-1].pieces - course.marks[0].pieces
         left = work()

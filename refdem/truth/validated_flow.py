@@ -35,8 +35,9 @@ from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Sensitivity, Size
+from refdem.truth.scout import Scout
 from refdem.truth.traced_field import Field, Program, traced
-from refdem.truth.validated_ivp.integration import Integration, Piece
+from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece
 
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
@@ -54,6 +55,10 @@ many bits take about ten times the work.
 GAIN = Fraction(1, 16)
 """The part by which the end of a motion must move when bits are doubled, for more to be tried: a
 motion that loses bits by and by comes twice as far.
+"""
+AHEAD = 4
+"""Steps of a scout for each piece of a forecast. A forecast makes an eighth of what is left, and a
+step is as long as two or more pieces: so the scout is at the end before the forecast is.
 """
 
 
@@ -402,7 +407,27 @@ class ValidatedFlow(Guarded, Truth):
                 return True
 
             def state() -> tuple[Fraction, int, arb]:
-                return flow.end, len(flow.pieces), largest(flow.spread.radii())
+                return flow.end, len(flow.pieces), self.radius_of(flow)
 
-            follow(course, state, step, t, lambda: course.work_to(time, target, next_bits))
+            # Its clock is not the time alone: whips to come are known before they are proved.
+            scout = Scout(flow.field, flow.centre, float(flow.end))
+            course.clock = scout.clock
+
+            def work() -> float:
+                """What is left, as the scout sees it, who goes AHEAD of each piece."""
+                scout.go_on(AHEAD, time)
+                return course.work_to(time, target, next_bits)
+
+            follow(course, state, step, t, work)
         return course.work_to(time, target, next_bits)
+
+    def radius_of(self, flow: Integration) -> arb:
+        """The largest radius of a quantity at the end of what is integrated, which is what digits
+        are asked of; that of the set where a quantity is not finite there.
+        """
+        with precision(flow.bits + GUARD):
+            values = self.reading.values(flow.reached())
+        radius = largest([value.rad() for value in values.values()])
+        if radius.is_finite():
+            return radius
+        return largest(flow.spread.radii())

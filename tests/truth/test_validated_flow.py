@@ -139,6 +139,8 @@ def weighed(truth, first, made):
         ("pendulum-wheel-mass", {}, 15, 40),
         ("double-pendulum", {}, 4, 40),
         ("heavy-top", {}, 4, 40),
+        # Starts slowly, and whips later on.
+        ("double-pendulum", {"masses": "1,100", "lengths": "1,0.1"}, "0.6", 40),
     ],
 )
 def test_a_forecast_is_within_a_factor_of_three_in_pieces(case, given, t, digits):
@@ -168,6 +170,21 @@ def test_a_forecast_of_a_motion_that_was_followed_is_nothing_and_grows_with_the_
     assert truth.forecast(Fraction(12), 400) > 0
 
 
+def test_the_radius_of_a_forecast_is_that_of_the_quantities():
+    """The set of x has a radius; that of 1000 x is a thousand times as large."""
+    truth = flow(
+        harmonic,
+        [Fraction(1), Fraction(0)],
+        lambda y: {"x": y[0], "v": y[1], "energy": y[0] * 1000},
+        {"x": 1.0, "v": 1.0, "energy": 0.1},
+    )
+    with precision(truth.first_bits()):
+        integration = truth.integration()
+        integration.advance()
+        of_set = max(float(radius) for radius in integration.spread.radii())
+        assert 300 * of_set < float(truth.radius_of(integration)) < 3000 * of_set
+
+
 def test_seconds_are_those_of_the_pieces_that_were_made():
     course = Course(
         100,
@@ -181,6 +198,18 @@ def test_seconds_are_those_of_the_pieces_that_were_made():
     assert course.pieces_to(8.0) == pytest.approx(20.0)
     assert course.seconds_for(20.0) == pytest.approx(10.0)
     assert course.work_to(8.0, -80.0, lambda bits, lacking: None) == pytest.approx(20.0)
+
+
+def test_a_motion_with_a_clock_goes_on_at_the_pace_by_the_clock():
+    """Ten pieces a unit of t^2: from t = 2 to 4 there are 120 more."""
+    course = Course(
+        100,
+        [Mark(0.0, 0, 0.0, -80.0), Mark(1.0, 10, 1.0, -79.0), Mark(2.0, 40, 4.0, -76.0)],
+        clock=lambda t: t**2,
+    )
+    assert course.work_to(4.0, 0.0, lambda bits, lacking: None) == pytest.approx(120.0)
+    assert course.seconds_for(120.0) == pytest.approx(12.0)
+    assert course.radius_at(course.clock(4.0)) == pytest.approx(-64.0)
 
 
 def test_a_motion_that_loses_bits_is_counted_again_with_more():

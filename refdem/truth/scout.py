@@ -1,0 +1,108 @@
+"""A motion followed ahead of its proof, without radii: where it will be fast and where slow.
+
+A piece of a proof is about as long as the radius of convergence of the motion's Taylor series
+allows, and so is a step here. So the number of steps to a time is a clock in which a proof goes on
+at an even pace, also through whips that the proof has not reached. No proof depends on it.
+"""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from math import isfinite
+
+from flint import arb
+
+from refdem.truth.balls import outward, precision
+from refdem.truth.traced_field import Program
+from refdem.truth.validated_ivp.recurrences import taylor
+
+BITS = 53
+"""The working precision."""
+ORDER = 20
+"""The order of the Taylor polynomials: 3^-20 of the speed is left out at the end of a step."""
+RATIO = 1 / 3
+"""Of a step and the radius of convergence."""
+FADING = 1 / 4
+"""Of the largest speed of a coordinate, from step to step."""
+SHORTEST = 2.0**-24
+"""Of the longest step: a shorter one says that the motion is singular."""
+
+
+class Scout:
+    """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s].
+
+    `times` has the ends of the steps. `ended` says that no step goes on from the last one: the
+    series is not finite there, or does not end (a motion at rest). `is_singular` says that steps
+    have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
+    """
+
+    def __init__(self, field: Program, start: Sequence[arb], begin: float) -> None:
+        self.field = field
+        self.y = [value.mid() for value in start]
+        self.times = [begin]
+        self.fastest = [0.0] * len(self.y)
+        self.longest = 0.0
+        self.ended = False
+        self.is_singular = False
+
+    def advance(self) -> None:
+        """Makes a step, if there is one."""
+        with precision(BITS):
+            polynomials = taylor(self.field, self.y, ORDER)
+            length = RATIO * self.radius([one.coeffs() for one in polynomials])
+            following = [one(arb(length)).mid() for one in polynomials]
+        is_made = 0 < length < float("inf") and all(value.is_finite() for value in following)
+        self.ended = not is_made
+        if is_made:
+            self.y = following
+            self.times.append(self.times[-1] + length)
+            self.longest = max(self.longest, length)
+            self.is_singular = length < SHORTEST * self.longest
+            self.ended = self.is_singular
+
+    def radius(self, series: Sequence[Sequence[arb]]) -> float:
+        """The radius of convergence, about; not a positive finite number if there is none.
+
+        With the coefficients c_n of y, those of the speed y' are n c_n. Each is measured against
+        the largest |c_1| of late, since |c_1| may pass zero; a coordinate that has rested so far
+        says nothing. R is the least (|c_1|/|n c_n|)^(1/(n - 1)) of the last two n.
+        """
+        radii = [float("inf")]
+        for i, one in enumerate(series):
+            sizes = [float(outward(value)) for value in one]
+            if not all(map(isfinite, sizes)):
+                return 0.0
+            sizes += [0.0] * (ORDER + 1 - len(sizes))
+            self.fastest[i] = max(self.fastest[i] * FADING, sizes[1])
+            radii += [
+                (self.fastest[i] / (n * sizes[n])) ** (1 / (n - 1))
+                for n in (ORDER - 1, ORDER)
+                if sizes[n] * self.fastest[i] > 0
+            ]
+        return min(radii)
+
+    def go_on(self, steps: int, t: float) -> None:
+        """Makes so many steps more, fewer where the time t [s] is reached or the motion ends."""
+        for _ in range(steps):
+            if self.ended or self.times[-1] >= t:
+                break
+            self.advance()
+
+    def clock(self, t: float) -> float:
+        """The number of steps to a time [s], with the part of the last one; beyond the last step
+        at the pace of the later half, or no further; the time itself where there are no steps.
+        """
+        times = self.times
+        steps = len(times) - 1
+        if not steps:
+            return t
+        number = min(bisect_right(times, t), steps)
+        if t <= times[-1]:
+            number = max(number, 1)
+            begin = times[number - 1]
+            return number - 1 + (t - begin) / (times[number] - begin)
+        if self.is_singular:
+            return float(steps)
+        # The last step that begins in the first half of the time.
+        half = bisect_right(times, (times[0] + times[-1]) / 2) - 1
+        pace = (steps - half) / (times[-1] - times[half])
+        return steps + pace * (t - times[-1])
