@@ -176,8 +176,9 @@ class Energy(Check):
         )
 
     def _changes(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Array]:
-        """What should be constant and is not (T,) at every level, coarse to fine; at the coarsest
-        alone if not all of them ran; none where it is unknown.
+        """What should be constant and is not (T,), with what integrating may hide of it, at every
+        level, coarse to fine; at the coarsest alone if not all of them ran; none where it is
+        unknown.
         """
         found: list[Array] = []
         for variant in subject.plain:
@@ -186,7 +187,7 @@ class Energy(Check):
             imbalance = self._imbalance(subject, runs[variant])
             if isinstance(imbalance, str):
                 return found[:1]
-            found.append(imbalance.change)
+            found.append(imbalance.change + imbalance.uncertainty)
         return found
 
     def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:

@@ -19,6 +19,20 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # At the coarsest step the integration of the power hides a part of the error.
+    (
+        "driven-oscillator[mass=0.484 stiffness=7.53 gravity=-1.53 delta=0.0635 f0=-0.378"
+        " drive=0.0356 x0=-0.0206 v0=-0.168 duration=0.2535 samples=16]",
+        "soft-signs",
+        "rk4",
+    ),
+    # A ball that may pass a much smaller neighbour within a step.
+    (
+        "newtons-cradle[balls=3 radii=1.36,0.364,211,0.241,0.0847,1.44,0.533"
+        " velocities=-1.21,-4.56,2.65,0.82,1.15,-0.335,0.0178 duration=277.6 samples=16]",
+        "rigid",
+        "late",
+    ),
     # Rods between bodies that lie nearly in a plane hardly fix their distances from it.
     (
         "rigid-cluster[masses=7.94,3.39,0.423,2.7 positions=-0.699,773,-0.4,11.1,-5.68,0.382,"
