@@ -32,8 +32,8 @@ from refdem.mechanics.quaternion import angle_between
 
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
-MOST_STEPS_BACK = 6e5
-"""Steps of a way back at a level finer than the finest of the plan: errors grow on both ways, so a
+MAX_RETURN_HALVINGS = 4
+"""Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
 motion may be predictable forward and not back.
 """
 
@@ -333,8 +333,8 @@ def _compared_level(subject: Subject, level: float) -> float:
 
 
 def _judged_level(subject: Subject) -> float:
-    """The level that is judged: the finest h, or the first of h/2, h/4, ... of at most
-    MOST_STEPS_BACK steps at which the way back is predictable.
+    """The level that is judged: the finest h, or the first of h/2, h/4, ...,
+    h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
 
     It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
     scale. Where it is so at none of these levels the finest of the plan is taken.
@@ -342,12 +342,8 @@ def _judged_level(subject: Subject) -> float:
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
         return finest
-    level = finest
-    while _claimed_defect(subject, level) > HORIZON:
-        level /= 2
-        if subject.instance.scales.duration / level > MOST_STEPS_BACK:
-            return finest
-    return level
+    finer = (finest / 2**k for k in range(MAX_RETURN_HALVINGS + 1))
+    return next((level for level in finer if _claimed_defect(subject, level) <= HORIZON), finest)
 
 
 def _has_order(subject: Subject) -> bool:

@@ -40,7 +40,7 @@ def test_a_way_back_is_judged_at_a_step_at_which_it_is_predictable(case, method)
 
 
 def test_what_no_step_can_decide_is_undecided_with_its_reason():
-    instance = discovery.case("intermediate-axis").at(offset="1e-6", duration="60")
+    instance = discovery.case("intermediate-axis").at(offset="1e-6", duration="90")
     found = record_of(
         task_of(ENGINE, "rk4-free-body", instance, truth_of(instance), 3, ("reversal",))
     ).findings

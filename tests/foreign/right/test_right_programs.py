@@ -113,15 +113,6 @@ FORMER = [
         "rigid",
         "event-driven",
     ),
-    # A slow impact, whose time is hardly known, before an earlier one must have been reported.
-    (
-        "newtons-cradle[balls=7 masses=0.0414,0.969,1.25,1.98,558,0.312,0.0856"
-        " radii=2.45,29.1,0.241,0.000814,0.000542,0.448,0.204"
-        " gaps=0.11,1.95,0.382,80.5,0.000732,91.2"
-        " velocities=-2.15,-290,-1.55,-1.25,-1.28,-1.91,1.38 duration=0.315 samples=16]",
-        "rigid-signs",
-        "late",
-    ),
     # Small spheres far apart, whose line of motion is unstable once rounding has left it.
     (
         "newtons-cradle[balls=6 masses=0.779,1.01,0.488,0.00491,6.45,0.0038,4.9"
