@@ -15,8 +15,8 @@ from refdem.faults.fault import Fault
     ("case", "method"), [("intermediate-axis", "rk4-free-body"), ("two-body-orbit", "rk4")]
 )
 def test_a_way_back_is_judged_at_a_step_at_which_it_is_predictable(case, method):
-    """At the finest of three levels the bound is 4 and 115 times the scale, and nothing would be
-    decided.
+    """At the finest of three levels the claims allow 4 and 115 times the scale: a finer step is
+    taken.
     """
     instance = discovery.case(case).at()
     truth = truth_of(instance)

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -12,26 +11,11 @@ from pathlib import Path
 import pytest
 
 from tests.foreign.hostile import modes
+from tests.foreign.hostile.campaigns import described, run
 
-HERE = Path(__file__).parent
 PATIENCE = 120.0
 """Seconds within which a folder is taken away, on any machine."""
 FAST = [*modes.ERRORS, *modes.TIMES, *modes.REFUSALS, *modes.HARMLESS, *modes.WRONG]
-
-
-def described(folder: Path, name: str, methods: "list[str]", limits: str) -> str:
-    """The refdem.toml of a copy of the program."""
-    place = folder / name
-    place.mkdir()
-    shutil.copy(HERE / "program.py", place / "program.py")
-    words = [sys.executable, "program.py", "{request}", "{trajectory}", "{events}"]
-    tables = "".join(f'[[engine.methods]]\nname = "{method}"\norder = 2\n' for method in methods)
-    text = (
-        f'[engine]\nname = "{name}"\ncommand = {json.dumps(words)}\n'
-        f'supports = ["spring", "dimension:1"]\n{limits}\n{tables}'
-    )
-    (place / "refdem.toml").write_text(text)
-    return str(place / "refdem.toml")
 
 
 def left(mark: str) -> "list[Path]":
@@ -54,28 +38,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory):
     # The good program takes a second on any machine, and those that hang take all of their time.
     fast = described(folder, "zoo", ["good", *FAST], "timeout = 300\nbudget = 3000\nmemory = 0.5")
     slow = described(folder, "slow", list(modes.SLOW), "timeout = 1\nbudget = 3000")
-    own = folder / "temporary"
-    own.mkdir()
-    environment = os.environ | {
-        "TMPDIR": str(own),
-        "REFDEM_STORE": str(folder / "store.sqlite"),
-        "GITHUB_ACTIONS": "true",
-    }
-    (folder / "own.toml").write_text(
-        f'engines = {json.dumps([fast, slow])}\nchecks = ["error", "determinism"]\nlevels = 3\n'
-        'steps_per_tau = 64\n[[case]]\nid = "harmonic-oscillator"\n'
-        'set = {samples = "8", duration = "2"}\n'
-    )
-    words = ["run", "--campaign", "own.toml", "--jobs", "2", "--out", str(folder / "report")]
-    done = subprocess.run(
-        [sys.executable, "-c", "from refdem.cli import main; main()", *words],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        timeout=3000,
-        check=False,
-    )
-    return folder, done
+    return folder, run(folder, [fast, slow])
 
 
 @pytest.fixture(scope="module")

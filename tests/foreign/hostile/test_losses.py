@@ -3,16 +3,13 @@ rest of the campaign is complete.
 """
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.foreign.hostile import modes
-from tests.foreign.hostile.test_campaign import described
+from tests.foreign.hostile.campaigns import described, run
 
 LIMITS = 'inputs = ["input.txt"]\ntimeout = 300\nbudget = 3000'
 
@@ -28,28 +25,12 @@ def engine(folder: Path, mode: str, name: str) -> str:
 def campaign(tmp_path_factory: pytest.TempPathFactory):
     """The folder of a campaign that has run, and what it said."""
     folder = tmp_path_factory.mktemp("losses")
-    (folder / "temporary").mkdir()
     lost = [*modes.LOSSES, *modes.NOT_LOST]
     # Good programs run before, between and after the others.
     engines = [engine(folder, "good", "first")]
     for mode in lost:
         engines += [engine(folder, mode, mode), engine(folder, "good", f"after-{mode}")]
-    (folder / "own.toml").write_text(
-        f'engines = {json.dumps(engines)}\nchecks = ["error", "determinism"]\nlevels = 3\n'
-        'steps_per_tau = 64\n[[case]]\nid = "harmonic-oscillator"\n'
-        'set = {samples = "8", duration = "2"}\n'
-    )
-    words = ["run", "--campaign", "own.toml", "--jobs", "2", "--out", str(folder / "report")]
-    done = subprocess.run(
-        [sys.executable, "-c", "from refdem.cli import main; main()", *words],
-        cwd=folder,
-        env=os.environ
-        | {"TMPDIR": str(folder / "temporary"), "REFDEM_STORE": str(folder / "store.sqlite")},
-        capture_output=True,
-        timeout=3000,
-        check=False,
-    )
-    return folder, done
+    return folder, run(folder, engines)
 
 
 @pytest.fixture(scope="module")
