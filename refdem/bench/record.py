@@ -6,6 +6,7 @@ from pathlib import Path
 
 import msgspec
 
+from refdem.core.reading import content
 from refdem.errors import UNREADABLE, UsageError
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
@@ -102,12 +103,8 @@ class BenchRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 def read(path: Path) -> BenchRecord:
     """The record in a file; raises UsageError if there is none."""
+    data = content(path, "a bench.json that `refdem bench` wrote")
     try:
-        return msgspec.json.decode(path.read_bytes(), type=BenchRecord)
-    except OSError as error:
-        raise UsageError(
-            f"{path} cannot be read: {error.strerror}; expected a bench.json that `refdem bench`"
-            " wrote"
-        ) from None
+        return msgspec.json.decode(data, type=BenchRecord)
     except UNREADABLE as error:
         raise UsageError(f"{path} is not a record of a bench: {error}") from None

@@ -25,6 +25,7 @@ from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.problem import Motion
+from refdem.core.reading import content
 from refdem.core.run import Failure
 from refdem.core.selection import Selection
 from refdem.core.store import Store
@@ -106,9 +107,10 @@ def default_sets(named: set[str]) -> dict[str, list[dict[str, Any]]]:
 
 def document_of(path: Path) -> dict[str, Any]:
     """The content of sets.toml; raises UsageError."""
+    data = content(path, "a list of sets to certify")
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, *UNREADABLE) as error:
+        return tomllib.loads(data.decode("utf-8"))
+    except UNREADABLE as error:
         raise UsageError(f"{path}: {error}") from None
 
 

@@ -217,7 +217,7 @@ class Store:
         try:
             if not is_renewed:
                 os.replace(self.path, aside)
-                for suffix in ("-wal", "-shm"):
+                for suffix in ("-journal", "-wal", "-shm"):
                     self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
             self._connect()
         except (_UnfitError, *FAULTS, OSError) as second:
@@ -283,8 +283,12 @@ def _inode(path: Path) -> int | None:
 
 def _prepare(connection: sqlite3.Connection) -> None:
     """Makes the table; entries of an older format are dropped."""
-    connection.execute("PRAGMA journal_mode=WAL")
-    connection.execute("PRAGMA synchronous=NORMAL")
+    # A journal of its own, not WAL, whose index every process maps: who cuts that file short kills
+    # the reader by SIGBUS, and it cannot be on a network's file system.
+    connection.execute("PRAGMA journal_mode=TRUNCATE")
+    # What a power failure damages is dropped and made again; a process that is killed damages
+    # nothing.
+    connection.execute("PRAGMA synchronous=OFF")
     connection.execute("BEGIN IMMEDIATE")
     # The format is read within the transaction: before it, another process that is making the same
     # file may still have to write it, and what that process kept meanwhile would be dropped.

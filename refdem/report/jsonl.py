@@ -37,7 +37,7 @@ def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
     """
     path = folder / name
     sheets = []
-    for number, line in enumerate(_content(path).splitlines(), 1):
+    for number, line in enumerate(content(path).splitlines(), 1):
         if not line.strip():
             continue
         try:
@@ -51,7 +51,7 @@ def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
     return sheets
 
 
-def _content(path: Path) -> bytes:
+def content(path: Path) -> bytes:
     """The bytes of a plain file; raises StoreError for a link, a pipe, a device, or no file."""
     why = os.strerror(errno.ENOENT)
     try:

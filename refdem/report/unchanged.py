@@ -12,7 +12,8 @@ import msgspec
 from refdem.core import fingerprint
 from refdem.core.finding import CampaignSheet, Sheet
 from refdem.core.store import Store
-from refdem.report.jsonl import RECORDS
+from refdem.errors import StoreError
+from refdem.report.jsonl import RECORDS, content
 
 Files = dict[str, tuple[int, int]]
 """Size [bytes] and time of change [ns] by place in the folder."""
@@ -74,11 +75,11 @@ def _of_sheets(sheets: Sequence[Sheet]) -> str:
 
 
 def _of_records(folder: Path) -> str | None:
-    """The digest of records.jsonl; None if it is empty or not there."""
+    """The digest of records.jsonl; None if it is empty or no plain file."""
     try:
-        data = (folder / RECORDS).read_bytes()
-    except OSError:
-        data = b""
+        data = content(folder / RECORDS)
+    except StoreError:
+        return None
     if not data:
         return None
     return hashlib.sha256(data).hexdigest()

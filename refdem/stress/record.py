@@ -7,6 +7,7 @@ from typing import Literal
 
 import msgspec
 
+from refdem.core.reading import content
 from refdem.errors import UNREADABLE, UsageError
 
 Verdict = Literal["pass", "fail", "error", "undecided", "unsupported", "not run"]
@@ -87,12 +88,8 @@ class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
 
 def read(path: Path) -> StressRecord:
     """The record in a file; raises UsageError if there is none."""
+    data = content(path, "a stress.json that `refdem stress` wrote")
     try:
-        return msgspec.json.decode(path.read_bytes(), type=StressRecord)
-    except OSError as error:
-        raise UsageError(
-            f"{path} cannot be read: {error.strerror}; expected a stress.json that `refdem stress`"
-            " wrote"
-        ) from None
+        return msgspec.json.decode(data, type=StressRecord)
     except UNREADABLE as error:
         raise UsageError(f"{path} is not a record of a stress test: {error}") from None

@@ -2,6 +2,7 @@
 counted.
 """
 
+import os
 import random
 from pathlib import Path
 
@@ -128,8 +129,11 @@ def test_only_levels_that_both_records_have_are_compared() -> None:
 
 def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bench.json"
-    with pytest.raises(UsageError, match="cannot be read"):
+    with pytest.raises(UsageError, match=r"No such file .* expected a bench\.json"):
         read(path)
+    os.mkfifo(tmp_path / "pipe.json")
+    with pytest.raises(UsageError, match=r"a pipe .* expected a bench\.json"):
+        read(tmp_path / "pipe.json")
     path.write_text("{}")
     with pytest.raises(UsageError, match="not a record of a bench"):
         read(path)

@@ -3,6 +3,7 @@ overlap.
 """
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,13 @@ def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -
     assert certified(folder).made == 1
     assert stale(folder) == []
     assert (folder / "certified" / "pendulum.jsonl").read_bytes() == before
+
+
+def test_a_pipe_in_place_of_the_list_of_sets_is_not_waited_for(folder: Path) -> None:
+    (folder / "sets.toml").unlink()
+    os.mkfifo(folder / "sets.toml")
+    with pytest.raises(UsageError, match=r"sets\.toml: a pipe .* expected a list of sets"):
+        wanted_sets(folder)
 
 
 def test_with_an_empty_cache_what_is_in_the_folder_is_kept_and_what_is_stale_is_proved(

@@ -3,6 +3,7 @@ hangs that cost one rung.
 """
 
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -186,8 +187,11 @@ def test_a_breaking_point_that_nobody_promised_is_no_failure(verdict: Any) -> No
 
 
 def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="cannot be read"):
+    with pytest.raises(UsageError, match=r"No such file .* expected a stress\.json"):
         read(tmp_path / "stress.json")
+    os.mkfifo(tmp_path / "pipe.json")
+    with pytest.raises(UsageError, match=r"a pipe .* expected a stress\.json"):
+        read(tmp_path / "pipe.json")
     (tmp_path / "stress.json").write_text("{}")
     with pytest.raises(UsageError, match="not a record of a stress test"):
         read(tmp_path / "stress.json")

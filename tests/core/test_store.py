@@ -31,7 +31,7 @@ def test_a_file_that_is_no_database_is_moved_aside_and_made_anew(tmp_path, capfd
     assert capfd.readouterr().err.count("\n") == 1
 
 
-@pytest.mark.parametrize("suffix", ["-wal", "-shm"])
+@pytest.mark.parametrize("suffix", ["-journal", "-wal", "-shm"])
 def test_what_lay_beside_a_damaged_file_is_taken_away_with_it(tmp_path, capfd, suffix):
     path = tmp_path / "s.sqlite"
     path.write_bytes(b"not a database" * 100)

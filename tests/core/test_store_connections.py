@@ -3,6 +3,7 @@ thread may collect what nobody closed.
 """
 
 import gc
+import os
 import sqlite3
 import sys
 import threading
@@ -127,3 +128,25 @@ def test_a_store_may_be_collected_by_another_thread_than_the_one_that_opened_it(
     assert not is_open(connection)
     assert capfd.readouterr().err == ""
     assert Store(tmp_path / "s.sqlite").get("run", "a") == b"data"
+
+
+def test_a_file_beside_the_store_that_is_cut_short_kills_no_reader(tmp_path: Path) -> None:
+    """In WAL mode every process maps an index, and reading it ends with SIGBUS."""
+    store = Store(tmp_path / "store.sqlite")
+    store.put("run", "k", b"data")
+    for beside in tmp_path.glob("store.sqlite-*"):
+        os.truncate(beside, 0)
+    assert store.get("run", "k") == b"data"
+    store.close()
+
+
+def test_a_store_that_an_older_refdem_left_in_wal_mode_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite"
+    older = Store(path)
+    older.put("run", "k", b"data")
+    older._tally.connection.execute("PRAGMA journal_mode=WAL")
+    older.close()
+    store = Store(path)
+    assert store.get("run", "k") == b"data"
+    assert store._tally.connection.execute("PRAGMA journal_mode").fetchone() == ("truncate",)
+    store.close()

@@ -97,6 +97,14 @@ def test_a_changed_record_is_seen_by_its_bytes_whatever_its_time(report, sheets,
     assert is_as_left(report, store)
 
 
+def test_a_pipe_in_place_of_the_records_is_not_waited_for(report, sheets, store):
+    (report / "records.jsonl").unlink()
+    os.mkfifo(report / "records.jsonl")
+    assert not is_as_left(report, store)
+    (report / "records.jsonl").unlink()
+    write_report(report, sheets, store)
+
+
 def test_no_report_and_one_of_nothing_are_not_as_left(store, tmp_path):
     assert not is_as_left(tmp_path, store)
     write_report(tmp_path, [], store)

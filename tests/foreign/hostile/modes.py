@@ -140,6 +140,8 @@ LOSSES = {
 
 NOT_LOST = [
     "truncates-shared-memory",
+    "truncates-the-store",
+    "truncates-what-lies-beside-the-store",
     "kills-the-resource-tracker",
     "renames-the-folder-of-all-runs",
     "empties-the-temporary-folder-of-all",

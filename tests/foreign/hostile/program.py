@@ -6,6 +6,7 @@ for says which misbehaviour it is; `good` has none. modes.py says how each must 
 
 import contextlib
 import functools
+import glob
 import json
 import mmap
 import os
@@ -720,6 +721,19 @@ def truncates_shared_memory(*_):
     for entry in os.scandir("/dev/shm"):
         if entry.inode() in mapped:
             os.truncate(entry.path, 0)
+
+
+@after
+def truncates_the_store(*_):
+    os.truncate(os.environ["REFDEM_STORE"], 0)
+
+
+@after
+def truncates_what_lies_beside_the_store(*_):
+    """A journal, an index or a log: whatever a database has open beside its own file."""
+    store = os.environ["REFDEM_STORE"]
+    for path in glob.glob(f"{glob.escape(store)}-*"):
+        os.truncate(path, 0)
 
 
 @after
