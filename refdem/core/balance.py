@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.case import Instance
+from refdem.core.once import once_per_instance
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
@@ -59,6 +60,7 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
     return kinetic(scene, run) + scene.potential(run.position, run.attitude)
 
 
+@once_per_instance
 def energy_scale(instance: Instance) -> float:
     """Energy [J] against which an error of the energy counts: that of the start.
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.engine import Method
+from refdem.core.once import once_per_instance
 from refdem.core.problem import Motion
 from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
@@ -129,6 +130,7 @@ def of_differences(instance: Instance, method: Method, steps: float) -> float:
     return max(1.0, instance.scales.tau / step)
 
 
+@once_per_instance
 def of_directions(instance: Instance) -> float:
     """Roundings of a spin that one rounding of an attitude makes: |L|/(I_min omega), the largest of
     any body; 0 where nothing spins at the start.
@@ -149,6 +151,7 @@ def of_directions(instance: Instance) -> float:
     return float(np.max(momentum / (moments.min(axis=1) * np.linalg.norm(omega, axis=1))))
 
 
+@once_per_instance
 def of_touching_spins(instance: Instance) -> float:
     """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
     the largest of any body; 0 without contacts.
@@ -168,6 +171,7 @@ def of_touching_spins(instance: Instance) -> float:
     return float(np.max(ratio, initial=0.0))
 
 
+@once_per_instance
 def of_rods(instance: Instance) -> float:
     """Roundings of a place that one rounding of the length of each rod makes; 0 without rods.
 
@@ -203,6 +207,7 @@ def rod_directions(scene: Scene) -> Array:
     return rod_jacobian(points, ends)[:, : places.size]
 
 
+@once_per_instance
 def of_alternating_friction(instance: Instance) -> float:
     """Factor >= 1 by which friction without a tangential spring outgrows the errors of a step: mu,
     or mu m R^2/J of a sphere of little inertia.

@@ -172,9 +172,9 @@ def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:
         raise EngineError(
             f"trajectory.{name} is {values.dtype} {values.shape}; expected float64 {shape}"
         )
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
+    is_finite = np.isfinite(values)
+    if not is_finite.all():
+        first = np.argwhere(~is_finite)[0]
         raise EngineError(
-            f"trajectory.{name}{bad[0].tolist()} is {values[tuple(bad[0])]}; expected finite"
-            " numbers"
+            f"trajectory.{name}{first.tolist()} is {values[tuple(first)]}; expected finite numbers"
         )

@@ -201,9 +201,9 @@ def _decades(rows: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float,
 
 
 def _csv(rows: list[dict[str, Any]]) -> str:
-    """The rows as CSV with a header, in the columns of the first row."""
+    """The rows as CSV with a header; all have the columns of the first, in the same order."""
     out = io.StringIO()
-    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(rows[0])
+    writer.writerows(item.values() for item in rows)
     return out.getvalue()

@@ -1,0 +1,33 @@
+"""A number of an instance is computed once for each instance, and kept no longer than it."""
+
+import gc
+import weakref
+
+from refdem.cases.pendulum import CASE
+from refdem.core.once import once_per_instance
+
+
+def test_each_instance_has_its_own_number_which_is_computed_once():
+    asked = []
+
+    @once_per_instance
+    def start(instance):
+        asked.append(instance)
+        return instance.scene.bodies.position[0, 0]
+
+    low = CASE.at(theta0="1/4")
+    high = CASE.at(theta0="2")
+    numbers = [start(instance) for instance in (low, high, low, high)]
+    assert numbers == [low.scene.bodies.position[0, 0], high.scene.bodies.position[0, 0]] * 2
+    assert numbers[0] != numbers[1]
+    assert asked == [low, high]
+
+
+def test_an_instance_that_nobody_needs_is_let_go():
+    length = once_per_instance(lambda instance: instance.scales.length)
+    instance = CASE.at()
+    assert length(instance) == instance.scales.length
+    known = weakref.ref(instance)
+    del instance
+    gc.collect()
+    assert known() is None
