@@ -18,6 +18,10 @@ from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
 LAWS = {"quadratic": "stribeck", "linear": "stribeck_linear"}
+MOST_FADING = 4.0
+"""Rate at which static friction fades with the speed, in units of 1/tau, at most: a step of tau/16
+then sees it change by at most a quarter.
+"""
 
 
 class StickSlip(Case):
@@ -124,6 +128,10 @@ class StickSlip(Case):
         Friction that grows with the speed damps the motion at the rate a dmu/du, that is 2 a
         lambda1 u (a lambda1 if linear). The largest u is that of the start or, as the mass comes
         back, that of the belt and of what friction, drive and the place at the start make.
+
+        Static friction fades from mu0 at the rate a (mu0 - mu1) lambda0. A step that is long
+        against that jumps over the speeds at which the mass sticks. Where mu1 is the larger one,
+        this friction damps, too.
         """
         oscillation = max(1.0, p.eta)
         coefficient = p.mu0
@@ -134,9 +142,10 @@ class StickSlip(Case):
         damping = p.a * p.lambda1
         if p.friction_law == "quadratic":
             damping *= 2.0 * fastest
+        fading = p.a * (p.mu0 - p.mu1) * p.lambda0
         return Scales(
             length=swing + abs(p.v0),
-            tau=1.0 / max(oscillation, damping),
+            tau=1.0 / max(oscillation, damping - min(fading, 0.0), fading / MOST_FADING),
             duration=20.0 / oscillation,
         )
 

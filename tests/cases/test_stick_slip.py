@@ -31,6 +31,23 @@ def test_tau_is_no_longer_than_friction_takes_to_slow_the_mass(given):
         assert instance.scales.tau <= 1.001 / (slider.normal_force * slope)
 
 
+@pytest.mark.parametrize(
+    ("given", "most"),
+    [
+        ({"a": "13.5", "mu0": "57.6", "mu1": "0.308", "lambda0": "0.732"}, 4.0),
+        ({"lambda0": "300"}, 4.0),
+        ({"mu1": "30", "lambda0": "5"}, 1.0),
+    ],
+)
+def test_a_step_resolves_how_friction_changes_from_rest(given, most):
+    """A step that does not jumps over the speeds at which the mass sticks."""
+    instance = discovery.case("stick-slip").at(**given)
+    (slider,) = instance.scene.all(Slider)
+    change = 1e-6 / slider.lambda0
+    slope = (slider.coefficient(change) - slider.coefficient(0.0)) / change
+    assert instance.scales.tau <= 1.001 * most / (slider.normal_force * abs(slope))
+
+
 def test_the_default_duration_is_one_of_the_oscillation_however_fast_friction_acts():
     instance = discovery.case("stick-slip").at(lambda1="3", eta="2")
     assert instance.scales.tau < 0.1

@@ -175,6 +175,13 @@ FORMER = [
         "sliding",
         "moreau",
     ),
+    # Static friction that fades within a step, which then jumps over the speeds that it holds.
+    (
+        "stick-slip[a=13.5 mu0=57.6 mu1=0.308 lambda0=0.732 lambda1=0.00931 friction_law=linear"
+        " belt=-2.2 gamma=-0.251 eta=0.31 x0=0.00154 v0=3.04 duration=1 samples=16]",
+        "sliding-single",
+        "implicit-friction",
+    ),
     # A belt that runs backwards: its pull is twice what holds the mass.
     (
         "stick-slip[a=0.598 mu0=0.0458 mu1=0.000111 lambda0=0.00294 lambda1=0.00785 belt=-55.7"
