@@ -1,6 +1,7 @@
 """What failed runs leave behind for their author to look at: a few folders of bounded size."""
 
 import contextlib
+import os
 import shutil
 import time
 from pathlib import Path
@@ -32,13 +33,26 @@ def kept(folder: Path, name: str) -> Path | None:
         for path in sorted(
             path for path in folder.iterdir() if path.is_file() and not path.is_symlink()
         )[:MOST_FILES]:
-            with path.open("rb") as file:
-                (place / path.name).write_bytes(file.read(MOST_BYTES))
+            text = _beginning(path)
+            if text is not None:
+                (place / path.name).write_bytes(text)
     except OSError:
         shutil.rmtree(place, ignore_errors=True)
         return None
     _drop_older(home)
     return place
+
+
+def _beginning(path: Path) -> bytes | None:
+    """The first MOST_BYTES of a file; None where it cannot be read at once: a program that goes on
+    may hold it, or have put a pipe there.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW | os.O_CLOEXEC)
+    except OSError:
+        return None
+    with os.fdopen(descriptor, "rb") as file:
+        return file.read(MOST_BYTES)
 
 
 def _next_stamp(home: Path) -> int:

@@ -23,7 +23,7 @@ from typing import Any
 
 from refdem.core.outside import one_line
 from refdem.core.problem import Request
-from refdem.engines.external.folders import made_in_home
+from refdem.engines.external.folders import is_there, made_in_home
 from refdem.engines.external.process import (
     MAX_OUTPUT,
     Limits,
@@ -135,6 +135,9 @@ class Served:
         self.count += 1
         number = str(self.count)
         limits = asked.limits
+        if not is_there(self.folder):
+            # A program that was ended may have taken it away; the next begins in another.
+            self.folder = made_in_home(self.name)
         message = {
             "command": self.command,
             "folder": str(self.folder),
@@ -193,12 +196,17 @@ class NotStartedError(EngineError):
     """A program that stays alive did not get ready."""
 
 
+def _half(said: dict[str, Any]) -> str:
+    """What the program had said of a line that it did not end."""
+    if not said["half"]:
+        return ""
+    return f", after half a line {one_line(said['half'], SHOWN)!r}"
+
+
 def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
     """How a program ended that was to stay."""
     words = f"ended with {status_words(said['status'])}"
-    half = ""
-    if said["half"]:
-        half = f", after half a line {one_line(said['half'], SHOWN)!r}"
+    half = _half(said)
     if said["phase"] == "start":
         return f"{words} before it was ready to read requests{half}"
     if said["phase"] == "idle":
@@ -215,9 +223,9 @@ def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
         return (
             f"was not ready after {message['ready']:g} s and was ended; expected the line {READY}"
             " on standard output, flushed, as soon as it can read requests (`start_timeout` in"
-            " refdem.toml)"
+            f" refdem.toml){_half(said)}"
         )
-    return f"was still running after {message['timeout']:g} s and was ended"
+    return f"was still running after {message['timeout']:g} s and was ended{_half(said)}"
 
 
 def _stray(said: dict[str, Any], message: dict[str, Any]) -> str:

@@ -131,6 +131,8 @@ class Service:
         self.messages = b""
         self.told = 0
         self.open = {self.answering, self.telling}
+        self.is_deaf = False
+        self.look = time.monotonic() + LOOK
         if program is None:
             self.close()
             raise FaultError("problem", words=problem)
@@ -155,8 +157,8 @@ class Service:
         except BlockingIOError:
             raise FaultError("deaf") from None
         except BrokenPipeError:
-            # Its end, or that it has closed its standard input, is seen by who waits for a line.
-            return
+            # It has ended, which is seen by who waits for a line, or has closed its standard input.
+            self.is_deaf = True
 
     def begin(self, phase: str) -> None:
         """Notes that it does something else now; messages that follow are about that."""
@@ -205,6 +207,26 @@ class Service:
             self.read()
             if before == (self.told, len(self.text)):
                 return
+
+    @property
+    def silence(self) -> str:
+        """Why no line comes: it cannot say one any more, does not hear that it should, or hangs."""
+        if self.answering not in self.open:
+            return "closed"
+        if self.is_deaf:
+            return "deaf"
+        return "hang"
+
+    def refuse_memory(self, most: int) -> None:
+        """Raises FaultError if a process of the program has taken more than `most` bytes; looks
+        again a while after the last look, whichever request that belonged to.
+        """
+        if time.monotonic() < self.look:
+            return
+        taken = max(map(memory_of, descendants()), default=0)
+        self.look = time.monotonic() + LOOK
+        if taken > most:
+            raise FaultError("memory", taken=taken)
 
     @property
     def said(self) -> str:
@@ -335,7 +357,7 @@ class Supervisor:
         """Waits until the program says that it is ready; raises FaultError if it does not."""
         until = time.monotonic() + request["ready"]
         line = self.next_line(service, until, request["memory"])
-        if "ready" not in dictionary(line):
+        if dictionary(line).get("ready") is not True:
             raise FaultError("stray", line=shown(line))
 
     def answered(self, service: Service, request: "dict[str, Any]") -> "dict[str, Any]":
@@ -390,32 +412,26 @@ class Supervisor:
         """The next line that the program writes `until` then; raises FaultError if none comes,
         AbandonedError if nobody waits for it any more.
         """
-        look = time.monotonic() + LOOK
         while True:
+            # Not only where nothing happens: a program may answer at once, and take more each time.
+            service.refuse_memory(most)
             service.read()
             line = service.line()
             if line is not None:
                 return line
             self.refuse_end(service)
             left = until - time.monotonic()
-            if left <= 0 and service.answering in service.open:
-                raise FaultError("hang")
             if left <= 0:
-                raise FaultError("closed")
+                raise FaultError(service.silence, half=shown(service.text))
             asked = self.asked.fileno()
             heard = [asked, self.woken, *service.open]
-            if service.answering not in service.open:
-                # No line can come any more: its end is what is waited for, not long.
+            if service.silence != "hang":
+                # No answer can come any more: its end is what is waited for, not long.
                 until = min(until, time.monotonic() + GRACE)
             ready, _, _ = select.select(heard, [], [], min(left, LOOK))
             if asked in ready:
                 self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
                 raise AbandonedError
-            if time.monotonic() >= look:
-                look = time.monotonic() + LOOK
-                taken = max(map(memory_of, descendants()), default=0)
-                if taken > most:
-                    raise FaultError("memory", taken=taken)
 
     def refuse_end(self, service: Service) -> None:
         """Raises FaultError if the program has ended without another line."""
@@ -453,13 +469,24 @@ class Supervisor:
 
 
 def dictionary(line: bytes) -> "dict[str, Any]":
-    """What a line of JSON says; raises FaultError unless it is a dictionary."""
+    """What a line of JSON in UTF-8 says; raises FaultError unless it is a dictionary of which each
+    word is said once.
+    """
     try:
-        said = json.loads(line)
+        # From bytes, UTF-16 would be read as well.
+        said = json.loads(line.decode("utf-8-sig"), object_pairs_hook=each_once)
     except (ValueError, RecursionError):
         said = None
     if not isinstance(said, dict):
         raise FaultError("stray", line=shown(line))
+    return said
+
+
+def each_once(pairs: "list[tuple[str, Any]]") -> "dict[str, Any]":
+    """The dictionary of these pairs; raises ValueError where a key comes twice."""
+    said = dict(pairs)
+    if len(said) < len(pairs):
+        raise ValueError
     return said
 
 

@@ -21,59 +21,13 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external import serving
 from refdem.errors import EngineError, HangError, UnsupportedError, UsageError
+from tests.foreign.served import modes
 from tests.processes import processes
 
 SERVED = Path(__file__).parents[2] / "foreign" / "served"
 PATIENCE = 120.0
 """Seconds within which processes and folders are gone, on any machine."""
 METHODS = re.findall(r"^@method\ndef (\w+)", (SERVED / "program.py").read_text(), re.MULTILINE)
-ERRORS = {
-    "crashes": r"signal 11 \(SIGSEGV\) and did not answer \(standard error: about to crash\)",
-    "exits": r"ended with exit status 3 and did not answer",
-    "half-a-line": r"exit status 0 and did not answer, after half a line '\{\"id\": \"\d+\", \"do'",
-    "closes-its-output": "closed its standard output and did not answer",
-    "takes-all-memory": r"GB of memory and was ended; expected at most 0\.3 GB",
-    "prints": r"wrote 'step 1 of 100' as the answer .* messages to standard error",
-    "answers-another": r"'\{\"id\": \"7000\", .* as the answer to request '\d+'; expected the id",
-    "answers-without-id": r"wrote '\{\"done\": true\}' as the answer",
-    "answers-everything": "as the answer to a request; expected",
-    "answers-a-list": r"wrote '\[\"done\", \"\d+\"\]' as the answer",
-    "answers-deep": r"wrote '\[\[\[\[",
-    "answers-in-colour": r"wrote '.*red",
-    "answers-without-end": "wrote a line of more than 65536 bytes to standard output",
-    "messages-without-end": "wrote more than .* bytes to standard error during one request",
-    "says-done-and-wrote-nothing": "wrote no trajectory.csv",
-    "writes-a-huge-file": r"SIGXFSZ: a file grew too large",
-    "fails": "failed: the solver diverged at t = 3",
-    "done-is-false": r"wrote '\{\"id\": \"\d+\", \"done\": false\}' as the answer",
-    "done-is-null": r"\"done\": null\}' as the answer",
-    "done-is-a-word": r"\"done\": \"yes\"\}' as the answer",
-    "done-is-one": r"\"done\": 1\}' as the answer",
-    "refuses-without-a-word": r"\"unsupported\": true\}' as the answer",
-    "fails-without-a-word": r"\"failed\": null\}' as the answer",
-    "is-not-warm": r"\"warm\": false\}' as the answer",
-    "warms-up-for-ever": r"\"warm\": true\}' as the answer",
-}
-LATER = {
-    "crashes-later": r"signal 6 \(SIGABRT\) and did not answer",
-    "ends-after-each-answer": r"ended with exit status 0",
-    "prints-after-its-answer": "wrote 'goodbye'",
-    "answers-twice": r"wrote '\{\"id\": \"1\", \"done\": true\}'",
-}
-"""What goes wrong at the second request."""
-HARMLESS = ("takes-the-id-for-a-number", "writes-an-array", "talks-on-standard-error", "warms-up")
-KEEPING = {
-    "keeps-velocity": "asked after another request, and then in a fresh process, velocity",
-    "keeps-stiffness": "asked after another request, and then in a fresh process, position",
-    "refuses-later": r"it was not supported \(no springs on Saturdays\), and then it was answered",
-}
-TESTED = {
-    *ERRORS,
-    *LATER,
-    *HARMLESS,
-    *KEEPING,
-    *("hangs", "refuses", "draws-lots", "softens-after-a-small-mass"),
-}
 
 
 def described(folder: Path, start: str = "", more: str = "timeout = 600") -> Path:
@@ -119,6 +73,13 @@ def ran(folder: Path, method: str, steps: int = 16, mass: str = "1") -> Trajecto
     return trajectory
 
 
+def until_refused(folder: Path, method: str) -> None:
+    """Runs a method again and again, for a while."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        ran(folder, method)
+
+
 def until_gone(word: str) -> bool:
     """Whether processes with a word in their command line go away."""
     deadline = time.monotonic() + PATIENCE
@@ -128,7 +89,14 @@ def until_gone(word: str) -> bool:
 
 
 def test_every_method_of_the_zoo_is_tested() -> None:
-    assert {name.replace("_", "-") for name in METHODS} == TESTED
+    assert {name.replace("_", "-") for name in METHODS} == {
+        *modes.ERRORS,
+        *modes.LATER,
+        *modes.SLOW,
+        *modes.HARMLESS,
+        *modes.KEEPING,
+        *modes.OTHERS,
+    }
 
 
 def test_one_process_answers_many_requests_and_the_start_is_told_apart(small: Path) -> None:
@@ -146,7 +114,7 @@ def test_the_right_trajectory_comes_back(small: Path) -> None:
     assert np.all(run.attitude == [1.0, 0.0, 0.0, 0.0])
 
 
-@pytest.mark.parametrize(("method", "says"), ERRORS.items())
+@pytest.mark.parametrize(("method", "says"), modes.ERRORS.items())
 def test_what_goes_wrong_costs_one_request_and_says_so(
     small: Path, method: str, says: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -163,7 +131,7 @@ def test_what_goes_wrong_costs_one_request_and_says_so(
     assert len(ran(small, "good", 32).t) == 9
 
 
-@pytest.mark.parametrize(("method", "says"), LATER.items())
+@pytest.mark.parametrize(("method", "says"), modes.LATER.items())
 def test_what_goes_wrong_between_requests_is_said_at_the_next(
     small: Path, method: str, says: str
 ) -> None:
@@ -179,6 +147,28 @@ def test_a_hang_costs_its_request_and_leaves_nothing(small: Path) -> None:
         ran(small, "hangs")
     assert until_gone(f"grandchild of {small / 'program.py'}")
     described(small)
+    assert len(ran(small, "good", 32).t) == 9
+
+
+@pytest.mark.parametrize(("method", "says"), modes.SLOW.items())
+def test_what_takes_too_long_costs_its_request(small: Path, method: str, says: str) -> None:
+    described(small, more="timeout = 1\nwarm_up = 1")
+    with pytest.raises(HangError, match=says):
+        ran(small, method)
+    described(small)
+    assert len(ran(small, "good", 32).t) == 9
+
+
+def test_memory_that_grows_from_request_to_request_is_seen(small: Path) -> None:
+    described(small, more="timeout = 600\nmemory = 0.3")
+    with pytest.raises(EngineError, match=r"GB of memory and was ended; expected at most 0\.3 GB"):
+        until_refused(small, "takes-more-memory-each-time")
+    assert len(ran(small, "good", 32).t) == 9
+
+
+def test_a_program_that_takes_its_request_away_costs_its_request(small: Path) -> None:
+    with pytest.raises(EngineError, match=r"wrote no trajectory\.csv"):
+        ran(small, "takes-the-folder-of-its-request-away")
     assert len(ran(small, "good", 32).t) == 9
 
 
@@ -208,12 +198,14 @@ def test_a_refusal_is_no_error_and_the_process_goes_on(small: Path) -> None:
     assert len(processes(str(small / "program.py"))) == 1
 
 
-@pytest.mark.parametrize("method", HARMLESS)
+@pytest.mark.parametrize("method", modes.HARMLESS)
 def test_what_hurts_nobody_is_judged_as_any_other(small: Path, method: str) -> None:
     described(small, more="timeout = 600\nwarm_up = 600")
     for steps in (16, 32):
         expected = ran(small, "good", steps)
         assert ran(small, method, steps).to_bytes() == expected.to_bytes()
+    serving.end_served()
+    assert until_gone(str(small / "program.py"))
 
 
 def test_warming_up_is_no_stepping_and_has_its_own_limit(small: Path) -> None:
@@ -232,6 +224,8 @@ def test_warming_up_is_no_stepping_and_has_its_own_limit(small: Path) -> None:
             "banner",
             r"wrote 'PHYSICS 3\.1 \(c\) 1999' as its first line; expected \{\"ready\": true",
         ),
+        ("says-no", r"wrote '\{\"ready\": false\}' as its first line"),
+        ("no-line-end", r"was not ready after 1 s .*after half a line '\{\"ready\": true\}'"),
         ("silent", r"was not ready after 1 s .*\{\"ready\": true\}.*`start_timeout`"),
     ],
 )
@@ -239,7 +233,7 @@ def test_what_does_not_start_is_told_apart_and_not_started_for_ever(
     small: Path, start: str, says: str
 ) -> None:
     patience = 600
-    if start == "silent":
+    if start in ("silent", "no-line-end"):
         patience = 1
     described(small, start, more=f"timeout = 600\nstart_timeout = {patience}")
     for _ in range(2):
@@ -258,6 +252,27 @@ def test_a_program_that_guesses_its_requests_is_refused(small: Path) -> None:
         ran(small, "good")
 
 
+@pytest.mark.parametrize(
+    ("start", "says"),
+    [
+        ("twice", r"wrote '\{\"ready\": true\}' as the answer to a request"),
+        ("goes", "ended with exit status 6 and did not answer"),
+    ],
+)
+def test_what_goes_wrong_when_it_is_ready_costs_each_request(
+    small: Path, start: str, says: str
+) -> None:
+    described(small, start)
+    for steps in (16, 32, 64):
+        with pytest.raises(EngineError, match=says):
+            ran(small, "good", steps)
+
+
+def test_a_program_may_say_more_when_it_is_ready(small: Path) -> None:
+    described(small, "more-words")
+    assert len(ran(small, "good").t) == 9
+
+
 def test_a_command_that_is_not_there_is_named(small: Path) -> None:
     (small / "program.sh").write_text("#!/no/such/interpreter\n")
     (small / "program.sh").chmod(0o700)
@@ -270,7 +285,7 @@ def test_a_command_that_is_not_there_is_named(small: Path) -> None:
 # State that is kept ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("method", "says"), KEEPING.items())
+@pytest.mark.parametrize(("method", "says"), modes.KEEPING.items())
 def test_state_that_is_kept_is_seen(small: Path, method: str, says: str) -> None:
     ran(small, method)
     with pytest.raises(EngineError, match=f"keeps state .*{says}") as raised:

@@ -288,3 +288,23 @@ def test_only_a_goodbye_dismisses(
     assert asked.is_dismissed is is_dismissed
     os.close(asked.woken)
     its.close()
+
+
+def test_memory_is_looked_at_also_where_an_answer_has_come_already(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(supervisor, "descendants", lambda: [1, 2])
+    monkeypatch.setattr(supervisor, "memory_of", lambda process: 100 * process)
+    service = object.__new__(supervisor.Service)
+    service.text = b'{"id": "1", "done": true}\n'
+    service.open = set()
+    service.answering = service.telling = -1
+    service.look = 0.0
+    watching = object.__new__(supervisor.Supervisor)
+    with pytest.raises(supervisor.FaultError) as raised:
+        watching.next_line(service, until=float("inf"), most=199)
+    assert raised.value.said == {"fault": "memory", "taken": 200}
+    service.look = 0.0
+    assert watching.next_line(service, until=float("inf"), most=200) == b'{"id": "1", "done": true}'
+    # The next look comes a while after this one.
+    assert service.look > 0

@@ -54,6 +54,9 @@ ERRORS = {
     "formula": r"y is '=1\+1'; expected a finite number",
     "digits-of-another-script": "y is '.'; expected a finite number",
     "underscores": "y is '1_0'; expected a finite number",
+    "hexadecimal": "y is '0x1p0'; expected a finite number",
+    "empty-places": "y is ''; expected a finite number",
+    "names-in-capitals": "line 1 is 'T,BODY",
     "gigantic-line": "cannot be read as CSV|columns; expected 15",
     "many-columns": "cannot be read as CSV: a row of more than",
     "with-nul": r"y is '\?'; expected a finite number|cannot be read as CSV",
@@ -110,6 +113,7 @@ REFUSALS = {
 """Not an error: the program cannot say the scene."""
 
 HARMLESS = [
+    "quoted-numbers",
     "reserves",
     "opens-all-files",
     "makes-many-files",

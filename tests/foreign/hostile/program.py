@@ -492,6 +492,28 @@ def underscores(header, lines):
 
 
 @rows
+def hexadecimal(header, lines):
+    lines[2] = lines[2].replace(",0,0,", ",0x1p0,0,", 1)
+    return header, lines
+
+
+@rows
+def quoted_numbers(header, lines):
+    return header, [",".join(f'"{cell}"' for cell in line.split(",")) for line in lines]
+
+
+@rows
+def empty_places(header, lines):
+    lines[2] = lines[2].replace(",0,0,", ",,0,", 1)
+    return header, lines
+
+
+@rows
+def names_in_capitals(header, lines):
+    return header.upper(), lines
+
+
+@rows
 def gigantic_line(header, lines):
     lines[3] = "0" * 30_000_000
     return header, lines
