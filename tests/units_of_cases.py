@@ -43,7 +43,6 @@ SCALARS = {
     "kg m^2": ("inertia",),
     "m": ("max_overlap", "stop_position", "steady_amplitude", "top", "apex_1", "apex_2"),
     "m/s": ("roll_speed", "terminal_velocity", "rebound_across"),
-    "m^2/s": ("area", "area_0"),
     "rad": ("nutation_min", "nutation_max"),
     "1/s": ("omega", "rebound_spin", "collision_frequency"),
     "s": (
@@ -56,6 +55,8 @@ SCALARS = {
     ),
 }
 UNIT_OF = {name: unit for unit, names in SCALARS.items() for name in names}
+AREA = {"m": "m^2/s", "rad": "1/s"}
+"""Of the phase plane, by the unit of its places."""
 ENDS = {"_closing": "m/s", "_body": "1", "_other": "1"}
 """Of numbered events, such as impact_2_closing; without such an end it is their time."""
 
@@ -81,6 +82,8 @@ def unit_of(instance: Instance, name: str) -> str:
     if name in instance.quantities:
         return instance.quantities[name].unit
     first, _, rest = name.partition("_")
+    if first == "area":
+        return AREA[instance.quantities["x_0"].unit]
     if first in ("impact", "stick", "slip"):
         return ENDS.get(rest.lstrip("0123456789"), "s")
     return UNIT_OF[name]
