@@ -2,16 +2,24 @@
 times soon after the start.
 """
 
+import os
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
+from typing import TypeVar
 
 from refdem.cases.impact_benchmarks import MEMBERS, member
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
+from refdem.errors import RefdemError
 
+T = TypeVar("T")
+SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "1"))
+SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
+TRIES = 40
+"""Draws for one setting: some are refused, for parameters that do not go together."""
 SHORT = Fraction(1, 16)
 """Part of its default duration that a motion gets: validated integration costs as much as the time
 it covers.
@@ -104,3 +112,14 @@ def early(instance: Instance) -> tuple[Fraction, ...]:
         return ()
     duration = Fraction(instance.scales.duration)
     return tuple(duration * part for part in EARLY)
+
+
+def first_accepted(case: str, number: int, made: Callable[[random.Random], T]) -> T:
+    """What is made of the first setting of a case's sequence that is not refused."""
+    rng = random.Random(f"{SEED} {case} {number}")
+    for _ in range(TRIES):
+        try:
+            return made(rng)
+        except RefdemError:
+            continue
+    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")

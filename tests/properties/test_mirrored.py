@@ -6,7 +6,6 @@ REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets, REFD
 ones.
 """
 
-import os
 import random
 import re
 from collections.abc import Callable
@@ -15,16 +14,11 @@ from fractions import Fraction
 import pytest
 
 from refdem.core import discovery
-from refdem.errors import UsageError
-from tests.random_settings import settings, written
+from tests.random_settings import SETTINGS, first_accepted, settings, written
 from tests.rationals import text
 from tests.signed_turns import ALL, INVERSION, SignedTurn
 from tests.two_truths import Answer, TwoTruths
 
-SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "1"))
-SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
-TRIES = 40
-"""Draws for one setting: some are refused, for parameters that do not go together."""
 KEEP_X = [turn for turn in ALL if turn.axes[0] == 0 and turn.signs[0] == 1]
 KEEP_PLANE = [turn for turn in KEEP_X if turn.axes == (0, 1, 2)]
 OF_A_BODY = {"inertia": "sizes", "omega_body": "axial", "attitude": "quaternion"}
@@ -162,30 +156,25 @@ def swapped(rng: random.Random, case: str, given: dict[str, str]) -> TwoTruths:
     )
 
 
-Made = Callable[[random.Random, str, dict[str, str]], TwoTruths]
+Image = Callable[[random.Random, str, dict[str, str]], TwoTruths]
 
 
-def random_pair(made: Made, case: str, number: int) -> TwoTruths:
-    """A case at the first setting of its sequence that is not refused, and its image."""
-    rng = random.Random(f"{SEED} {case} {number}")
-    for _ in range(TRIES):
-        given = written(case, settings(rng, case))
-        try:
-            return made(rng, case, given)
-        except UsageError:
-            continue
-    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")
+def random_pair(image: Image, case: str, number: int) -> TwoTruths:
+    """A case at a random setting, and its image."""
+    return first_accepted(
+        case, number, lambda rng: image(rng, case, written(case, settings(rng, case)))
+    )
 
 
 @pytest.mark.parametrize("number", range(SETTINGS))
 @pytest.mark.parametrize(
-    ("made", "case"),
+    ("image", "case"),
     [(turned, case) for case in TURNS]
     + [(mirrored, case) for case in ODD]
     + [(swapped, case) for case in SWAPPED],
 )
-def test_truth_is_the_same_after_a_turn_or_in_a_mirror(made, case, number):
-    pair = random_pair(made, case, number)
+def test_truth_is_the_same_after_a_turn_or_in_a_mirror(image, case, number):
+    pair = random_pair(image, case, number)
     pair.compare()
     assert pair.compared
     assert pair.differences == []

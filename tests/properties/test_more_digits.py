@@ -7,37 +7,31 @@ REFDEM_RANDOM_SEED which ones.
 """
 
 import os
-import random
 from fractions import Fraction
 
 import pytest
 
 from refdem.campaign.reproof import given_of
 from refdem.core.truth import Ball
-from refdem.errors import NotCertifiedError, RefdemError
+from refdem.errors import NotCertifiedError
 from refdem.truth import load
 from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
-from tests.random_settings import NAMES, early, settings, shortened
+from tests.random_settings import NAMES, early, first_accepted, settings, shortened
 
 AT_NIGHT = "REFDEM_RANDOM_SETTINGS" in os.environ
 SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "2"))
-SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
 DIGITS = (15, 30, 60)
-TRIES = 40
-"""Draws for one setting: some are refused, for parameters that do not go together."""
 
 
 def random_instance(case: str, number: int):
-    """The case at the first setting of its sequence that is not refused."""
-    rng = random.Random(f"{SEED} {case} {number}")
-    for _ in range(TRIES):
-        try:
-            instance = shortened(case, settings(rng, case))
-            instance.truth()
-        except RefdemError:
-            continue
+    """The case at a random setting that has a truth."""
+
+    def made(rng):
+        instance = shortened(case, settings(rng, case))
+        instance.truth()
         return instance
-    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")
+
+    return first_accepted(case, number, made)
 
 
 def answers(truth, times):

@@ -6,7 +6,6 @@ ones.
 """
 
 import itertools
-import os
 import random
 from fractions import Fraction
 
@@ -14,8 +13,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.parameters import Exact
-from refdem.errors import UsageError
-from tests.random_settings import NAMES, settings, written
+from tests.random_settings import NAMES, SETTINGS, first_accepted, settings, written
 from tests.rationals import text
 from tests.two_truths import Answer, TwoTruths
 from tests.units import Change
@@ -28,10 +26,6 @@ from tests.units_of_cases import (
     units_of,
 )
 
-SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "1"))
-SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
-TRIES = 40
-"""Draws for one setting: some are refused, for parameters that do not go together."""
 BASES = (2, 3, 10)
 LARGEST_POWER = 3
 """Of a base; twice that of masses and lengths."""
@@ -97,19 +91,16 @@ def in_two_units(case: str, given: dict[str, str], change: Change) -> TwoTruths:
 
 
 def random_pair(case: str, number: int) -> TwoTruths:
-    """A case at the first setting of its sequence that is not refused, in two systems of units."""
-    rng = random.Random(f"{SEED} {case} {number}")
-    for _ in range(TRIES):
+    """A case at a random setting, in two systems of units."""
+
+    def made(rng: random.Random) -> TwoTruths:
         given = settings(rng, case)
         # The default 3/2 has exact powers of lengths.
         given.pop("exponent", None)
         given = written(case, given)
-        change = drawn_change(rng, case, given)
-        try:
-            return in_two_units(case, given, change)
-        except UsageError:
-            continue
-    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")
+        return in_two_units(case, given, drawn_change(rng, case, given))
+
+    return first_accepted(case, number, made)
 
 
 def test_cases_without_units_are_cases():

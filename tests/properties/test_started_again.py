@@ -6,7 +6,6 @@ REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets, REFD
 ones.
 """
 
-import os
 import random
 from collections.abc import Mapping
 from fractions import Fraction
@@ -15,16 +14,10 @@ from math import hypot
 import pytest
 
 from refdem.core import discovery
-from refdem.core.case import Instance
 from refdem.core.truth import Ball
-from refdem.errors import NotCertifiedError, UsageError
-from tests.random_settings import settings, written
+from tests.random_settings import SETTINGS, first_accepted, settings, written
 from tests.two_truths import asked_at
 
-SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "1"))
-SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
-TRIES = 40
-"""Draws for one setting: some are refused, for parameters that do not go together."""
 DIGITS = 30
 PLACES = 36
 ERROR = 2
@@ -88,6 +81,7 @@ class Again:
         self.truth = self.first.truth().refined(DIGITS)
         self.begin = asked_at(self.first, self.truth)[-1]
         state = self.truth.at(self.begin)
+        self.expected = self.when_it_arrives()
         self.uncertain: dict[str, Fraction] = {}
         start = {
             name: ",".join(self.decimal(state, quantity) for quantity in quantities.split())
@@ -108,7 +102,7 @@ class Again:
         self.uncertain[name] = abs(ball.mid - Fraction(decimal)) + ball.radius
         return str(self.sign(name) * Fraction(decimal))
 
-    def expected(self) -> Mapping[str, Ball]:
+    def when_it_arrives(self) -> Mapping[str, Ball]:
         """What the first motion has where the second is to arrive."""
         if self.back:
             return self.truth.at(Fraction(0))
@@ -125,35 +119,28 @@ class Again:
         arrived = truth.at(self.begin)
         allowed = truth.sensitivity(self.begin) * self.error_at_start()
         found = []
-        for name, ball in self.expected().items():
+        for name in (name for name in self.expected if not name.startswith(TWO_SIGNS)):
+            ball = self.expected[name]
             error = abs(self.sign(name) * ball.mid - arrived[name].mid)
-            allowance = allowed * quantity_scale(self.second, name)
+            allowance = allowed * self.second.quantities[name].scale
             if error > ball.radius + arrived[name].radius + Fraction(allowance):
                 found.append(
                     f"{self.first.label}, then {self.second.label}: {name} is off by"
                     f" {float(error):.3g}, allowed are {allowance:.3g}"
                 )
-        return [difference for difference in found if TWO_SIGNS not in difference.split(": ")[1]]
-
-
-def quantity_scale(instance: Instance, name: str) -> float:
-    """The size against which errors of a quantity count."""
-    return instance.quantities[name].scale
+        return found
 
 
 def random_again(case: str, number: int, *, back: bool) -> Again:
-    """A case at the first setting of its sequence that can be started again."""
-    rng = random.Random(f"{SEED} {case} {number}")
+    """A case at a random setting that can be started again."""
     fixed = UNDRIVEN.get(case, {})
     if back:
         fixed = {**fixed, **KEEPING[case]}
-    for _ in range(TRIES):
-        given = written(case, settings(rng, case)) | fixed
-        try:
-            return Again(case, given, back=back)
-        except (UsageError, NotCertifiedError):
-            continue
-    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")
+
+    def made(rng: random.Random) -> Again:
+        return Again(case, written(case, settings(rng, case)) | fixed, back=back)
+
+    return first_accepted(case, number, made)
 
 
 @pytest.mark.parametrize("number", range(SETTINGS))
