@@ -7,111 +7,31 @@ REFDEM_RANDOM_SEED which ones.
 """
 
 import os
-import random
 from fractions import Fraction
 
 import pytest
 
 from refdem.campaign.reproof import given_of
-from refdem.cases.impact_benchmarks import MEMBERS, member
-from refdem.core import discovery
-from refdem.core.parameters import Parameter
-from refdem.core.selection import Selection
 from refdem.core.truth import Ball
-from refdem.errors import NotCertifiedError, RefdemError
+from refdem.errors import NotCertifiedError
 from refdem.truth import load
 from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
+from tests.random_settings import NAMES, early, first_accepted, settings, shortened
 
 AT_NIGHT = "REFDEM_RANDOM_SETTINGS" in os.environ
 SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "2"))
-SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
 DIGITS = (15, 30, 60)
-SHORT = Fraction(1, 16)
-"""Part of its default duration that a motion gets: validated integration costs as much as the time
-it covers.
-"""
-EARLY = (Fraction(1, 16), Fraction(1, 4))
-"""Parts of that."""
-ITERATES = (Fraction(1), Fraction(7))
-TRIES = 40
-"""Draws for one setting: some are refused, for parameters that do not go together."""
-LEFT_ALONE = ("duration", "samples", "points", "n", "spheres", "member")
-NAMES = [
-    name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
-]
-
-
-def near(rng: random.Random, parameter: Parameter, value: Fraction) -> Fraction:
-    """A number within a factor of 3 of a default, or of 1/4 where that is 0; inside the bounds."""
-    found = (value or Fraction(1, 4)) * Fraction(rng.randint(300, 3000), 1000)
-    if parameter.above is not None:
-        low = parameter.above
-    else:
-        low = parameter.at_least
-    if low is None and rng.random() < 0.3:
-        found = -found
-    if low is not None and found <= Fraction(repr(low)):
-        found = abs(found)
-    if parameter.at_most is None:
-        high = None
-    else:
-        high = Fraction(repr(parameter.at_most))
-    if high is None or found <= high:
-        return found
-    return high * Fraction(rng.randint(100, 999), 1000)
-
-
-def drawn(rng: random.Random, parameter: Parameter, default: str) -> str:
-    """Another value of a parameter, as text."""
-    if parameter.choices:
-        return rng.choice(parameter.choices)
-    own = Parameter(
-        name=parameter.name, default=default, unit="", doc="", shape=parameter.shape
-    ).parsed(default)
-    if isinstance(own, tuple):
-        values = own
-    else:
-        values = (own,)
-    if parameter.whole:
-        return default
-    return ",".join(str(near(rng, parameter, value)) for value in values)
-
-
-def settings(rng: random.Random, case: str) -> dict[str, str]:
-    """A few parameters of a case, drawn anew."""
-    declared = {p.name: p for p in discovery.case(case).parameters}
-    given = {}
-    defaults = {
-        name: p.default for name, p in declared.items() if name not in LEFT_ALONE and p.default
-    }
-    if case == "impact-benchmarks":
-        given["member"] = rng.choice(MEMBERS)
-        defaults = dict(member(given["member"]).numbers)
-    chosen = rng.sample(sorted(defaults), min(len(defaults), rng.randint(1, 4)))
-    return given | {name: drawn(rng, declared[name], defaults[name]) for name in chosen}
-
-
-def shortened(case: str, given: dict[str, str]):
-    """The case at a setting, with a short duration where it has one."""
-    instance = discovery.case(case).at(**given)
-    if "duration" not in instance.p:
-        return instance
-    return discovery.case(case).at(
-        **{**given, "duration": str(Fraction(instance.scales.duration) * SHORT)}
-    )
 
 
 def random_instance(case: str, number: int):
-    """The case at the first setting of its sequence that is not refused."""
-    rng = random.Random(f"{SEED} {case} {number}")
-    for _ in range(TRIES):
-        try:
-            instance = shortened(case, settings(rng, case))
-            instance.truth()
-        except RefdemError:
-            continue
+    """The case at a random setting that has a truth."""
+
+    def made(rng):
+        instance = shortened(case, settings(rng, case))
+        instance.truth()
         return instance
-    raise AssertionError(f"{case}: no setting of {TRIES} was accepted")
+
+    return first_accepted(case, number, made)
 
 
 def answers(truth, times):
@@ -143,16 +63,6 @@ def contradictions(instance, times):
                     f" {DIGITS[more]} digits"
                 )
     return found
-
-
-def early(instance):
-    """Two exact times soon after the start."""
-    if instance.case.id in ("logistic", "billiards"):
-        return ITERATES
-    if "duration" not in instance.p:
-        return ()
-    duration = Fraction(instance.scales.duration)
-    return tuple(duration * part for part in EARLY)
 
 
 @pytest.mark.parametrize("number", range(SETTINGS))
