@@ -12,7 +12,15 @@ from refdem.checks._lying import lies
 from refdem.core.balance import energy_scale, kinetic, kinetic_exchanged, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, judged, left_at_finest, sharpest, undecided, worst
+from refdem.core.judgement import (
+    INTEGRATED,
+    Array,
+    judged,
+    left_at_finest,
+    sharpest,
+    undecided,
+    worst,
+)
 from refdem.core.refinement import CLOCK_STEPS, COUNTING_FLOOR, ROUND_OFF_FACTOR, flight, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
@@ -365,7 +373,7 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
 def _of_samples(measured: Imbalance) -> str:
     """What integrating between samples adds to the basis of a bound, as a clause."""
     if np.any(measured.uncertainty):
-        return ", plus the error of integrating the power between samples"
+        return f", plus {INTEGRATED}"
     return ""
 
 

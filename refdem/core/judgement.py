@@ -62,6 +62,8 @@ CUT_PREDICTION_FACTOR = 16.0
 """The same of a method that cuts its steps at kinks: there only the length of the last part of a
 cut step is random.
 """
+INTEGRATED = "the error of integrating the power between samples"
+"""What the basis of a bound says where the work that is compared is known no better."""
 MAX_BOUND_TO_SIGNAL = 0.1
 """A bound above this part of the signal decides nothing: a body that never moves would pass it."""
 

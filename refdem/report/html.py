@@ -13,6 +13,7 @@ from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
 from refdem.core.outside import printable
 from refdem.report import index
 from refdem.report.contents import Contents, anchor, page
+from refdem.report.invariants import law_sheets
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
 from refdem.report.overview import advice_text, advised, shown_digits
@@ -73,6 +74,7 @@ def shared_by_all(contents: Contents) -> dict[str, Any]:
         "meanings": MEANINGS,
         "targets": TARGETS,
         "advised": advised(contents),
+        "laws": law_sheets(contents),
     }
 
 

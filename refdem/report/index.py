@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from refdem.core.finding import BROKEN, WORST_FIRST, Finding, Outcome, Record
 from refdem.report.contents import Contents, advice
+from refdem.report.invariants import KEPT
 from refdem.report.overview import WANTED, case_lines
 from refdem.report.replays import handed_over
 from refdem.report.tolerance import Row, cell
@@ -55,6 +56,8 @@ def files(
         if outcome not in inline:
             yield _part(f"reasons-{outcome}", reasons[outcome])
     drawn: dict[str, dict[str, Any]] = {"tolerance": {"rows": rows}, "digits": {"cells": cells}}
+    if shared["laws"]:
+        drawn["invariants"] = {}
     if chart is not None:
         drawn["overview"] = {"chart": chart}
     for name, variables in drawn.items():
@@ -64,6 +67,7 @@ def files(
         shared,
         root="",
         lines=case_lines(contents, cells),
+        kept=KEPT,
         wanted=WANTED,
         broken=[outcome for outcome in found if outcome in BROKEN],
         has_chart=chart is not None,

@@ -8,6 +8,7 @@ from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
 from refdem.report.index import grouped
+from refdem.report.invariants import KEPT, Summary, law_sheets
 from refdem.report.numbers import ABSENT, two
 from refdem.report.overview import WANTED, advice_text, advised
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
@@ -22,6 +23,7 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     """The text of validation.md; `pictures` are the names of the figures that were drawn."""
     parts = [
         _head(contents),
+        _conserved(contents),
         _advice(contents),
         _tolerance(contents, rows),
         _matrix(contents, rows),
@@ -54,6 +56,39 @@ def _head(contents: Contents) -> str:
         f"# Validation: {markdown_text(contents.campaign.name)}\n\n{listed or 'no findings'}."
         f" {advice(counts)}\n\nEngines: {engines}."
     )
+
+
+def _conserved(contents: Contents) -> str:
+    """How many settings of each law are kept to round-off, engine by engine."""
+    laws = law_sheets(contents)
+    if not laws:
+        return ""
+    names = [engine.engine for engine in contents.engines]
+    lines = [
+        [markdown_text(sheet.law.title), *(_conserved_in(sheet.summaries[name]) for name in names)]
+        for sheet in laws
+    ]
+    head = ["law", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
+    note = (
+        "In how many settings the best method of each engine keeps each law at its finest level."
+        f" Kept means a change of at most {two(KEPT)} of its scale, which is round-off. Elsewhere"
+        " the law holds to an error of the step, and the largest one is given."
+    )
+    return f"## What is conserved, and what comes back\n\n{note}\n\n{table(head, lines)}"
+
+
+def _conserved_in(summary: Summary) -> str:
+    """A cell of the table of what is conserved."""
+    if not summary.settings:
+        return ABSENT
+    parts = [f"kept in {summary.kept} of {len(summary.settings)}"]
+    worst = summary.largest_error
+    if worst is not None:
+        parts.append(f"{summary.counts['approximate']} change by at most {two(worst.change)}")
+    parts += [
+        f"{summary.counts[name]} {name}" for name in ("undecided", "lost") if name in summary.counts
+    ]
+    return ", ".join(parts)
 
 
 def _advice(contents: Contents) -> str:

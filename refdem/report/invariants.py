@@ -1,0 +1,206 @@
+"""What is conserved: for each law of mechanics and each engine whether the law is kept to
+round-off, within an error of the step, or is lost.
+
+A law is judged where the scene has it: momentum where nothing acts from outside, a rod's length
+where there is a rod. Of several methods of an engine the one that keeps a law best speaks for it,
+as in the matrix of correct digits. Left out is energy whose work was integrated between samples:
+the error of that integration would be told as the engine's.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from refdem.core.finding import DECIDED, Finding, Record
+from refdem.core.judgement import INTEGRATED
+from refdem.report.contents import Contents
+from refdem.report.overview import MOST_DIGITS
+
+Verdict = Literal["kept", "approximate", "lost", "undecided"]
+BEST_FIRST: tuple[Verdict, ...] = ("kept", "approximate", "undecided", "lost")
+KEPT = 1e-12
+"""Change, in units of the scale of what is conserved, that counts as round-off."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law, the check that judges it, and the quantities of that check whose value is the change.
+
+    Of several groups of quantities the first that was decided is shown: the energy at the finest
+    level rather than at the coarsest.
+    """
+
+    title: str
+    check: str
+    groups: tuple[tuple[str, ...], ...]
+
+
+LAWS = (
+    Law("momentum", "momentum", (("total", "pairs", "flights"),)),
+    Law("angular momentum", "angular-momentum", (("total", "orbital", "spin"),)),
+    Law("energy, with the work that a run reports", "energy", (("finest",), ("balance",))),
+    Law("length of rods", "constraint", (("length",),)),
+    Law("norm of attitudes |q| = 1", "quaternion-norm", (("norm",),)),
+    Law("time reversal: back to the start", "reversal", (("reversed",),)),
+)
+
+
+@dataclass(frozen=True)
+class Conserved:
+    """How one engine keeps one law in one setting: the verdict, the largest change in units of the
+    scale, and the order with which that falls; None where unknown.
+    """
+
+    verdict: Verdict
+    change: float | None
+    order: float | None
+    label: str
+    method: str
+
+    @property
+    def digits(self) -> float:
+        """Digits of what is conserved that do not change, at most 16; of those that are kept, all
+        of them.
+        """
+        if self.verdict == "kept" or not self.change:
+            return MOST_DIGITS
+        return -math.log10(self.change)
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Sorts the better before the worse."""
+        return BEST_FIRST.index(self.verdict), self.change or 0.0
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How one engine keeps one law in all settings in which that was judged."""
+
+    settings: tuple[Conserved, ...]
+
+    @cached_property
+    def counts(self) -> dict[Verdict, int]:
+        """The number of settings with each verdict, without zeros."""
+        verdicts = [one.verdict for one in self.settings]
+        return {name: verdicts.count(name) for name in BEST_FIRST if name in verdicts}
+
+    @property
+    def kept(self) -> int:
+        """The number of settings in which the law is kept to round-off."""
+        return self.counts.get("kept", 0)
+
+    @property
+    def digits(self) -> float:
+        """The share of the settings in which the law is kept, shaded as so many of 16 digits."""
+        return MOST_DIGITS * self.kept / len(self.settings)
+
+    @property
+    def largest_error(self) -> Conserved | None:
+        """The setting with the largest error among those in which the law is not kept to
+        round-off.
+        """
+        approximate = [one for one in self.settings if one.verdict == "approximate"]
+        return max(approximate, key=lambda one: one.rank, default=None)
+
+
+@dataclass(frozen=True)
+class LawSheet:
+    """One law: a summary for each engine, and for each case the worst of its settings by engine."""
+
+    law: Law
+    summaries: Mapping[str, Summary]
+    cases: Mapping[str, Mapping[str, Conserved]]
+
+
+def law_sheets(contents: Contents) -> list[LawSheet]:
+    """A sheet for each law that is judged somewhere."""
+    titles = {sheet.label: sheet.title for sheet in contents.cases}
+    sheets = []
+    for law in LAWS:
+        found = _settings(contents.records, law)
+        if not found:
+            continue
+        summaries = {
+            engine.engine: Summary(
+                tuple(one for (_, name), one in found.items() if name == engine.engine)
+            )
+            for engine in contents.engines
+        }
+        cases: dict[str, dict[str, Conserved]] = {}
+        for (label, engine_name), one in found.items():
+            line = cases.setdefault(titles[label], {})
+            line[engine_name] = max(one, line.get(engine_name, one), key=lambda each: each.rank)
+        sheets.append(LawSheet(law, summaries, cases))
+    return sheets
+
+
+def _settings(records: Iterable[Record], law: Law) -> dict[tuple[str, str], Conserved]:
+    """How each engine keeps a law in each setting in which that was judged, by its best method; by
+    label and engine.
+    """
+    found: dict[tuple[str, str], Conserved] = {}
+    for record in records:
+        one = _conserved(record, law)
+        if one is None:
+            continue
+        place = record.label, record.engine
+        found[place] = min(one, found.get(place, one), key=lambda each: each.rank)
+    return found
+
+
+def _conserved(record: Record, law: Law) -> Conserved | None:
+    """How one method keeps a law; None where that was not judged."""
+    judged = [
+        finding
+        for finding in record.findings
+        if finding.check == law.check
+        and finding.outcome != "unsupported"
+        and INTEGRATED not in finding.basis
+    ]
+    if not judged:
+        return None
+    change = _change(judged, law)
+    return Conserved(
+        verdict=_verdict(judged, change),
+        change=change,
+        order=_order(record.findings),
+        label=record.label,
+        method=record.method,
+    )
+
+
+def _change(judged: list[Finding], law: Law) -> float | None:
+    """The largest change of what is conserved; None if no group of quantities was decided."""
+    for group in law.groups:
+        values = [
+            finding.value
+            for finding in judged
+            if finding.quantity in group
+            and finding.outcome in DECIDED
+            and finding.value is not None
+        ]
+        if values:
+            return max(values)
+    return None
+
+
+def _verdict(judged: list[Finding], change: float | None) -> Verdict:
+    """Lost where some finding does not pass; else by the size of the change."""
+    outcomes = {finding.outcome for finding in judged}
+    if outcomes - {"pass", "undecided"}:
+        return "lost"
+    if change is None:
+        return "undecided"
+    if change <= KEPT:
+        return "kept"
+    return "approximate"
+
+
+def _order(findings: Iterable[Finding]) -> float | None:
+    """The order of the method that its run was seen to have; None if that was not judged."""
+    for finding in findings:
+        if finding.check == "order" and finding.outcome == "pass":
+            return finding.order_claimed
+    return None
