@@ -1,17 +1,19 @@
 """One campaign over a zoo of hostile programs: an error each, the rest judged, nothing left."""
 
-import json
-import os
 import re
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from tests.foreign.hostile import modes
-from tests.foreign.hostile.campaigns import described, run
+from tests.foreign.hostile.campaigns import (
+    described,
+    findings_in,
+    refuse_commands,
+    run,
+    wait_for_folders,
+)
 
 PATIENCE = 120.0
 """Seconds within which a folder is taken away, on any machine."""
@@ -45,13 +47,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory):
 def findings(campaign) -> "dict[str, list[tuple[str, str]]]":
     """Outcome and sentence of every finding by method."""
     folder, _ = campaign
-    found: dict[str, list[tuple[str, str]]] = {}
-    for line in (folder / "report" / "records.jsonl").read_text().splitlines():
-        sheet = json.loads(line)
-        if sheet["type"] == "record":
-            said = [(one["outcome"], one["sentence"]) for one in sheet["findings"]]
-            found.setdefault(sheet["method"], []).extend(said)
-    return found
+    return findings_in(folder)
 
 
 def test_the_campaign_ends_as_one_in_which_a_check_failed(campaign) -> None:
@@ -100,31 +96,16 @@ def test_no_process_and_no_folder_is_left(campaign) -> None:
     assert not left(f"grandchild of {folder}")
     # What was killed is cleaned up behind by a process of its own.
     until = time.monotonic() + PATIENCE
-    # A worker that is killed just as it makes its folder leaves that to the next start of refdem.
-    sweep = "from refdem.engines.external.folders import sweep; sweep()"
-    environment = os.environ | {"TMPDIR": str(folder / "temporary")}
-    while still_there := list((folder / "temporary").iterdir()):
-        assert time.monotonic() < until, still_there
-        subprocess.run([sys.executable, "-c", sweep], env=environment, check=True)
-        time.sleep(0.05)
+    wait_for_folders(folder, until)
 
 
 def test_nothing_that_a_program_says_reaches_a_terminal_or_a_log_as_a_command(campaign) -> None:
     folder, done = campaign
-    said = done.stdout + done.stderr
-    assert not re.search(rb"[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]", said)
-    for line in said.decode().splitlines():
-        assert not line.lstrip().startswith("::"), line
-        assert "##[" not in line, line
-        assert "\u202e" not in line, line
+    refuse_commands(folder, done.stdout + done.stderr)
     for path in (folder / "report").rglob("*"):
-        if path.suffix in (".html", ".md", ".csv", ".xml"):
-            text = path.read_text()
-            assert "\x1b" not in text, path
-            assert "\u202e" not in text, path
         if path.suffix in (".html", ".md"):
-            assert "<script>alert(1)" not in text, path
+            assert "<script>alert(1)" not in path.read_text(), path
         if path.suffix == ".csv":
-            assert not re.search(r'(^|[,"])[=@]', text, re.MULTILINE), path
+            assert not re.search(r'(^|[,"])[=@]', path.read_text(), re.MULTILINE), path
         if path.suffix == ".md":
-            assert "@everyone" not in text, path
+            assert "@everyone" not in path.read_text(), path

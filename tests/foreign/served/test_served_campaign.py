@@ -3,17 +3,20 @@ left and nothing said in refdem's name.
 """
 
 import json
-import os
 import re
 import shutil
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from tests.foreign.hostile.campaigns import run
+from tests.foreign.hostile.campaigns import (
+    findings_in,
+    refuse_commands,
+    run,
+    wait_for_folders,
+)
 from tests.foreign.served import modes
 from tests.processes import processes
 
@@ -55,13 +58,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory):
 def findings(campaign) -> "dict[str, list[tuple[str, str]]]":
     """Outcome and sentence of every finding by method."""
     folder, _ = campaign
-    found: dict[str, list[tuple[str, str]]] = {}
-    for line in (folder / "report" / "records.jsonl").read_text().splitlines():
-        sheet = json.loads(line)
-        if sheet["type"] == "record":
-            said = [(one["outcome"], one["sentence"]) for one in sheet["findings"]]
-            found.setdefault(sheet["method"], []).extend(said)
-    return found
+    return findings_in(folder)
 
 
 def test_the_campaign_ends_as_one_in_which_runs_failed(campaign) -> None:
@@ -95,25 +92,9 @@ def test_no_process_and_no_folder_is_left(campaign) -> None:
     while processes(f"{folder}/"):
         assert time.monotonic() < until, processes(f"{folder}/")
         time.sleep(0.05)
-    # A worker that is killed just as it makes its folder leaves that to the next start of refdem.
-    sweep = "from refdem.engines.external.folders import sweep; sweep()"
-    environment = os.environ | {"TMPDIR": str(folder / "temporary")}
-    while still_there := list((folder / "temporary").iterdir()):
-        assert time.monotonic() < until, still_there
-        subprocess.run([sys.executable, "-c", sweep], env=environment, check=True)
-        time.sleep(0.05)
+    wait_for_folders(folder, until)
 
 
 def test_nothing_that_a_program_says_reaches_a_terminal_or_a_log_as_a_command(campaign) -> None:
     folder, done = campaign
-    said = done.stdout + done.stderr
-    assert not re.search(rb"[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]", said)
-    for line in said.decode().splitlines():
-        assert not line.lstrip().startswith("::"), line
-        assert "##[" not in line, line
-        assert "\u202e" not in line, line
-    for path in (folder / "report").rglob("*"):
-        if path.suffix in (".html", ".md", ".csv", ".xml"):
-            text = path.read_text()
-            assert "\x1b" not in text, path
-            assert "\u202e" not in text, path
+    refuse_commands(folder, done.stdout + done.stderr)
