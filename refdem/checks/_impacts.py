@@ -185,7 +185,8 @@ def dense_variant(subject: Subject) -> Variant:
     if subject.truth is None:
         return plain
     interval = float(subject.instance.problem.interval)
-    wait = shortest_wait(listed(subject.truth.scalars))
+    end = subject.truth.t[-1]
+    wait = shortest_wait([impact for impact in listed(subject.truth.scalars) if impact.time <= end])
     dense = 1
     while dense < MOST_DENSE and SAMPLES_A_WAIT * interval > dense * wait:
         if subject.method.control == "step" and interval < 2 * dense * plain.level:

@@ -183,6 +183,7 @@ class Cooling(Check):
                 f" {THEORY:.0%} of tau, the energy held in contacts, and round-off"
             ),
             what=f"The logarithm of the ratio of the temperature to {compared}",
+            remedy="use more particles, or a longer run",
         )
 
     def _distribution(self, gas: Gas, run: Trajectory) -> Finding:

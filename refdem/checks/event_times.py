@@ -262,8 +262,8 @@ def predicted(
         shift_by_claims = shift(error, crossing)
         if shift_by_claims > HORIZON * tau:
             reason = (
-                f"event time is ill-conditioned: at t = {crossing.time:.6g} s a state error of"
-                f" {error:.2g} shifts it by more than tau/10"
+                "the allowed error of the state shifts the time of an event by more than tau/10;"
+                f" use smaller steps. At t = {crossing.time:.6g} s an error of {error:.2g} does"
             )
             if listed(truth.scalars):
                 for later, of_kind in by_time[number:]:

@@ -116,13 +116,15 @@ def judged(
     what: str = "",
     statement: str = "",
     sight: Sight | None = None,
+    remedy: str = "use smaller steps, or a longer run",
     **more: Any,
 ) -> Finding:
     """The finding for `value <= bound`; a value that is not a number fails.
 
     `what` names the measured value and is the subject of the sentence; `statement` replaces the
     whole comparison where the value reads better in other words. Where the bound is above a tenth
-    of the signal, a value within it is undecided; one above it fails all the same.
+    of the signal, a value within it is undecided, and `remedy` says what would decide it; one above
+    it fails all the same.
     """
     holds = bool(value <= bound)
     blind = sight is not None and sight.is_blind
@@ -134,10 +136,11 @@ def judged(
         outcome = "fail"
     if holds and sight is not None and blind:
         outcome = "undecided"
-        sentence = (
-            f"Not decided: the bound {sight.bound:.2g} exceeds a tenth of the signal"
-            f" {sight.signal:.2g}. {sentence}"
+        why = (
+            "the allowed error is more than a tenth of how far the quantity moves;"
+            f" {remedy}. It is allowed {sight.bound:.2g}, and moves by {sight.signal:.2g}"
         )
+        sentence = f"{_undecided_because(why)} {sentence}"
     sharpness = None
     if sight is not None:
         sharpness = sight.sharpness
@@ -238,8 +241,13 @@ def worst(
 def undecided(check: str, quantity: str, why: str) -> Finding:
     """A finding that decides nothing, with the reason."""
     return Finding(
-        check=check, quantity=quantity, outcome="undecided", sentence=f"Not decided: {why}."
+        check=check, quantity=quantity, outcome="undecided", sentence=_undecided_because(why)
     )
+
+
+def _undecided_because(why: str) -> str:
+    """The sentence with which a finding that decides nothing opens."""
+    return f"Undecided: {why}."
 
 
 MIXED = "every quantity combines positions with velocities, which are half a step early"

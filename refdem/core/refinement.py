@@ -121,13 +121,32 @@ def of_differences(instance: Instance, method: Method, steps: float) -> float:
     """Factor >= 1 by which a difference of places over a step h rounds a velocity more than another
     method does.
 
-    A place is rounded by u L, and the difference of two of them over h by u L/h, which is tau/h
-    times u L/tau.
+    A place r is rounded by u |r|, or by u L where that is more, and the difference of two of them
+    over h by u |r|/h, which is (tau/h) max(1, |r|/L) times u L/tau.
+    """
+    far = max(1.0, farthest_place(instance) / instance.scales.length)
+    return max(1.0, far * steps_of_differences(instance, method, steps))
+
+
+def steps_of_differences(instance: Instance, method: Method, steps: float) -> float:
+    """Steps h in a tau of a method whose velocities are differences of places over h; 0 of others.
+
+    Such a velocity, in units of L/tau, is rounded tau/h times as much as the places in units of L.
     """
     if not method.differenced_velocities or method.control != "step":
-        return 1.0
+        return 0.0
     step = instance.scales.duration / steps
-    return max(1.0, instance.scales.tau / step)
+    return instance.scales.tau / step
+
+
+def farthest_place(instance: Instance) -> float:
+    """Largest distance [m] of a coordinate of a body from the origin at the start; 0 where nothing
+    moves.
+    """
+    problem = instance.problem
+    if not isinstance(problem, Motion):
+        return 0.0
+    return float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
 
 
 @once_per_instance
@@ -247,14 +266,13 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
         three sigma of uniform roundings make   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
         roundings of equal terms make           n u |r|/L, as in `flight`,
 
-    and the velocities of `of_differences` are rounded by so much more.
+    and velocities that are differences of places are rounded by tau/h times as much.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
         return 0.0
-    farthest = float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
     rods = [rod.length for rod in problem.scene.all(Rod)]
-    unit = method.round_off * farthest / min([instance.scales.length, *rods])
+    unit = method.round_off * farthest_place(instance) / min([instance.scales.length, *rods])
     if method.control != "step":
         return ROUND_OFF_FACTOR * unit
     steps = steps_at(instance, method, level)
@@ -262,7 +280,7 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
     roundings = max(ROUND_OFF_FACTOR, scattered)
     if _adds_equal_terms(instance.scene):
         roundings = max(roundings, steps)
-    return roundings * unit * of_differences(instance, method, steps)
+    return roundings * unit * max(1.0, steps_of_differences(instance, method, steps))
 
 
 def sweeping(instance: Instance, method: Method) -> float:

@@ -68,6 +68,14 @@ class Contents:
             seen.update(finding.outcome for finding in record.findings)
         return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
 
+    def refusal(self, label: str, engine: str) -> str:
+        """The first reason why an engine does not run an instance; empty if it gave none."""
+        for record in self.of(label):
+            for finding in record.findings:
+                if record.engine == engine and finding.outcome == "unsupported":
+                    return finding.sentence
+        return ""
+
     def findings(self) -> Iterator[tuple[Record, Finding]]:
         """Every finding with its record."""
         for record in self.records:

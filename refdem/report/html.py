@@ -17,6 +17,7 @@ from refdem.report.invariants import law_sheets
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
 from refdem.report.overview import advice_text, advised, shown_digits
+from refdem.report.reasons import refusals
 from refdem.report.tolerance import TARGETS, WORST, Row, best_errors
 
 MARKS = {
@@ -107,17 +108,6 @@ def _case_pages(
             after=neighbours[number + 2],
         )
         yield f"cases/{page(label)}.html", text
-
-
-def refusals(refused: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], dict[str, str]]]:
-    """(engine, methods, {label: id of a finding}) for each engine that refused for one reason."""
-    engines: dict[str, tuple[list[str], dict[str, str]]] = {}
-    for record, finding in refused:
-        methods, places = engines.setdefault(record.engine, ([], {}))
-        places.setdefault(record.label, record.id(finding))
-        if record.method not in methods:
-            methods.append(record.method)
-    return [(engine, methods, places) for engine, (methods, places) in engines.items()]
 
 
 def by_engine(contents: Contents, label: str) -> list[tuple[EngineSheet, list[Record]]]:

@@ -11,15 +11,13 @@ from typing import Any
 from jinja2 import Environment
 from markupsafe import Markup
 
-from refdem.core.finding import BROKEN, WORST_FIRST, Finding, Outcome, Record
+from refdem.core.finding import BROKEN
 from refdem.report.contents import Contents, advice
 from refdem.report.invariants import KEPT
 from refdem.report.overview import WANTED, case_lines
+from refdem.report.reasons import reasons_by_outcome
 from refdem.report.replays import handed_over
 from refdem.report.tolerance import Row, cell
-
-Reasons = dict[str, list[tuple[Record, Finding]]]
-"""Findings by sentence."""
 
 FEW = 40
 """Findings of one outcome that stand in the page itself; of more, the list is a part."""
@@ -42,7 +40,7 @@ def files(
         label = sheet.label
         for engine in contents.engines:
             cells[label, engine.engine] = cell(contents, rows[label], label, engine.engine)
-    found = grouped(contents)
+    found = reasons_by_outcome(contents)
     reasons = {
         outcome: Markup(
             templates.get_template("index_reasons.html").render(
@@ -51,7 +49,11 @@ def files(
         )
         for outcome, own in found.items()
     }
-    inline = {outcome: reasons[outcome] for outcome in found if _count(found[outcome]) <= FEW}
+    inline = {
+        outcome: reasons[outcome]
+        for outcome, own in found.items()
+        if sum(reason.count for reason in own) <= FEW
+    }
     for outcome in found:
         if outcome not in inline:
             yield _part(f"reasons-{outcome}", reasons[outcome])
@@ -86,20 +88,3 @@ def is_part(name: str) -> bool:
 def _part(name: str, html: str) -> tuple[str, str]:
     """(file name, text) of the script that hands a part over to report.js."""
     return f"assets/index-{name}.js", handed_over("refdemPart", name, html)
-
-
-def grouped(contents: Contents) -> dict[Outcome, Reasons]:
-    """What is not a pass: the findings of each outcome, worst first, by sentence, so that a reason
-    is read once.
-    """
-    groups: dict[Outcome, Reasons] = {}
-    for record, finding in contents.findings():
-        if finding.outcome != "pass":
-            reasons = groups.setdefault(finding.outcome, {})
-            reasons.setdefault(finding.sentence, []).append((record, finding))
-    return {outcome: groups[outcome] for outcome in WORST_FIRST if outcome in groups}
-
-
-def _count(reasons: Reasons) -> int:
-    """The number of findings of all sentences."""
-    return sum(len(found) for found in reasons.values())

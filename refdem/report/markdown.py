@@ -7,10 +7,10 @@ from refdem.core.finding import EngineSheet, Record
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
-from refdem.report.index import grouped
 from refdem.report.invariants import KEPT, Summary, law_sheets
 from refdem.report.numbers import ABSENT, two
 from refdem.report.overview import WANTED, advice_text, advised
+from refdem.report.reasons import Findings, Reason, reasons_by_outcome
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
 
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
@@ -198,26 +198,36 @@ def _digits(best: Cell) -> str:
 
 
 def _findings(contents: Contents) -> str:
-    """Every finding that is not a pass, by outcome, then by sentence."""
+    """Every finding that is not a pass, by outcome, reason and sentence."""
     parts = []
-    for outcome, reasons in grouped(contents).items():
-        lines = []
-        for sentence, findings in reasons.items():
-            places = [record.id(finding) for record, finding in findings]
-            lines.append(_group(sentence, places))
+    for outcome, reasons in reasons_by_outcome(contents).items():
+        lines = [line for reason in reasons for line in _reason(reason)]
         parts.append(f"### {outcome}\n\n" + "\n".join(lines))
     return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
 
 
-def _group(sentence: str, places: list[str]) -> str:
-    """One sentence, and below it where it holds."""
-    listed = ", ".join(map(markdown_text, places[:MOST_PLACES]))
-    hidden = len(places) - MOST_PLACES
+def _reason(reason: Reason) -> list[str]:
+    """Items of a list: a reason with the places where it holds; below it, if it has details, what
+    each of them adds.
+    """
+    ((first, found), *others) = reason.details.items()
+    if not others:
+        return [_item(f"{reason.heading} {first}".rstrip(), found)]
+    head = f"- {markdown_text(reason.heading)} {reason.count} findings:"
+    below = [_item(detail, own).replace("\n", "\n  ") for detail, own in reason.details.items()]
+    return [head, *(f"  {item}" for item in below)]
+
+
+def _item(text: str, found: Findings) -> str:
+    """A text, and below it where it holds."""
+    places = [record.id(finding) for record, finding in found[:MOST_PLACES]]
+    listed = ", ".join(map(markdown_text, places))
+    hidden = len(found) - MOST_PLACES
     if hidden > 0:
         more = f" and {hidden} more"
     else:
         more = ""
-    return f"- {markdown_text(sentence)}  \n  {listed}{more}"
+    return f"- {markdown_text(text)}  \n  {listed}{more}"
 
 
 def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:

@@ -3,6 +3,7 @@ which method and step to take.
 """
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import get_args
@@ -20,17 +21,29 @@ WANTED = (3, 6, 9)
 
 
 @dataclass(frozen=True)
-class CaseLine:
-    """One case in all of its settings: a cell an engine, in the order of the report.
+class CaseCell:
+    """One engine in all settings of a case.
 
-    `label` is the setting that a reader is led to: the one in which the fewest digits are correct.
+    `cell` has the digits of the setting `label`, in which the fewest are correct, and the outcomes
+    of all settings; digits were measured in so many of the settings that the engine was asked for.
+    `refused` has the reasons why it ran none of the others, with the number of settings.
     """
+
+    cell: Cell
+    label: str
+    measured: int
+    asked: int
+    refused: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class CaseLine:
+    """One case in all of its settings: a cell an engine, in the order of the report."""
 
     case: str
     title: str
     settings: int
-    cells: Mapping[str, Cell]
-    labels: Mapping[str, str]
+    cells: Mapping[str, CaseCell]
 
 
 @dataclass(frozen=True)
@@ -72,19 +85,33 @@ def _line(
 ) -> CaseLine:
     """The line of one case, from its instances."""
     joined = {}
-    labels = {}
     for engine in contents.engines:
-        own = [(sheet.label, cells[sheet.label, engine.engine]) for sheet in sheets]
-        label, worst = min(own, key=lambda pair: _digits(pair[1]))
-        counts: dict[Outcome, int] = {}
-        for outcome in WORST_FIRST:
-            number = sum(cell.counts.get(outcome, 0) for _, cell in own)
-            if number:
-                counts[outcome] = number
-        joined[engine.engine] = Cell(worst.digits, worst.method, counts)
-        labels[engine.engine] = label
+        own = {sheet.label: cells[sheet.label, engine.engine] for sheet in sheets}
+        joined[engine.engine] = _case_cell(contents, engine.engine, own)
     first = sheets[0]
-    return CaseLine(first.case, first.title, len(sheets), joined, labels)
+    return CaseLine(first.case, first.title, len(sheets), joined)
+
+
+def _case_cell(contents: Contents, engine: str, cells: Mapping[str, Cell]) -> CaseCell:
+    """One engine in one case, from its cells in the settings of that case."""
+    counts: dict[Outcome, int] = {}
+    for outcome in WORST_FIRST:
+        number = sum(cell.counts.get(outcome, 0) for cell in cells.values())
+        if number:
+            counts[outcome] = number
+    label = min(cells, key=lambda name: _digits(cells[name]))
+    refused = Counter(
+        contents.refusal(name, engine)
+        for name, cell in cells.items()
+        if cell.worst == "unsupported" and cell.digits is None
+    )
+    return CaseCell(
+        cell=Cell(cells[label].digits, cells[label].method, counts),
+        label=label,
+        measured=sum(cell.digits is not None for cell in cells.values()),
+        asked=sum(cell.worst is not None for cell in cells.values()),
+        refused=dict(refused.most_common()),
+    )
 
 
 def _digits(cell: Cell) -> float:

@@ -452,7 +452,7 @@ def test_a_case_with_many_passes_and_values_is_printed_on_four_sheets(browser, t
     sheets = [msgspec.structs.replace(sheet, truth_scalars=scalars)]
     for number in range(20):
         passes = [synthetic.error(f"x{k}", 1e-3, 2) for k in range(12)]
-        undecided = synthetic.said("order", "undecided", "Not decided: 2 levels count.")
+        undecided = synthetic.said("order", "undecided", "Undecided: 2 levels count.")
         sheets.append(synthetic.record("long", "long", "alpha", f"m{number}", *passes, undecided))
     write_report(tmp_path, sheets)
     with opened(browser, tmp_path / "cases/long.html") as page:

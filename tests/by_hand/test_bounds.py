@@ -85,6 +85,8 @@ def test_differences_of_places_round_velocities_by_tau_over_h():
     far = instance([Body(mass=2.0, position=(4000.0, 0.0, 0.0))])
     plain = of_far_places(far, method(), 8e-3)
     assert of_far_places(far, differenced, 8e-3) == near(62.5 * plain)
+    # L is 4: a place at 4000 is rounded a thousand times as much, and so is what differs over h.
+    assert round_off(far, differenced, 1000) == near(62500 * round_off(far, method(), 1000))
 
 
 def test_places_far_away_are_rounded_by_their_distance():

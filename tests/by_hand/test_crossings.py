@@ -478,8 +478,8 @@ def test_a_bound_that_claims_alone_give_is_used_where_it_is_smaller():
 def test_an_event_whose_time_may_be_off_by_a_tenth_of_tau_ends_what_is_predicted():
     _, found = slipping({"slip_1": (3.0, 0.0)}, events=[Event(3.0, "slip", 0)], level=0.125)
     assert found["slip"].outcome == "undecided"
-    assert "ill-conditioned: at t = 3 s" in found["slip"].sentence
-    assert "shifts it by more than tau/10" in found["slip"].sentence
+    assert "use smaller steps. At t = 3 s an error" in found["slip"].sentence
+    assert "shifts the time of an event by more than tau/10" in found["slip"].sentence
 
 
 ONE = Crossing(1.0, 0.0, 1.0, 0.0, 1.0, bodies=(0, 1))

@@ -148,12 +148,20 @@ def with_list(of, *impacts, until=None, growth=None):
 )
 def test_samples_are_so_dense_that_impacts_come_alone_as_far_as_steps_allow(wait, level, dense):
     of = sequence()
-    known = with_list(of, (0.5, 0.0, 1.0, (0,)), (0.5 + wait, 0.0, 1.0, (0,)))
+    known = with_list(of, (0.0, 0.0, 1.0, (0,)), (wait, 0.0, 1.0, (0,)))
     expected = Variant(level)
     if dense > 1:
         expected = Variant(level, "denser_output", dense)
     assert _impacts.dense_variant(Subject(of, method(), (level,), known)) == expected
     assert _impacts.dense_variant(Subject(of, method(), (level,), None)) == Variant(level)
+
+
+def test_an_impact_after_the_last_sample_makes_samples_no_denser():
+    of = sequence()
+    last = float(of.times[-1])
+    known = with_list(of, (last - 0.25, 0.0, 1.0, (0,)), (last + 0.25, 0.0, 1.0, (0,)))
+    level = 2.0**-12
+    assert _impacts.dense_variant(Subject(of, method(), (level,), known)) == Variant(level)
 
 
 def test_windows_are_the_last_sample_before_an_impact_and_the_first_after_it():

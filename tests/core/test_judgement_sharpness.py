@@ -40,7 +40,8 @@ def test_a_bound_above_a_tenth_of_the_motion_passes_nothing(value, signal, outco
 def test_what_is_not_decided_says_why():
     finding = judged(value=0.2, bound=0.3, sight=Sight(0.3, 0.01), **WORDS)
     assert finding.sentence.startswith(
-        "Not decided: the bound 0.3 exceeds a tenth of the signal 0.01."
+        "Undecided: the allowed error is more than a tenth of how far the quantity moves; use"
+        " smaller steps, or a longer run. It is allowed 0.3, and moves by 0.01."
     )
     assert finding.sharpness == pytest.approx(30)
 

@@ -210,7 +210,7 @@ def sheets() -> list[Sheet]:
 
 
 def _pendulum(label: str) -> list[Sheet]:
-    undecided = said("order", "undecided", "Not decided: 2 levels count.")
+    undecided = said("order", "undecided", "Undecided: 2 levels count.")
     return [
         record(
             "pendulum",

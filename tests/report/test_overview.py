@@ -61,16 +61,20 @@ def test_cases_are_grouped_by_what_moves_in_the_order_of_the_kinds():
 def test_a_case_has_the_digits_of_its_worst_setting_and_leads_there():
     (line,) = lines_of(contents())["swinging"]
     # Errors fall by 8^4 from the first step to the last: 1e-3/4096 in the worse setting.
-    assert line.cells["alpha"].digits == pytest.approx(6.6, abs=0.05)
-    assert line.labels["alpha"] == "pendulum[theta0=3]"
-    assert line.cells["alpha"].worst == "error"
-    assert line.cells["alpha"].counts == {"error": 1, "pass": 2}
+    found = line.cells["alpha"]
+    assert found.cell.digits == pytest.approx(6.6, abs=0.05)
+    assert found.label == "pendulum[theta0=3]"
+    assert found.cell.worst == "error"
+    assert found.cell.counts == {"error": 1, "pass": 2}
+    assert (found.measured, found.asked, found.refused) == (2, 2, {})
 
 
 def test_a_case_that_an_engine_cannot_run_has_no_digits():
     (line,) = lines_of(contents())["spinning"]
-    assert line.cells["alpha"].digits is None
-    assert line.cells["alpha"].worst == "unsupported"
+    found = line.cells["alpha"]
+    assert found.cell.digits is None
+    assert found.cell.worst == "unsupported"
+    assert (found.measured, found.asked, found.refused) == (0, 1, {"No.": 1})
 
 
 def test_advice_is_for_other_engines_than_the_reference_where_they_were_measured():

@@ -89,7 +89,7 @@ class Bounces:
     def constants(self, motion: ImpactSequence) -> dict[str, arb]:
         """The number of bounces up to the end of the run, the time of the first one and, with e <
         1, the time at which they accumulate [s], the energy lost up to the end of the run [J], and
-        the list of the bounces up to there.
+        the list of the bounces up to there and of the next one, which a run may see too early.
         """
         lost = arb(0)
         for k in range(self.count):
@@ -100,7 +100,7 @@ class Bounces:
             found["accumulation_time"] = arb_of(
                 accumulation_time(motion.impacts, self.floor, self.restitution)
             )
-        return found | impact_scalars(motion, self.count)
+        return found | impact_scalars(motion, motion.impacts.most)
 
     def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""

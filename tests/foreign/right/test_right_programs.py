@@ -19,6 +19,21 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # The first bounce comes 19 us after the end, and a scene that is elsewhere has it before.
+    (
+        "bouncing-ball[mass=1.45 spin=85 gravity=7.89 restitution=1 duration=0.712 samples=16]",
+        "rigid-single",
+        "late",
+    ),
+    # Spheres that are far from the origin beside their overlap, and velocities as differences of
+    # their places.
+    (
+        "two-spheres[masses=5.05,0.488 stiffness=102 angle=0.442"
+        " spins=-0.0039,6.26,-110,-0.993,-0.267,-0.379 branch=R cutoff=zero_force"
+        " duration=0.1982 samples=16]",
+        "multistep",
+        "stoermer",
+    ),
     # At the coarsest step the integration of the power hides a part of the error.
     (
         "driven-oscillator[mass=0.484 stiffness=7.53 gravity=-1.53 delta=0.0635 f0=-0.378"

@@ -102,6 +102,10 @@ def test_held_out_throws_agree_with_rational_arithmetic(seed):
     scalars = truth.scalars()
     assert scalars["bounces"].mid == len(times) == int(given["bounces"])
     assert abs(scalars["first_bounce"].mid - times[0]) <= TINY
+    # The list has the bounce after the end, too.
+    number_listed = sum(name.endswith("_closing") for name in scalars)
+    assert number_listed == len(times) + 1
+    assert scalars[f"impact_{number_listed}"].mid > last
     e = Fraction(given["restitution"])
     if e < 1:
         # The flights that are still to come, each e times as long as the one before.

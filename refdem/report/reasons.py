@@ -1,0 +1,65 @@
+"""Why findings are not passes: the sentences of one outcome, each told once, with the findings that
+say it; those that decided nothing are grouped by their first statement.
+"""
+
+from dataclasses import dataclass, field
+
+from refdem.core.finding import WORST_FIRST, Finding, Outcome, Record
+from refdem.report.contents import Contents
+
+Findings = list[tuple[Record, Finding]]
+"""Findings with the records that they stand in."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """A reason, and the findings for which it holds, by what their sentences say beyond it,
+    which may be nothing.
+    """
+
+    heading: str
+    details: dict[str, Findings] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """The number of findings."""
+        return sum(len(found) for found in self.details.values())
+
+
+def reasons_by_outcome(contents: Contents) -> dict[Outcome, list[Reason]]:
+    """What is not a pass: the reasons of each outcome, worst outcome first."""
+    sentences: dict[Outcome, dict[str, Findings]] = {}
+    for record, finding in contents.findings():
+        if finding.outcome != "pass":
+            told = sentences.setdefault(finding.outcome, {})
+            told.setdefault(finding.sentence, []).append((record, finding))
+    return {
+        outcome: _grouped(sentences[outcome], outcome)
+        for outcome in WORST_FIRST
+        if outcome in sentences
+    }
+
+
+def _grouped(sentences: dict[str, Findings], outcome: Outcome) -> list[Reason]:
+    """Sentences that open alike are one reason if nothing was decided; of what failed, a reader
+    looks for the numbers that follow.
+    """
+    if outcome != "undecided":
+        return [Reason(sentence, {"": found}) for sentence, found in sentences.items()]
+    reasons: dict[str, Reason] = {}
+    for sentence, found in sentences.items():
+        first, stop, rest = sentence.partition(". ")
+        heading = first + stop.strip()
+        reasons.setdefault(heading, Reason(heading)).details[rest] = found
+    return sorted(reasons.values(), key=lambda reason: -reason.count)
+
+
+def refusals(refused: Findings) -> list[tuple[str, list[str], dict[str, str]]]:
+    """(engine, methods, {label: id of a finding}) for each engine that refused for one reason."""
+    engines: dict[str, tuple[list[str], dict[str, str]]] = {}
+    for record, finding in refused:
+        methods, places = engines.setdefault(record.engine, ([], {}))
+        places.setdefault(record.label, record.id(finding))
+        if record.method not in methods:
+            methods.append(record.method)
+    return [(engine, methods, places) for engine, (methods, places) in engines.items()]
