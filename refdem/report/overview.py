@@ -99,7 +99,7 @@ def _case_cell(contents: Contents, engine: str, cells: Mapping[str, Cell]) -> Ca
         number = sum(cell.counts.get(outcome, 0) for cell in cells.values())
         if number:
             counts[outcome] = number
-    label = min(cells, key=lambda name: _digits(cells[name]))
+    label = min(cells, key=lambda name: _fewest_first(cells[name]))
     refused = Counter(
         contents.refusal(name, engine)
         for name, cell in cells.items()
@@ -114,11 +114,9 @@ def _case_cell(contents: Contents, engine: str, cells: Mapping[str, Cell]) -> Ca
     )
 
 
-def _digits(cell: Cell) -> float:
-    """Sorts cells by their digits, those without any last."""
-    if cell.digits is None:
-        return math.inf
-    return cell.digits
+def _fewest_first(cell: Cell) -> tuple[bool, float]:
+    """Sorts cells by their digits, those without any after those whose error is exactly 0."""
+    return cell.digits is None, cell.digits or 0.0
 
 
 def advised(contents: Contents) -> list[Advised]:

@@ -1,5 +1,7 @@
 """The first screen of a report, against what its cells and choices say."""
 
+import math
+
 import msgspec
 import pytest
 
@@ -75,6 +77,21 @@ def test_a_case_that_an_engine_cannot_run_has_no_digits():
     assert found.cell.digits is None
     assert found.cell.worst == "unsupported"
     assert (found.measured, found.asked, found.refused) == (0, 1, {"No.": 1})
+
+
+def test_an_exact_setting_speaks_for_a_case_whose_other_settings_were_refused():
+    sheets = [engine_sheet("alpha")]
+    for label in ("pendulum", "pendulum[theta0=3]"):
+        sheet = case_sheet("pendulum", label, "Pendulum", "")
+        sheets.append(msgspec.structs.replace(sheet, motion="swinging"))
+    refusal = said("support", "unsupported", "No.")
+    exact = error("x", 0.0, 0, steps=(0.0,))
+    sheets.append(record("pendulum", "pendulum", "alpha", "rk4", refusal))
+    sheets.append(record("pendulum", "pendulum[theta0=3]", "alpha", "rk4", exact))
+    (line,) = lines_of(contents_of(sheets))["swinging"]
+    found = line.cells["alpha"]
+    assert found.label == "pendulum[theta0=3]"
+    assert (found.cell.digits, found.measured, found.asked) == (math.inf, 1, 2)
 
 
 def test_advice_is_for_other_engines_than_the_reference_where_they_were_measured():
