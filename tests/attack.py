@@ -134,12 +134,20 @@ class Attack:
     """A motion and those from displaced starts, at the start and at times after it.
 
     `states` and `answers` have, for each time, what displacements of SIZE are by then, a column for
-    each start, in scales: in the coordinates of the state, and in all that is read.
+    each start, in scales: in the coordinates of the state, and in all that is read. `counted_as` is
+    the instance that has the scales, if another has.
     """
 
-    def __init__(self, case: str, given: Mapping[str, str], rng: random.Random) -> None:
+    def __init__(
+        self,
+        case: str,
+        given: Mapping[str, str],
+        rng: random.Random,
+        counted_as: Instance | None = None,
+    ) -> None:
         self.case = case
         self.instance = discovery.case(case).at(**given)
+        self.counted_as = counted_as or self.instance
         self.truth: Any = everything(self.instance.truth())
         self.starts, self.moved = displaced_starts(self.instance, given, self.truth, rng)
         self.times = times_of(self.instance, self.truth, rng)
@@ -165,9 +173,9 @@ class Attack:
     def scale(self, name: str) -> Fraction:
         """The scale in which a coordinate counts."""
         if name.startswith("turn."):
-            return Fraction(self.instance.quantities["attitude.w"].scale)
-        if name in self.instance.quantities:
-            return Fraction(self.instance.quantities[name].scale)
+            return Fraction(self.counted_as.quantities["attitude.w"].scale)
+        if name in self.counted_as.quantities:
+            return Fraction(self.counted_as.quantities[name].scale)
         return Fraction(self.truth.scale[name])
 
     def differences(self, t: Fraction) -> dict[str, list[Fraction]]:
@@ -228,9 +236,17 @@ class Attack:
 
     def violations(self, part: float = 1.0) -> list[str]:
         """Growths that exceed S, or that part of it."""
+        return self.beyond([part * bound for bound in self.bounds])
+
+    def violations_of(self, truth: Truth, begin: Fraction) -> list[str]:
+        """Growths that exceed the S of a truth whose motion is here after the time `begin` [s]."""
+        return self.beyond([truth.sensitivity(begin + t) for t in self.times])
+
+    def beyond(self, bounds: Sequence[float]) -> list[str]:
+        """Growths that exceed bounds, one for each time."""
         found = []
         for end in range(1, len(self.times)):
-            bound = part * self.bounds[end]
+            bound = bounds[end]
             growth = max(self.growths(end))
             if growth > bound * (1 + MARGIN):
                 found.append(

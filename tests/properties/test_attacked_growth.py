@@ -10,6 +10,7 @@ import random
 import pytest
 
 from tests.attack import LOOKS, Attack
+from tests.properties.test_started_again import STARTS, Again, random_again
 from tests.random_settings import NAMES, SETTINGS, first_accepted, settings, written
 
 NOT_ATTACKED = {
@@ -36,6 +37,23 @@ def random_attack(case: str, number: int) -> Attack:
 @pytest.mark.parametrize("case", sorted(set(NAMES) - set(NOT_ATTACKED)))
 def test_no_displacement_grows_by_more_than_s(case, number):
     assert random_attack(case, number).violations() == []
+
+
+def attack_in_the_middle(again: Again) -> Attack:
+    """The motion from the state that another has at `again.begin`, attacked there, where impulses
+    reach what those of the first start have lost: after a stop they all are in one direction.
+    """
+    case = again.first.case.id
+    rng = random.Random(again.second.label)
+    return Attack(case, again.second.p.texts(), rng, counted_as=again.first)
+
+
+@pytest.mark.parametrize("number", range(SETTINGS))
+@pytest.mark.parametrize("case", sorted(set(STARTS) - {"logistic"}))
+def test_no_displacement_in_the_middle_grows_by_more_than_s_since_the_start(case, number):
+    again = random_again(case, number, back=False)
+    attack = attack_in_the_middle(again)
+    assert attack.violations_of(again.truth, again.begin) == []
 
 
 def test_an_s_that_is_too_small_is_found():
