@@ -24,7 +24,7 @@ FEW = 8
 BY_PARAMETERS = {
     "billiards": "start direction",
     "free-rigid-body": "omega_body attitude",
-    "impact-benchmarks": "speed spin",
+    "impact-benchmarks": "speed angle normal_speed psi spin partner_spin",
     "intermediate-axis": "omega_body attitude",
     "logistic": "x0",
     "neglected-gyroscopic": "omega_body attitude",
