@@ -1,0 +1,264 @@
+"""The growth of displacements in the norm in which S(t) is told: motions from displaced starts,
+compared at all pairs of times with the motion itself.
+
+What is left of a displacement at s is an impulse made at s. Where the displacements along the
+coordinates span the state, D(t) D(s)^-1 is known from them, and with it the impulse that grows most
+of all.
+"""
+
+import os
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb_mat
+
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.truth import Ball, Truth
+from refdem.truth import rotation
+from refdem.truth.balls import arb_of, ball_of, precision
+from tests.displaced import DIRECTIONS, SIZE, displaced_starts, everything
+from tests.two_truths import asked_at
+
+MARGIN = 1e-6
+"""The part by which a growth may exceed S: what is not linear in the displacement, in matrices
+whose condition is at most WORST.
+"""
+WORST = 1e8
+LEFT = 1e-6
+"""The part of a displacement that must be left at s for its growth since then to be compared."""
+LOOKS = int(os.environ.get("REFDEM_RANDOM_LOOKS", "4"))
+"""Times at which motions are compared, after the start: 16 find growths that are nearly the
+largest.
+"""
+BITS = 400
+ASCENTS = 30
+"""Rounds of the search for the impulse that grows most in a norm of several parts."""
+TURN = ("turn.x", "turn.y", "turn.z")
+ATTITUDE = ("attitude.w", "attitude.x", "attitude.y", "attitude.z")
+BODIES = ("free-rigid-body", "intermediate-axis", "neglected-gyroscopic")
+"""Cases in whose norm the turn and the angular velocity are one part each."""
+HIDDEN_STATE = ("pendulum-equilibria", "rigid-cluster", "contact-path-turned")
+"""Cases, and members, whose quantities do not say their state, or say it along other axes: impulses
+are made at the start alone, where they are known.
+"""
+WITH_SPRINGS = ("impact-benchmarks", "two-spheres")
+"""Cases with the stretch of a spring that no quantity says: what is left of a displacement is an
+impulse at the start alone, where the spring has no stretch.
+"""
+
+Array = np.ndarray
+Values = Mapping[str, Fraction]
+
+
+def part_of(case: str, name: str) -> str:
+    """The part of the norm that a coordinate belongs to: its own, if it is not of a body."""
+    if case in BODIES:
+        return name.split(".")[0]
+    return name
+
+
+def parts(case: str, names: Sequence[str]) -> list[list[int]]:
+    """The places of the coordinates of each part of the norm."""
+    found: dict[str, list[int]] = {}
+    for place, name in enumerate(names):
+        found.setdefault(part_of(case, name), []).append(place)
+    return list(found.values())
+
+
+def length(vector: Array, rows: Sequence[Sequence[int]]) -> float:
+    """The norm of a vector: the largest Euclidean length of its parts."""
+    return max(float(np.linalg.norm(vector[places])) for places in rows)
+
+
+def largest_growth(
+    matrix: Array, rows: Sequence[Sequence[int]], columns: Sequence[Sequence[int]]
+) -> float:
+    """The largest growth that a matrix is found to give to a vector, in the norm of these parts.
+
+    For one direction u that is read, the best vector has its parts along those of matrix^T u; for
+    one vector, the best u is along what it becomes. Either step makes the growth larger.
+    """
+    largest = 0.0
+    for places in rows:
+        read = matrix[places]
+        blocks = [read[:, part] for part in columns]
+        for u in np.linalg.svd(read)[0].T:
+            for _ in range(ASCENTS):
+                answers = [unit(block.T @ u) for block in blocks]
+                grown = sum(block @ answer for block, answer in zip(blocks, answers, strict=True))
+                u = unit(grown)
+            largest = max(largest, float(np.linalg.norm(grown)))
+    return largest
+
+
+def unit(vector: Array) -> Array:
+    """The vector with the length 1, or 0."""
+    size = np.linalg.norm(vector)
+    if size == 0:
+        return vector
+    return vector / size
+
+
+def balls(matrix: Array) -> arb_mat:
+    """A matrix of rationals as balls."""
+    return arb_mat([[arb_of(Fraction(x)) for x in row] for row in matrix])
+
+
+def doubles(matrix: arb_mat) -> Array:
+    """The midpoints of a matrix of balls."""
+    return np.array([[float(x.mid()) for x in row] for row in matrix.table()])
+
+
+def turn(attitude: Sequence[Fraction], moved: Sequence[Fraction]) -> list[Fraction]:
+    """The small turn [rad] from one attitude to another: twice the vector of their quotient."""
+    with precision(BITS):
+        one, other = ([arb_of(x) for x in q] for q in (attitude, moved))
+        w, *vector = rotation.times(other, rotation.conjugate(one))
+        # A quaternion and its negative are one attitude.
+        return [ball_of(2 * x * w.sgn()).mid for x in vector]
+
+
+def times_of(instance: Instance, truth: Truth, rng: random.Random) -> list[Fraction]:
+    """The start, and random times after it."""
+    asked = asked_at(instance, truth)
+    if instance.problem.kind == "iteration":
+        return [Fraction(n) for n in range(int(asked[-1]) + 1)]
+    if asked:
+        last = asked[-1]
+    else:
+        last = Fraction(instance.times[-1])
+    return [Fraction(0)] + [
+        last * Fraction(1000 * k + rng.randint(1, 999), 1000 * LOOKS) for k in range(LOOKS)
+    ]
+
+
+class Attack:
+    """A motion and those from displaced starts, at the start and at times after it.
+
+    `states` and `answers` have, for each time, what displacements of SIZE are by then, a column for
+    each start, in scales: in the coordinates of the state, and in all that is read. `counted_as` is
+    the instance that has the scales, if another has.
+    """
+
+    def __init__(
+        self,
+        case: str,
+        given: Mapping[str, str],
+        rng: random.Random,
+        counted_as: Instance | None = None,
+    ) -> None:
+        self.case = case
+        self.instance = discovery.case(case).at(**given)
+        self.counted_as = counted_as or self.instance
+        self.truth: Any = everything(self.instance.truth())
+        self.starts, self.moved = displaced_starts(self.instance, given, self.truth, rng)
+        self.times = times_of(self.instance, self.truth, rng)
+        self.bounds = [self.truth.sensitivity(t) for t in self.times]
+        differences = [self.differences(t) for t in self.times]
+        self.read = list(differences[0])
+        self.answers = [np.array([found[name] for name in self.read]) for found in differences]
+        if given.get("member", case) in HIDDEN_STATE:
+            self.state = list(self.truth.state)
+            self.states = [np.array(self.starts).T]
+        else:
+            self.state = [name for name in self.read if self.is_of_state(name)]
+            places = [self.read.index(name) for name in self.state]
+            self.states = [answer[places] for answer in self.answers]
+            if case in WITH_SPRINGS:
+                self.states = self.states[:1]
+
+    def is_of_state(self, name: str) -> bool:
+        """True for a coordinate of the state, False for what is read of it."""
+        if self.case in BODIES:
+            return name.split(".")[0] in ("turn", "omega_body")
+        names = getattr(self.truth, "state", None)
+        return not isinstance(names, tuple) or name in names
+
+    def scale(self, name: str) -> Fraction:
+        """The scale in which a coordinate counts."""
+        if name.startswith("turn."):
+            return Fraction(self.counted_as.quantities["attitude.w"].scale)
+        if name in self.counted_as.quantities:
+            return Fraction(self.counted_as.quantities[name].scale)
+        return Fraction(self.truth.scale[name])
+
+    def differences(self, t: Fraction) -> dict[str, list[Fraction]]:
+        """What each displacement is at t, by coordinates, in scales and parts of SIZE."""
+        base = self.truth.at(t)
+        found: dict[str, list[Fraction]] = {}
+        for moved in self.moved:
+            changes = self.changes(base, moved.at(t))
+            for name, difference in changes.items():
+                found.setdefault(name, []).append(difference / self.scale(name) / SIZE)
+        return found
+
+    def changes(self, base: Mapping[str, Ball], moved: Mapping[str, Ball]) -> Values:
+        """The differences of two states at one time; attitudes differ by a turn."""
+        scaled = {*self.instance.quantities, *getattr(self.truth, "scale", ())}
+        found = {name: moved[name].mid - base[name].mid for name in base if name in scaled}
+        if self.case not in BODIES:
+            return found
+        attitudes = [[state[name].mid for name in ATTITUDE] for state in (base, moved)]
+        turned = dict(zip(TURN, turn(*attitudes), strict=True))
+        return turned | {name: found[name] for name in found if name.startswith("omega")}
+
+    def single(self, start: int, end: int) -> Iterator[float]:
+        """How much each displacement grows from one time to another, if something is left of it."""
+        rows = parts(self.case, self.read)
+        columns = parts(self.case, self.state)
+        left = self.states[start].astype(float)
+        grown = self.answers[end].astype(float)
+        for column, made in enumerate(self.states[0].astype(float).T):
+            size = length(left[:, column], columns)
+            if size > LEFT * length(made, columns):
+                yield length(grown[:, column], rows) / size
+
+    def worst(self, start: int, end: int) -> Iterator[float]:
+        """The largest growth from one time to another in all directions, where they are known."""
+        count = len(self.state)
+        alone = self.states[start][:, :count]
+        if len(self.starts) - DIRECTIONS != count:
+            return
+        with precision(BITS):
+            try:
+                back = balls(alone).inv()
+            except ZeroDivisionError:
+                return
+            passed = doubles(balls(self.answers[end][:, :count]) * back)
+            condition = np.abs(doubles(back)).max() * np.abs(alone.astype(float)).max()
+        if condition < WORST:
+            yield largest_growth(passed, parts(self.case, self.read), parts(self.case, self.state))
+
+    def growths(self, end: int) -> list[float]:
+        """Growths up to a time, from all times before it."""
+        starts = range(min(end + 1, len(self.states)))
+        return [
+            growth
+            for start in starts
+            for growth in (*self.single(start, end), *self.worst(start, end))
+        ]
+
+    def violations(self, part: float = 1.0) -> list[str]:
+        """Growths that exceed S, or that part of it."""
+        return self.beyond([part * bound for bound in self.bounds])
+
+    def violations_of(self, truth: Truth, begin: Fraction) -> list[str]:
+        """Growths that exceed the S of a truth whose motion is here after the time `begin` [s]."""
+        return self.beyond([truth.sensitivity(begin + t) for t in self.times])
+
+    def beyond(self, bounds: Sequence[float]) -> list[str]:
+        """Growths that exceed bounds, one for each time."""
+        found = []
+        for end in range(1, len(self.times)):
+            bound = bounds[end]
+            growth = max(self.growths(end))
+            if growth > bound * (1 + MARGIN):
+                found.append(
+                    f"{self.instance.label}: at t = {self.times[end]} an impulse has grown by"
+                    f" {growth:.9g}, S is {bound:.9g}"
+                )
+        return found

@@ -1,0 +1,64 @@
+"""S(t) attacked: the truth of a displaced start, compared with that of the start itself, is never
+further off than S says, whatever the case, the setting, the direction and the time.
+
+REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets, REFDEM_RANDOM_SEED which
+ones, REFDEM_RANDOM_LOOKS (16 for a night) at how many times motions are compared.
+"""
+
+import random
+
+import pytest
+
+from tests.attack import LOOKS, Attack
+from tests.properties.test_started_again import STARTS, Again, random_again
+from tests.random_settings import NAMES, SETTINGS, first_accepted, settings, written
+
+NOT_ATTACKED = {
+    "block-on-slope": "its start is rest, and no parameter",
+    "degrees-of-freedom": "no time",
+    "granular-gas": "a law of means",
+    "moments-of-inertia": "no time",
+    "newtons-first-law": "its scales and its motion are those of a uniform motion",
+    "quaternions": "no time",
+    "rotations": "no time",
+}
+
+
+def random_attack(case: str, number: int) -> Attack:
+    """A case at a random setting, attacked in random directions."""
+
+    def made(rng: random.Random) -> Attack:
+        return Attack(case, written(case, settings(rng, case)), rng)
+
+    return first_accepted(case, number, made)
+
+
+@pytest.mark.parametrize("number", range(SETTINGS))
+@pytest.mark.parametrize("case", sorted(set(NAMES) - set(NOT_ATTACKED)))
+def test_no_displacement_grows_by_more_than_s(case, number):
+    assert random_attack(case, number).violations() == []
+
+
+def attack_in_the_middle(again: Again) -> Attack:
+    """The motion from the state that another has at `again.begin`, attacked there, where impulses
+    reach what those of the first start have lost: after a stop they all are in one direction.
+    """
+    case = again.first.case.id
+    rng = random.Random(again.second.label)
+    return Attack(case, again.second.p.texts(), rng, counted_as=again.first)
+
+
+@pytest.mark.parametrize("number", range(SETTINGS))
+@pytest.mark.parametrize("case", sorted(set(STARTS) - {"logistic"}))
+def test_no_displacement_in_the_middle_grows_by_more_than_s_since_the_start(case, number):
+    again = random_again(case, number, back=False)
+    attack = attack_in_the_middle(again)
+    assert attack.violations_of(again.truth, again.begin) == []
+
+
+def test_an_s_that_is_too_small_is_found():
+    """The test of the test: half of the S of a pendulum, and of a body whose turns are read."""
+    for case in ("pendulum", "free-rigid-body"):
+        attack = Attack(case, written(case, {}), random.Random(1))
+        assert attack.violations() == []
+        assert len(attack.violations(part=0.5)) >= LOOKS - 1
