@@ -42,6 +42,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         truth_reason=truth.reason,
         reproduce=f"refdem run {case.id} {settings}".strip(),
         motion=case.motion,
+        words=case.words,
     )
 
 

@@ -20,6 +20,7 @@ class AsymmetricField(Case):
 
     id = "asymmetric-field"
     title = "Asymmetric field of force"
+    words = ("escape", "potential", "well")
     motion = "oscillating"
     statement = (
         "A force that rises from x1 to 0 and falls more steeply, or less, to x2 pushes all that"

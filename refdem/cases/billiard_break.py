@@ -39,6 +39,7 @@ class BilliardBreak(Case):
 
     id = "billiard-break"
     title = "Billiard break"
+    words = ("billiards", "pool", "snooker", "rack", "collision")
     motion = "colliding"
     statement = (
         "A cue ball meets a rack of equal balls at rest: rows of 1, 2, ... balls, apart by gaps, so"

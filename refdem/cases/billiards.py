@@ -21,6 +21,7 @@ class Billiards(IterationCase):
 
     id = "billiards"
     title = "Billiards"
+    words = ("pool", "table", "chaos", "circle", "reflection")
     motion = "formula"
     statement = (
         "A point flies straight at constant speed and is reflected by the wall of its table. In a"

@@ -22,6 +22,7 @@ class BlockOnSlope(Case):
 
     id = "block-on-slope"
     title = "Block on a slope"
+    words = ("friction", "incline", "slide", "sliding", "ramp", "creep")
     motion = "rubbing"
     statement = (
         "A block is put on a slope and let go. Where the coefficient of friction is at least the"

@@ -30,6 +30,7 @@ class BouncingBall(Case):
 
     id = "bouncing-ball"
     title = "Bouncing ball"
+    words = ("bounce", "drop", "floor", "restitution", "gravity")
     motion = "colliding"
     statement = (
         "A rigid ball falls on a plane, or is thrown, and bounces. Each bounce leaves the part e of"

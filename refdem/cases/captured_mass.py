@@ -23,6 +23,7 @@ class CapturedMass(Case):
 
     id = "captured-mass"
     title = "Captured mass"
+    words = ("hook", "docking", "catch", "inelastic", "satellite")
     motion = "swinging"
     statement = (
         "A mass flies past a hook in a straight line and is caught where it comes closest, at the"

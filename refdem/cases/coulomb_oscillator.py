@@ -16,6 +16,7 @@ class CoulombOscillator(Case):
 
     id = "coulomb-oscillator"
     title = "Coulomb oscillator"
+    words = ("friction", "dry", "spring", "stop", "damping")
     motion = "rubbing"
     statement = (
         "A mass on a spring rubs on the ground with a force of constant size. Every half cycle is"

@@ -35,6 +35,7 @@ class CoupledPendulums(Case):
 
     id = "coupled-pendulums"
     title = "Coupled pendulums"
+    words = ("beat", "spring", "modes", "clocks")
     motion = "swinging"
     statement = (
         "Two bobs on rods swing side by side, joined by a spring. Alike, they have two modes: in"

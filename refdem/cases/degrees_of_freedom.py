@@ -25,6 +25,7 @@ class DegreesOfFreedom(AlgebraCase):
 
     id = "degrees-of-freedom"
     title = "Degrees of freedom"
+    words = ("constraints", "joints", "count", "gear", "linkage")
     motion = "formula"
     statement = (
         "Points that all hang together by rods move as one body: three ways in the plane, six in"

@@ -20,6 +20,7 @@ class DissipatingBody(Case):
 
     id = "dissipating-body"
     title = "Dissipating body"
+    words = ("satellite", "fuel", "slosh", "nutation", "tumbling", "spacecraft")
     motion = "spinning"
     statement = (
         "A free body spins, and something inside it rubs. Its angular momentum stays, for nothing"

@@ -24,6 +24,7 @@ class DoublePendulum(Case):
 
     id = "double-pendulum"
     title = "Double pendulum"
+    words = ("chaos", "robot", "arm", "linkage", "joint")
     motion = "swinging"
     statement = (
         "A second pendulum hangs from the bob of a first one. Its rods are constraints; energy is"

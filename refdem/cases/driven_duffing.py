@@ -24,6 +24,7 @@ class DrivenDuffing(Case):
 
     id = "driven-duffing"
     title = "Driven Duffing oscillator"
+    words = ("chaos", "nonlinear", "resonance", "forcing")
     motion = "oscillating"
     statement = (
         "A periodic force drives a damped mass on a hardening spring. When its frequency is raised"

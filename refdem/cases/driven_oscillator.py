@@ -24,6 +24,7 @@ class DrivenOscillator(Case):
 
     id = "driven-oscillator"
     title = "Driven oscillator"
+    words = ("resonance", "vibration", "forcing", "shaker", "friction")
     motion = "oscillating"
     statement = (
         "A periodic force drives a damped mass on a spring. What the start has given decays; what"

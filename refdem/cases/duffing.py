@@ -21,6 +21,7 @@ class Duffing(Case):
 
     id = "duffing"
     title = "Duffing oscillator"
+    words = ("nonlinear", "spring", "hardening", "cubic")
     motion = "oscillating"
     statement = (
         "The force of a spring has a cubic part. The frequency rises with the amplitude if beta > 0"

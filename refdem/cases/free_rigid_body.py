@@ -17,6 +17,16 @@ class FreeRigidBody(Case):
 
     id = "free-rigid-body"
     title = "Free rigid body"
+    words = (
+        "satellite",
+        "spacecraft",
+        "drone",
+        "tumbling",
+        "gyroscope",
+        "asteroid",
+        "euler",
+        "rotation",
+    )
     motion = "spinning"
     statement = (
         "A rigid body spins in space and nothing acts on it. Its angular momentum stays in space"

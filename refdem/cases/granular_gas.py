@@ -41,6 +41,7 @@ class GranularGas(Case):
 
     id = "granular-gas"
     title = "Granular gas"
+    words = ("dem", "cooling", "haff", "particles", "box", "collisions")
     motion = "colliding"
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"

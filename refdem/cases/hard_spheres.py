@@ -25,6 +25,7 @@ class HardSpheres(Case):
 
     id = "hard-spheres"
     title = "Hard spheres"
+    words = ("collision", "billiard", "momentum", "friction", "impulse", "restitution", "particle")
     motion = "colliding"
     statement = (
         "Two rigid spheres start apart, meet once and part. The impact takes no time: its normal"

@@ -24,6 +24,7 @@ class HardWall(Case):
 
     id = "hard-wall"
     title = "Hard sphere on a wall"
+    words = ("bounce", "collision", "impact", "friction", "restitution", "floor")
     motion = "colliding"
     statement = (
         "A rigid sphere flies straight to a wall, meets it once and leaves. The wall is a second"

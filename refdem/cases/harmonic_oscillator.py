@@ -16,6 +16,7 @@ class HarmonicOscillator(Case):
 
     id = "harmonic-oscillator"
     title = "Harmonic oscillator"
+    words = ("spring", "vibration", "wave", "hooke")
     motion = "oscillating"
     statement = (
         "A mass on a linear spring moves to and fro in a time that does not depend on the"

@@ -24,6 +24,7 @@ class HeavyTop(TopOnTip):
 
     id = "heavy-top"
     title = "Heavy top"
+    words = ("gyroscope", "precession", "nutation", "spinning")
     motion = "spinning"
     statement = (
         "A symmetric top spins about its tip. Its axis nutates between two angles as it goes round"

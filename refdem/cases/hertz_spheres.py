@@ -36,6 +36,7 @@ class HertzSpheres(Case):
 
     id = "hertz-spheres"
     title = "Hertzian spheres"
+    words = ("contact", "mindlin", "elastic", "dem", "collision")
     motion = "colliding"
     statement = (
         "Two elastic spheres press each other with the power 3/2 of their overlap. The faster they"

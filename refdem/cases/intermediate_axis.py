@@ -29,6 +29,7 @@ class IntermediateAxis(Case):
 
     id = "intermediate-axis"
     title = "Intermediate axis"
+    words = ("dzhanibekov", "tennis", "racket", "flip", "satellite", "tumbling")
     motion = "spinning"
     statement = (
         "A free body spins about its intermediate principal axis, a little off. The deviation grows"

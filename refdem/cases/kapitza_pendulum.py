@@ -26,6 +26,7 @@ class KapitzaPendulum(Case):
 
     id = "kapitza-pendulum"
     title = "Kapitza's pendulum"
+    words = ("inverted", "vibration", "stability", "drone")
     motion = "swinging"
     statement = (
         "The pivot of a pendulum moves up and down by a law of time. Fast enough, it holds the"

@@ -20,6 +20,7 @@ class Logistic(IterationCase):
 
     id = "logistic"
     title = "Logistic map"
+    words = ("chaos", "map", "bifurcation", "iteration", "feigenbaum")
     motion = "formula"
     statement = (
         "Each number is eta times the last one, times what that lacks of 1. Up to eta = 3 the"

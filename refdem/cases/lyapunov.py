@@ -36,6 +36,7 @@ def _reason(instance: Instance) -> str | None:
 CASE = Selection(
     id="lyapunov",
     title="Lyapunov exponents",
+    words=("chaos", "exponent", "butterfly", "predictability"),
     statement=(
         "A motion is stable if neighbours at its start stay together as a power of the time, and"
         " Lyapunov unstable if they part as exp(lambda t). Two runs from neighbouring starts show"

@@ -27,6 +27,7 @@ class MomentsOfInertia(Canonical):
 
     id = "moments-of-inertia"
     title = "Moments of inertia"
+    words = ("tensor", "mass", "ellipsoid", "cylinder", "density")
     motion = "formula"
     statement = (
         "Mass, centre of mass and inertia tensor of solids of uniform density: the six of Table"

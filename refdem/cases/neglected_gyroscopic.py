@@ -24,6 +24,7 @@ class NeglectedGyroscopic(Case):
 
     id = "neglected-gyroscopic"
     title = "Neglected gyroscopic term"
+    words = ("gyroscope", "euler", "satellite", "sign")
     motion = "spinning"
     statement = (
         "A box flies freely, or falls on a slope and tumbles down it on its corners. Whoever leaves"

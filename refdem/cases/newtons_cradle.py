@@ -44,6 +44,7 @@ class NewtonsCradle(Case):
 
     id = "newtons-cradle"
     title = "Newton's cradle"
+    words = ("chain", "balls", "collision", "momentum")
     motion = "colliding"
     statement = (
         "Rigid balls in a line start apart, by gaps, and meet two at a time; nothing else acts on"

@@ -21,6 +21,7 @@ class NewtonsFirstLaw(Case):
 
     id = "newtons-first-law"
     title = "Newton's first law"
+    words = ("rest", "inertia", "drift", "uniform", "free")
     motion = "flying"
     statement = (
         "If the forces on a body add up to zero its velocity is constant. A free body flies"

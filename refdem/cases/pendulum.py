@@ -23,6 +23,7 @@ class Pendulum(Case):
 
     id = "pendulum"
     title = "Pendulum"
+    words = ("swing", "rod", "constraint", "clock", "joint")
     motion = "swinging"
     statement = (
         "A point mass hangs on a rigid massless rod and swings, or goes round. The rod is a"

@@ -22,6 +22,7 @@ class PendulumEquilibria(Case):
 
     id = "pendulum-equilibria"
     title = "Equilibria of the pendulum"
+    words = ("balance", "inverted", "stability", "rest")
     motion = "swinging"
     statement = (
         "A point mass on a rigid rod is let go next to one of its two equilibria. At the bottom it"

@@ -23,6 +23,7 @@ class PendulumWheelMass(StringOnWheel):
 
     id = "pendulum-wheel-mass"
     title = "Pendulum, wheel and mass"
+    words = ("pulley", "rope", "string", "gear", "winch", "atwood")
     motion = "swinging"
     statement = (
         "A taut string runs over a wheel and does not slip; a pendulum swings on one side, a mass"

@@ -17,6 +17,7 @@ class PhaseFlow(EnsembleCase):
 
     id = "phase-flow"
     title = "Flow in phase space"
+    words = ("liouville", "volume", "ensemble", "symplectic")
     motion = "oscillating"
     statement = (
         "A closed outline, a cat's head, is carried along. Without friction its area is kept: the"

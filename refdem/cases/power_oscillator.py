@@ -20,6 +20,7 @@ class PowerOscillator(Case):
 
     id = "power-oscillator"
     title = "Power-law oscillator"
+    words = ("nonlinear", "spring", "hertz", "stiffness")
     motion = "oscillating"
     statement = (
         "A spring pulls with a power n of its stretch. With n = 1 the period does not depend on the"

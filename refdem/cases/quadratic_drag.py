@@ -23,6 +23,7 @@ class QuadraticDrag(Case):
 
     id = "quadratic-drag"
     title = "Quadratic drag and terminal velocity"
+    words = ("parachute", "fall", "air", "projectile", "terminal")
     motion = "flying"
     statement = (
         "A body falls in a fluid that resists as the square of its velocity. Its velocity tends to"

@@ -26,6 +26,7 @@ class QuadraticResponse(Case):
 
     id = "quadratic-response"
     title = "Quadratic response"
+    words = ("nonlinear", "harmonics", "frequency", "vibration")
     motion = "oscillating"
     statement = (
         "The force of a spring has a quadratic part, so that it resists more on one side. Driven at"

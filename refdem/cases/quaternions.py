@@ -17,6 +17,7 @@ class Quaternions(AlgebraCase):
     angles = frozenset({"euler"})
     id = "quaternions"
     title = "Quaternions"
+    words = ("attitude", "rotation", "hamilton", "camera", "drone")
     motion = "formula"
     statement = (
         "Products do not commute but associate; a conjugate reverses them; the inverse is the"

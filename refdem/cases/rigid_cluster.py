@@ -24,6 +24,7 @@ class RigidCluster(Case):
 
     id = "rigid-cluster"
     title = "Rigid cluster"
+    words = ("clump", "molecule", "rods", "constraint", "multisphere", "frame")
     motion = "spinning"
     statement = (
         "Four point masses that do not lie in a plane are joined, each with each, by six rigid"

@@ -29,6 +29,7 @@ class Rolling(Case):
 
     id = "rolling"
     title = "Slide and roll"
+    words = ("bowling", "wheel", "slip", "friction", "roll", "sphere")
     motion = "rubbing"
     statement = (
         "A rigid sphere, disc or ring lies on a plane, level or sloped, and is given a speed and a"

@@ -17,6 +17,7 @@ class Rotations(AlgebraCase):
     angles = frozenset({"euler-back", "globe-angle"})
     id = "rotations"
     title = "Rotations"
+    words = ("attitude", "euler", "matrix", "angles", "drone", "camera")
     motion = "formula"
     statement = (
         "A turn in the plane is a multiplication by exp(i phi); a mirror has determinant -1 and"

@@ -31,6 +31,7 @@ class StickSlip(Case):
 
     id = "stick-slip"
     title = "Stick-slip oscillator"
+    words = ("friction", "belt", "brake", "squeal", "stribeck")
     motion = "rubbing"
     statement = (
         "A driven mass on a spring rubs on a belt. It sticks, moving exactly as the belt, while the"

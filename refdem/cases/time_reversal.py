@@ -32,6 +32,7 @@ def _reason(instance: Instance) -> str | None:
 CASE = Selection(
     id="time-reversal",
     title="Time reversal of conservative motions",
+    words=("reversible", "backwards", "symplectic", "arrow"),
     statement=(
         "Newton's equations of a conservative system do not tell the direction of time. Run"
         " forward, with all velocities flipped at the end, the motion returns to its start; what is"

@@ -45,6 +45,7 @@ class TwoBodyOrbit(Case):
 
     id = "two-body-orbit"
     title = "Two-body orbit"
+    words = ("satellite", "planet", "kepler", "gravity", "celestial")
     motion = "orbiting"
     statement = (
         "A body of unit mass goes round a fixed centre on an ellipse: with Newton's attraction the"

@@ -23,6 +23,7 @@ class TwoSpheres(Case):
 
     id = "two-spheres"
     title = "Two spheres"
+    words = ("collision", "contact", "particle", "friction", "dem", "momentum", "spin")
     motion = "colliding"
     statement = (
         "Two solid spheres meet, press each other like a damped spring, rub, and part. Momentum"

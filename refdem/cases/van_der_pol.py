@@ -24,6 +24,7 @@ class VanDerPol(Case):
 
     id = "van-der-pol"
     title = "Van der Pol oscillator"
+    words = ("limit", "cycle", "relaxation", "stiff")
     motion = "oscillating"
     statement = (
         "Damping that is negative for small amplitudes and positive for large ones makes every"

@@ -21,6 +21,7 @@ class ViscousOscillator(Case):
 
     id = "viscous-oscillator"
     title = "Viscously damped oscillator"
+    words = ("damping", "spring", "dashpot", "decay", "vibration")
     motion = "oscillating"
     statement = (
         "A mass on a spring moves in a fluid that resists in proportion to its velocity. Below"

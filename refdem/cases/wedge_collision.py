@@ -28,6 +28,7 @@ class WedgeCollision(Case):
 
     id = "wedge-collision"
     title = "Collision of a wedge"
+    words = ("polyhedron", "corner", "edge", "shape")
     motion = "colliding"
     statement = (
         "Edge first a wedge is pressed back with the square of its overlap, flat side first in"

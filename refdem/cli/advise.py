@@ -26,7 +26,10 @@ def command(
         list[str] | None,
         typer.Argument(
             autocompletion=completion.cases,
-            help="Cases, also as `pendulum[theta0=2]`; or give --motion.",
+            help=(
+                "Cases, also as `pendulum[theta0=2]`, or words that find some, as satellite; or"
+                " give --motion."
+            ),
         ),
     ] = None,
     engine: options.Engines = None,
@@ -90,7 +93,7 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
             f" {'both' if cases else 'neither'}"
         )
     if cases:
-        return asked_for(cases, pairs, "")
+        return asked_for([label for words in cases for label in named_or_found(words)], pairs, "")
     if pairs:
         raise UsageError("--set came with --motion, whose cases have parameters of their own")
     known = completion.known_motions()
@@ -104,6 +107,20 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     main = named("main")
     entries = [entry for entry in main.case if happens(entry.id)]
     return msgspec.structs.replace(main, case=entries, required="", is_part=True)
+
+
+def named_or_found(text: str) -> list[str]:
+    """The label of a case as it is, or the ids of the cases that a word finds; the text itself if
+    it is neither.
+    """
+    from refdem.core import discovery
+    from refdem.core.case import Canonical
+    from refdem.core.finding_cases import cases_about
+
+    if text.partition("[")[0] in discovery.names("cases"):
+        return [text]
+    found = [name for name in cases_about(text) if isinstance(discovery.case(name), Canonical)]
+    return found or [text]
 
 
 def measured(

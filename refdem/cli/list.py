@@ -9,11 +9,14 @@ from refdem.errors import UsageError
 
 def command(
     what: Annotated[str, typer.Argument(help="cases, engines or checks")] = "cases",
+    about: Annotated[
+        list[str] | None, typer.Argument(help="Words that a case is found by, as friction.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Lists cases with their parameters, engines and codes with their methods, or checks.
 
-    Example: refdem list cases --json
+    Example: refdem list cases friction
     """
     import json as format
 
@@ -21,8 +24,18 @@ def command(
     if what not in kinds:
         raise UsageError(f"list got {what!r}; expected cases, engines or checks")
     from refdem.core import codes, discovery
+    from refdem.core.finding_cases import cases_about
 
     listed = discovery.names(what)
+    if about:
+        text = " ".join(about)
+        if what != "cases":
+            raise UsageError(
+                f"list {what} got {text!r}; words find cases only: `refdem list cases`"
+            )
+        listed = cases_about(text)
+        if not listed:
+            raise UsageError(f"no case is about {text!r}; `refdem list cases` has them all")
     if what == "engines":
         listed += [name for name in codes.descriptions() if name not in listed]
     items = [kinds[what](name) for name in listed]

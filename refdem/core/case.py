@@ -94,6 +94,7 @@ class Canonical(ABC):
 
     id: ClassVar[str]
     title: ClassVar[str]
+    words: ClassVar[tuple[str, ...]] = ()
     motion: ClassVar[Moving] = "other"
     statement: ClassVar[str]
     latex: ClassVar[str]

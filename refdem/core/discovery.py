@@ -74,7 +74,17 @@ def _load(folder: str, attribute: str, name: str) -> Any:
     if folder == "engines":
         others = list(codes.descriptions())
     hint = nearest(name, [*modules, *entry_points_by_name, *others])
+    if folder == "cases" and (about := _cases_about(name)):
+        hint = f"cases that are about it: {', '.join(about)}"
     raise UsageError(f"no {folder[:-1]} {name!r}; {hint}")
+
+
+def _cases_about(text: str) -> list[str]:
+    """Ids of the cases that have all words of a text."""
+    # What looks cases up imports this module.
+    from refdem.core.finding_cases import cases_about
+
+    return cases_about(text)
 
 
 def names(folder: str) -> list[str]:

@@ -148,6 +148,7 @@ class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field
     truth_reason: str = ""
     reproduce: str = ""
     motion: str = "other"
+    words: tuple[str, ...] = ()
 
 
 class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_field="type"):

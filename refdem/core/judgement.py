@@ -47,11 +47,13 @@ PREDICTION_FACTOR = 4.0
 shows an error to within a few per cent where it falls with order p; with PREDICTION_FACTOR a motion
 passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4.
 """
-CANCELLED_DEFICIT = 0.75
+CANCELLED_DEFICIT = 7 / 8
 """Largest deficit of a pair of levels from whose errors the order predicts those at the finest
-level: nearer to the claimed order than to the one below, whose terms leave a deficit of 1. Measured
-where terms cancel at the coarsest of three levels: 0.45 to 0.65 after 1.7 to 3.2 (RK4 of MuJoCo
-with weak dashpots, and of tops).
+level. Two terms a h^p (1 - r) with r = b h/a that cancel at the coarsest of three levels, so that
+it predicts less than 1/PREDICTION_FACTOR of the finest error, leave a deficit of
+log2((1 - r)/(1 - 2r)) <= log2(12/7) = 0.78 at the finer pair; further terms may add to it (0.79
+measured of the predictor-corrector of Adams after 1.86). Terms of the order below leave a deficit
+of 1, and more than 1 where it falls from pair to pair.
 """
 KINK_PREDICTION_FACTOR = 64.0
 """PREDICTION_FACTOR where kinks scatter the error: two steps whose errors are alike to 1/64 by

@@ -66,6 +66,7 @@ class ManualPage(msgspec.Struct, frozen=True, kw_only=True):
 
     case: str
     title: str
+    words: tuple[str, ...]
     statement: str
     latex: str
     source: str

@@ -28,3 +28,4 @@ class Selection:
     check: str
     admits: Callable[[Instance], str | None]
     parameters: Callable[[Canonical], Sequence[Mapping[str, str]]] = at_defaults
+    words: tuple[str, ...] = ()

@@ -47,6 +47,7 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
     return ManualPage(
         case=case.id,
         title=case.title,
+        words=case.words,
         statement=case.statement,
         latex=case.latex,
         source=case.source,

@@ -84,10 +84,12 @@ def _statement(page: ManualPage) -> list[str]:
     convention = markdown_text(page.convention)
     kind = markdown_text(page.kind)
     features = markdown_text(", ".join(page.features))
+    words = markdown_text(", ".join(page.words))
     return [
         f"# {markdown_text(page.title)} (`{page.case}`)",
         markdown_text(page.statement),
         f"$$\n{page.latex}\n$$",
+        f"Found by: {words}.",
         f"Source: {source}. Convention: {convention}",
         f"Kind of problem: {kind}: {features}.",
     ]

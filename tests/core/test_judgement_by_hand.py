@@ -298,7 +298,10 @@ def test_errors_fall_from_the_coarsest_to_the_finest_step_with_the_order():
         ((1.6e-3, 0.4e-3, 0.1e-3), 4e-4),
         # Orders 0.2 and 1.6, as terms cancel at the coarsest level: the middle one predicts.
         ((1e-3, 2**-0.2 * 1e-3, 2**-1.8 * 1e-3), 2**-0.2 * 1e-3),
-        # Deficits of 1.4 and 0.8, of 1.4 and 0.71, and of 1 and 1: the coarsest predicts.
+        # Deficits of 1.8 and 0.85.
+        ((1e-3, 2**-0.2 * 1e-3, 2**-1.35 * 1e-3), 2**-0.2 * 1e-3),
+        # Deficits of 1.8 and 0.89, 1.4 and 0.8, 1.4 and 0.71, and 1 and 1: the coarsest predicts.
+        ((1e-3, 2**-0.2 * 1e-3, 2**-1.31 * 1e-3), 2.5e-4),
         ((1e-3, 2**-0.6 * 1e-3, 2**-1.8 * 1e-3), 2.5e-4),
         ((1e-3, 2**-0.6 * 1e-3, 2**-1.89 * 1e-3), 2.5e-4),
         ((1e-3, 0.5e-3, 0.25e-3), 2.5e-4),

@@ -40,6 +40,7 @@ class ImpactBenchmarks(Case):
 
     id = "impact-benchmarks"
     title = "Impact benchmarks"
+    words = ("chung", "ooi", "dem", "collision", "wall", "mfix")
     motion = "colliding"
     statement = (
         "The collisions by which DEM codes are known: spheres that hit each other or a wall"

@@ -149,7 +149,8 @@
   // What a row is found by: its first cells, as many as its table says.
   function named(row) {
     const count = Number(row.closest("table").dataset.named);
-    return Array.from(row.cells).slice(0, count).map(function (cell) { return cell.textContent; }).join(" ").toLowerCase();
+    const texts = Array.from(row.cells).slice(0, count).map(function (cell) { return cell.textContent; });
+    return texts.concat(row.dataset.words || "").join(" ").toLowerCase();
   }
 
   // The rows that have every word stay; of a group with its name in its first row, all rows where the name has them.
@@ -160,7 +161,7 @@
     let left = 0;
     for (const body of table.tBodies) {
       const group = body.querySelector("tr.group");
-      const name = group ? group.textContent.toLowerCase() + " " : "";
+      const name = group ? named(group) + " " : "";
       let own = 0;
       for (const row of body.rows) {
         if (row === group) continue;
