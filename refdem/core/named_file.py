@@ -21,7 +21,7 @@ def put(path: Path, data: bytes) -> None:
     """
     if is_replaceable(path):
         try:
-            _replace(path, data)
+            replace(path, data)
         except OSError as error:
             if error.errno not in REPLACED_BY_NOBODY or not path.is_file():
                 raise
@@ -52,8 +52,11 @@ def refuse_full(path: Path) -> None:
             file.write(b"\n")
 
 
-def _replace(path: Path, data: bytes) -> None:
-    """Writes a file beside `path` and gives it that name; raises OSError."""
+def replace(path: Path, data: bytes) -> None:
+    """Writes a file beside `path` and gives it that name; raises OSError.
+
+    A link or a pipe that had this name is gone then; nothing is written where it led.
+    """
     # Of several processes that write the same file each has one of its own. Its name is short, also
     # where that of the file is as long as the system takes.
     beside = path.with_name(f".refdem-{secrets.token_hex(8)}")
