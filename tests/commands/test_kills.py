@@ -79,45 +79,34 @@ class Kill:
         return f"{self.who} {self.by.name} {self.at.rpartition(':')[2]} {self.engine}"
 
 
-SIGNALS = tuple(STATUS)
-OFTEN = (signal.SIGINT, signal.SIGKILL)
-"""A person's Ctrl-C, and the end by which nothing can be put in order: at every moment."""
-SOME = (MOMENTS["while it plans"], MOMENTS["while it judges"], MOMENTS["as it puts a file there"])
-"""Moments at which the other signals come."""
+EARLY = tuple(MOMENTS.values())[:3]
+LATE = tuple(MOMENTS.values())[-3:]
 ENDS = [
-    *(Kill(who="itself", by=by, at=at) for by in OFTEN for at in MOMENTS.values()),
-    *(Kill(who="itself", by=by, at=at) for by in SIGNALS if by not in OFTEN for at in SOME),
+    *(Kill(who="itself", by=signal.SIGKILL, at=at) for at in MOMENTS.values()),
+    *(Kill(who="itself", by=signal.SIGINT, at=at) for at in (*EARLY, *LATE)),
+    Kill(who="itself", by=signal.SIGTERM, at=MOMENTS["while it judges"]),
+    Kill(who="itself", by=signal.SIGHUP, at=MOMENTS["as it puts a file there"]),
 ]
 """refdem itself is ended in the midst of its work."""
 TOGETHER = [
-    *(Kill(who="group", by=by, at=RUN_KEPT, engine="reference") for by in SIGNALS),
-    *(Kill(who="group", by=by, at=RUN_KEPT) for by in SIGNALS),
-    Kill(who="everything", by=signal.SIGKILL, at=RUN_KEPT, engine="reference"),
+    Kill(who="group", by=signal.SIGINT, at=RUN_KEPT, engine="reference"),
+    Kill(who="group", by=signal.SIGHUP, at=RUN_KEPT),
     Kill(who="everything", by=signal.SIGKILL, at=RUN_KEPT, engine="served"),
-    *(Kill(who="refdem", by=by, engine="served") for by in SIGNALS),
-    *(Kill(who="refdem", by=by) for by in SIGNALS),
+    Kill(who="refdem", by=signal.SIGKILL),
+    Kill(who="refdem", by=signal.SIGTERM, engine="served"),
 ]
 """refdem is ended with its workers and programs, as a terminal or a batch system does, or by a
 process of its own while programs run.
 """
 OTHERS = [
-    *(Kill(who="worker", by=by, at=RUN_KEPT, engine="reference") for by in SIGNALS),
-    Kill(who="worker", by=signal.SIGSEGV, at=RUN_KEPT, engine="reference"),
     Kill(who="tracker", by=signal.SIGKILL, at=RUN_KEPT, engine="reference"),
-    Kill(who="tracker", by=signal.SIGTERM, at=RUN_KEPT, engine="reference"),
-    *(
-        Kill(who=who, by=by, engine=engine)
-        for who in ("supervisor", "guard")
-        for by in (signal.SIGKILL, signal.SIGTERM)
-        for engine in ("program", "served")
-    ),
-    *(
-        Kill(who="itself", by=by, engine=engine)
-        for by in (signal.SIGKILL, signal.SIGTERM)
-        for engine in ("program", "served")
-    ),
+    Kill(who="supervisor", by=signal.SIGKILL),
+    Kill(who="supervisor", by=signal.SIGTERM, engine="served"),
     Kill(who="supervisor", by=signal.SIGKILL, at=RUN_KEPT),
-    Kill(who="guard", by=signal.SIGKILL, at=RUN_KEPT, engine="served"),
+    Kill(who="guard", by=signal.SIGKILL),
+    Kill(who="guard", by=signal.SIGKILL, engine="served"),
+    Kill(who="itself", by=signal.SIGKILL),
+    Kill(who="itself", by=signal.SIGTERM, engine="served"),
 ]
 """A process of refdem's is ended, and refdem goes on."""
 
