@@ -13,7 +13,6 @@ the folders of the runs; what it answers may come back in files *answers*.jsonl.
 import contextlib
 import json
 import os
-import shutil
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,6 +28,7 @@ from refdem.core import discovery
 from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
+from refdem.core.named_file import replace
 from refdem.core.outside import one_line, opened
 from refdem.core.problem import Motion, Request
 from refdem.core.reading import content, json_as
@@ -121,6 +121,8 @@ class Elsewhere(Engine):
         else:
             name = f"{key[:32]}-{self.asked[key]}"
         folder = self.folder / name
+        if folder.is_symlink():
+            raise EngineError(f"{name} is a link; expected the folder that `refdem export` made")
         if not (folder / "request.json").is_file():
             if not self.writes:
                 raise EngineError(
@@ -193,11 +195,11 @@ def written(request: Request, folder: Path) -> None:
     """Writes request.json and request.txt; raises StoreError if that cannot be done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "request.txt").write_text(request_text(request))
-        (folder / "request.json").write_bytes(request.to_json())
+        replace(folder / "request.txt", request_text(request).encode())
+        replace(folder / "request.json", request.to_json())
         file = request.bodies_file
         if file is not None:
-            (folder / bodies_file.NAME).write_bytes(file)
+            replace(folder / bodies_file.NAME, file)
     except OSError as error:
         raise StoreError(
             f"{folder} cannot be written: {error.strerror}; choose another folder"
@@ -224,7 +226,7 @@ def exported(
         else:
             versions[engine.name] = "unknown"
     manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
-    if (folder / MANIFEST).exists():
+    if os.path.lexists(folder / MANIFEST):
         # Another version of a program may go on with the same export.
         before = msgspec.structs.replace(read(folder), versions=versions)
         if before != manifest:
@@ -235,20 +237,19 @@ def exported(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, engine in engines.items():
-            if path.resolve() != (folder / f"{engine.name}.toml").resolve():
-                shutil.copyfile(path, folder / f"{engine.name}.toml")
-        (folder / MANIFEST).write_bytes(msgspec.json.format(msgspec.json.encode(manifest)))
+            replace(folder / f"{engine.name}.toml", path.read_bytes())
+        replace(folder / MANIFEST, msgspec.json.format(msgspec.json.encode(manifest)))
     except OSError as error:
         raise StoreError(
             f"{folder} cannot be written: {error.strerror}; choose another folder"
         ) from None
     _, elsewhere = _campaign(folder, manifest, store, progress, writes=True)
     waiting = [name for engine in elsewhere for name in engine.waiting]
-    (folder / RUNS).write_text("".join(f"{name}\n" for name in waiting))
+    replace(folder / RUNS, "".join(f"{name}\n" for name in waiting).encode())
     for engine in elsewhere:
         if engine.stays_alive:
             text = "".join(f"{line}\n" for line in engine.lines)
-            (folder / requests_of(engine.name)).write_text(text, encoding="utf-8")
+            replace(folder / requests_of(engine.name), text.encode())
     return waiting
 
 
@@ -300,7 +301,13 @@ def _campaign(
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            described = discovery.engine(str(_plain(folder / f"{name}.toml")))
+            path = _plain(folder / f"{name}.toml")
+            described = discovery.engine(str(path))
+            if described.name != name:
+                raise UsageError(
+                    f"{path} describes {described.name!r}; expected {name!r}, as {MANIFEST} says:"
+                    " export again"
+                )
             engine = Elsewhere(described, manifest.versions[name], folder, writes=writes)
             engines.append(engine)
             here.enter_context(discovery.engine_here(engine))

@@ -41,6 +41,10 @@ PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
 LOOK = 1.0
 """Seconds between looks at the pool of workers while no result comes."""
+UNTAKEN = 60.0
+"""Seconds for which a job may wait although a worker is free, which may have to start: a worker
+that is killed just as it takes a job says nothing of it.
+"""
 POOLS = 3
 """So many pools that break one after another, without a result between them, fail their jobs."""
 NEVER_BEGUN = (
@@ -199,6 +203,8 @@ class Schedule:
         self._timeout = timeout
         self._pool: Any = None
         self._size = 0
+        self._in_order = 0.0
+        """When jobs were last seen to be taken [s]."""
         self._programs = Programs(workers)
 
     def __enter__(self) -> "Schedule":
@@ -223,6 +229,7 @@ class Schedule:
         result, these jobs have failed.
         """
         self._employ(min(self._most, len(jobs)))
+        self._in_order = time.monotonic()
         waiting = deque(jobs)
         running = dict[Any, Job]()
         broken_pools = 0
@@ -238,6 +245,7 @@ class Schedule:
                 else:
                     broken_pools = 0
                     yield job, result
+            unanswered += self._lost(running, is_going=bool(done))
             if not self._pool.active:
                 unanswered += running.values()
                 running = {}
@@ -251,6 +259,21 @@ class Schedule:
                 for job in unanswered:
                     yield job, Failure(kind="crash", sentence=NEVER_BEGUN)
             yield from take_back(running)
+
+    def _lost(self, running: dict[Any, Job], *, is_going: bool) -> list[Job]:
+        """The jobs that no worker has taken for UNTAKEN seconds although one is free; they no
+        longer run. `is_going` says that a result has just come.
+        """
+        untaken = [future for future in running if not (future.running() or future.done())]
+        taken = len(running) - len(untaken)
+        if is_going or not untaken or taken >= self._size:
+            self._in_order = time.monotonic()
+        if time.monotonic() - self._in_order < UNTAKEN:
+            return []
+        self._in_order = time.monotonic()
+        for future in untaken:
+            future.cancel()
+        return [running.pop(future) for future in untaken]
 
     def _hand_over(
         self, waiting: deque[Job], running: dict[Any, Job]

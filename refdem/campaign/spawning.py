@@ -1,25 +1,25 @@
-"""How worker processes are started: afresh, with locks that are pipes.
+"""How worker processes are started: afresh, with locks that end with whoever holds them.
 
 Python's own locks between processes are files in /dev/shm, which all of these processes map. Any
 program may truncate them, and that ends the processes by SIGBUS. They are also known to a process
 of Python's, its resource tracker, by name; one that was killed and started again does not know
-them, and says so by a traceback. A pipe has no name, and nothing of it is mapped.
+them, and says so by a traceback. And one whose holder is killed stays locked for ever. A record
+lock on a pipe, see fcntl(2), has no name, nothing of it is mapped, and the system releases it when
+its holder ends.
 """
 
-import os
+import fcntl
 import threading
 import time
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
 
-BYTE = b"-"
-"""What lies in the pipe of a lock that nobody holds."""
-LONGEST_POLL = 1e6
-"""Seconds for which a pipe is polled at once; poll(2) counts milliseconds in 31 bits."""
+PAUSE = 0.001
+"""Seconds between attempts to get a lock that another process holds, which it does for less."""
 
 
 class PipeLock:
-    """A lock between processes: whoever has taken the one byte out of a pipe holds it.
+    """A lock between processes: whoever has a record lock on the pipe holds it.
 
     It has those methods of `multiprocessing.RLock` that the pool of workers calls. Its holder, a
     thread, may acquire it once more, and releases it as often as it was acquired.
@@ -27,20 +27,19 @@ class PipeLock:
 
     def __init__(self, context: SpawnContext) -> None:
         """Makes the pipe; a process that is started by the context may be given this lock."""
-        self._taken_from, self._put_into = context.Pipe(duplex=False)
-        # Another process may take the byte between the look at the pipe and the read.
-        os.set_blocking(self._taken_from.fileno(), False)
-        os.write(self._put_into.fileno(), BYTE)
-        self._holder: int | None = None
-        self._times = 0
+        # Nothing goes through the pipe. Only an end that can be written can be locked.
+        unused, end = context.Pipe(duplex=False)
+        unused.close()
+        self.__setstate__(end)
 
-    def __getstate__(self) -> tuple[Connection, Connection]:
+    def __getstate__(self) -> Connection:
         """Another process gets the pipe; it does not hold the lock."""
-        return self._taken_from, self._put_into
+        return self._end
 
-    def __setstate__(self, state: tuple[Connection, Connection]) -> None:
-        self._taken_from, self._put_into = state
-        self._holder = None
+    def __setstate__(self, end: Connection) -> None:
+        self._end = end
+        # A record lock is held by a process; among its threads this one decides.
+        self._of_threads = threading.RLock()
         self._times = 0
 
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
@@ -51,10 +50,12 @@ class PipeLock:
             timeout = 0.0
         if timeout is None:
             timeout = float("inf")
-        thread = threading.get_ident()
-        if self._holder != thread and not self._comes(time.monotonic() + timeout):
+        end = time.monotonic() + timeout
+        if not self._of_threads.acquire(timeout=min(timeout, threading.TIMEOUT_MAX)):
             return False
-        self._holder = thread
+        if self._times == 0 and not self._comes(end):
+            self._of_threads.release()
+            return False
         self._times += 1
         return True
 
@@ -62,25 +63,24 @@ class PipeLock:
         """Takes one acquisition back; after the last one another thread or process may hold it."""
         self._times -= 1
         if self._times == 0:
-            self._holder = None
-            os.write(self._put_into.fileno(), BYTE)
+            fcntl.lockf(self._end.fileno(), fcntl.LOCK_UN)
+        self._of_threads.release()
 
     def _comes(self, end: float) -> bool:
-        """Whether the byte is taken before `end` [s] of the monotonic clock."""
-        while True:
-            left = max(0.0, end - time.monotonic())
-            is_there = self._taken_from.poll(min(left, LONGEST_POLL))
-            if is_there and self._takes():
-                return True
-            if not is_there and left <= LONGEST_POLL:
+        """Whether this process gets the record lock before `end` [s] of the monotonic clock."""
+        while not self._is_got():
+            if time.monotonic() >= end:
                 return False
+            time.sleep(PAUSE)
+        return True
 
-    def _takes(self) -> bool:
-        """Whether the byte was still there, and is taken now."""
+    def _is_got(self) -> bool:
+        """Whether this process gets the record lock now."""
         try:
-            return bool(os.read(self._taken_from.fileno(), 1))
-        except BlockingIOError:
+            fcntl.lockf(self._end.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
             return False
+        return True
 
 
 class Spawning(SpawnContext):

@@ -6,10 +6,10 @@ kept, it is made each time.
 """
 
 import hashlib
-import os
 from collections.abc import Callable
 from contextlib import suppress
 
+from refdem.core.named_file import replace, sweep
 from refdem.core.store import cache_folder
 
 
@@ -25,10 +25,9 @@ def kept_file(name: str, made: Callable[[], bytes]) -> bytes:
     content = made()
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
+        sweep(path.parent.glob(".*"))
         # Another process finds the whole file or none.
-        unfinished = path.with_name(f"{name}.{os.getpid()}")
-        unfinished.write_bytes(_seal(name, content) + b"\n" + content)
-        os.replace(unfinished, path)
+        replace(path, _seal(name, content) + b"\n" + content)
     return content
 
 

@@ -2,8 +2,10 @@
 
 import errno
 import os
+import platform
 import secrets
 import stat
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -21,7 +23,8 @@ def put(path: Path, data: bytes) -> None:
     """
     if is_replaceable(path):
         try:
-            _replace(path, data)
+            sweep(path.parent.glob(".*"))
+            replace(path, data)
         except OSError as error:
             if error.errno not in REPLACED_BY_NOBODY or not path.is_file():
                 raise
@@ -52,15 +55,39 @@ def refuse_full(path: Path) -> None:
             file.write(b"\n")
 
 
-def _replace(path: Path, data: bytes) -> None:
-    """Writes a file beside `path` and gives it that name; raises OSError."""
+def replace(path: Path, data: bytes) -> None:
+    """Writes a file beside `path` and gives it that name; raises OSError.
+
+    A link or a pipe that had this name is gone then; nothing is written where it led.
+    """
     # Of several processes that write the same file each has one of its own. Its name is short, also
     # where that of the file is as long as the system takes.
-    beside = path.with_name(f".refdem-{secrets.token_hex(8)}")
+    beside = path.with_name(f"{_beginning()}{os.getpid()}-{secrets.token_hex(4)}")
     try:
         beside.write_bytes(data)
         beside.replace(path)
-    except OSError:
+    finally:
+        # Also where the writing was interrupted.
         with suppress(OSError):
             beside.unlink(missing_ok=True)
-        raise
+
+
+def sweep(files: Iterable[Path]) -> None:
+    """Takes away those of the files that `replace` was writing in processes of this machine which
+    were killed.
+    """
+    beginning = _beginning()
+    for file in files:
+        if not file.name.startswith(beginning):
+            continue
+        process = file.name.removeprefix(beginning).partition("-")[0]
+        if not Path("/proc", process).exists():
+            with suppress(OSError):
+                file.unlink()
+
+
+def _beginning() -> str:
+    """How the names of files begin that are being written on this machine: another one, which
+    shares the folder, has processes that are not seen here.
+    """
+    return f".refdem-{platform.node()}-"

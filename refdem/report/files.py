@@ -1,9 +1,8 @@
 """Files of a report, each written whole or not at all."""
 
-import os
 from pathlib import Path
 
-from refdem.core.named_file import put
+from refdem.core.named_file import put, replace
 from refdem.errors import StoreError
 
 
@@ -12,14 +11,10 @@ def written(path: Path, content: str | bytes) -> None:
     do.
     """
     data = encoded(content)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_bytes(data)
-        beside.replace(path)
+        replace(path, data)
     except OSError as error:
-        if path.parent.is_dir():
-            beside.unlink(missing_ok=True)
         raise StoreError(
             f"cannot write {path}: {error.strerror or error}. Choose another folder with --out."
         ) from None

@@ -5,6 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 from refdem.core.finding import CaseSheet, Record, Sheet
+from refdem.core.named_file import sweep
 from refdem.core.store import Store
 from refdem.errors import RefdemError
 from refdem.report import chart_data, figures, html, index, markdown, replays, tables
@@ -14,6 +15,9 @@ from refdem.report.jsonl import RECORDS, lines, sheets_in
 from refdem.report.junit import junit
 from refdem.report.tolerance import Row, rows_of
 
+FOLDERS = ("assets", "cases", "figures")
+"""Where the files of a report lie, beside the folder itself."""
+
 
 def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None) -> None:
     """Records first, so that the report can be made again if a later file cannot be written;
@@ -21,6 +25,8 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     """
     contents = contents_of(sheets)
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
+    for place in (folder, *(folder / name for name in FOLDERS)):
+        sweep(place.glob(".*"))
     _clear(folder, set(rows))
     written(folder / RECORDS, lines(sheets))
     findings = tables.csv_text(tables.FINDING, tables.finding_rows(contents))

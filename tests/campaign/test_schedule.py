@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from pebble.pool import process as pool_process
 
 from refdem.campaign.schedule import NEVER_BEGUN, POOLS, READ_HERE, Job, Schedule, begin
 from refdem.campaign.truths import sampled_truths
@@ -107,6 +108,64 @@ def results_with_deaths(
             job.key: result
             for job, result in schedule.results([Job(k, works, ()) for k in range(6)])
         }
+
+
+def loses(parent: int, temporary: str) -> None:
+    """In place of `begin`: a worker that takes a job while another one runs dies of it, once."""
+    begin(parent, temporary)
+    taken = pool_process.task_transaction
+
+    def lost(channel: pool_process.WorkerChannel) -> object:
+        if not Path(os.environ["BEGUN"]).exists():
+            return taken(channel)
+        with suppress(FileNotFoundError):
+            Path(os.environ["DEATH"]).unlink()
+            with channel.lock():
+                channel.recv()
+                os.kill(os.getpid(), signal.SIGKILL)
+        return taken(channel)
+
+    pool_process.task_transaction = lost
+
+
+def runs_meanwhile() -> bytes:
+    """Runs until the worker that died has been replaced by another one, which works."""
+    folder = Path(os.environ["BEGUN"]).parent
+    (folder / "begun").touch()
+    wait_for(folder / "another")
+    return b"done"
+
+
+def comes_next() -> bytes:
+    """Runs when the other job does, and tells it whether the worker has died."""
+    folder = Path(os.environ["BEGUN"]).parent
+    wait_for(folder / "begun")
+    if not (folder / "death").exists():
+        (folder / "another").touch()
+    return b"done"
+
+
+def wait_for(path: Path) -> None:
+    """Waits until a file is there."""
+    until = time.monotonic() + 120
+    while not path.exists() and time.monotonic() < until:
+        time.sleep(0.01)
+
+
+def test_a_job_whose_worker_is_killed_as_it_takes_it_is_handed_over_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "death").touch()
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    monkeypatch.setenv("DEATH", str(tmp_path / "death"))
+    monkeypatch.setenv("BEGUN", str(tmp_path / "begun"))
+    monkeypatch.setattr("refdem.campaign.schedule.begin", loses)
+    monkeypatch.setattr("refdem.campaign.schedule.UNTAKEN", 2.0)
+    jobs = [Job(0, runs_meanwhile, ()), *(Job(k, comes_next, ()) for k in range(1, 6))]
+    with Schedule(2, 300) as schedule:
+        found = {job.key: result for job, result in schedule.results(jobs)}
+    assert not (tmp_path / "death").exists()
+    assert found == dict.fromkeys(range(6), b"done")
 
 
 def waits(seconds: float) -> bytes:

@@ -2,6 +2,8 @@
 nobody by a name.
 """
 
+import os
+import signal
 import threading
 from multiprocessing import resource_tracker
 from pathlib import Path
@@ -68,6 +70,23 @@ def test_another_process_waits_for_the_lock(monkeypatch: pytest.MonkeyPatch) -> 
     assert here.recv() is True
     process.join(PATIENCE)
     assert lock.acquire(timeout=PATIENCE)
+
+
+def dies_with(lock: PipeLock) -> None:
+    """Is killed while it holds the lock."""
+    lock.acquire()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_lock_whose_holder_is_killed_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    context = Spawning()
+    lock = context.RLock()
+    process = context.Process(target=dies_with, args=(lock,))
+    process.start()
+    process.join(PATIENCE)
+    assert process.exitcode == -signal.SIGKILL
+    assert lock.acquire(block=False)
 
 
 def mapped() -> bytes:
