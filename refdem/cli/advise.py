@@ -115,11 +115,12 @@ def named_or_found(text: str) -> list[str]:
     """
     from refdem.core import discovery
     from refdem.core.case import Canonical
-    from refdem.core.finding_cases import cases_about
 
     if text.partition("[")[0] in discovery.names("cases"):
         return [text]
-    found = [name for name in cases_about(text) if isinstance(discovery.case(name), Canonical)]
+    found = [
+        name for name in discovery.cases_about(text) if isinstance(discovery.case(name), Canonical)
+    ]
     return found or [text]
 
 
@@ -181,7 +182,9 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
             f" smallest error is {best:.1e}"
         )
     if one.holds and of_all == settings:
-        where = f"all {counted(of_all, 'setting')}"
+        where = counted(of_all, "setting")
+        if of_all > 1:
+            where = f"all {where}"
     elif one.holds:
         where = f"all {of_all} of {settings} settings that it can run"
     else:
@@ -190,7 +193,7 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     if one.tolerance is not None:
         how = f"a tolerance of {one.tolerance:.2g}"
     elif one.steps_per_tau is None:
-        how = "any step"
+        how = "exact, any step"
     else:
         how = f"{math.ceil(one.steps_per_tau)} steps per tau"
     extrapolated = ""

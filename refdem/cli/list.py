@@ -24,7 +24,6 @@ def command(
     if what not in kinds:
         raise UsageError(f"list got {what!r}; expected cases, engines or checks")
     from refdem.core import codes, discovery
-    from refdem.core.finding_cases import cases_about
 
     listed = discovery.names(what)
     if about:
@@ -33,7 +32,7 @@ def command(
             raise UsageError(
                 f"list {what} got {text!r}; words find cases only: `refdem list cases`"
             )
-        listed = cases_about(text)
+        listed = discovery.cases_about(text)
         if not listed:
             raise UsageError(f"no case is about {text!r}; `refdem list cases` has them all")
     if what == "engines":

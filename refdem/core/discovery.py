@@ -2,6 +2,7 @@
 package; an engine may also be a code that has a folder of its own (core/codes.py).
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 DESCRIBED = "external"
 """The module in engines/ that is no engine itself: it adapts any program that has a refdem.toml."""
+WORD = re.compile(r"[a-z]+")
+"""A word in lower case; spaces, hyphens and apostrophes stand between words."""
 
 
 _HERE: "dict[str, Engine]" = {}
@@ -74,17 +77,9 @@ def _load(folder: str, attribute: str, name: str) -> Any:
     if folder == "engines":
         others = list(codes.descriptions())
     hint = nearest(name, [*modules, *entry_points_by_name, *others])
-    if folder == "cases" and (about := _cases_about(name)):
+    if folder == "cases" and (about := cases_about(name)):
         hint = f"cases that are about it: {', '.join(about)}"
     raise UsageError(f"no {folder[:-1]} {name!r}; {hint}")
-
-
-def _cases_about(text: str) -> list[str]:
-    """Ids of the cases that have all words of a text."""
-    # What looks cases up imports this module.
-    from refdem.core.finding_cases import cases_about
-
-    return cases_about(text)
 
 
 def names(folder: str) -> list[str]:
@@ -116,6 +111,25 @@ def case(name: str) -> "Canonical":
     """The case (or selection) of that id."""
     canonical: Canonical = _load("cases", "CASE", name)
     return canonical
+
+
+def cases_about(text: str) -> list[str]:
+    """Ids of the cases and selections that have all words of a text; none for a text without words.
+
+    A case has a word if one of its id, of its title or of its `words` begins with it. A plural
+    finds the singular.
+    """
+    wanted = [word.removesuffix("s") for word in WORD.findall(text.lower())]
+    if not wanted:
+        return []
+    return [name for name in names("cases") if _has(name, wanted)]
+
+
+def _has(name: str, wanted: list[str]) -> bool:
+    """True if the case with this id has all of the words."""
+    own_case = case(name)
+    own = WORD.findall(" ".join((name, own_case.title, *own_case.words)).lower())
+    return all(any(word.startswith(beginning) for word in own) for beginning in wanted)
 
 
 def check(name: str) -> "Check":

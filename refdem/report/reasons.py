@@ -1,5 +1,7 @@
-"""Why findings are not passes: the sentences of one outcome, each told once, with the findings that
-say it; those that decided nothing are grouped by their first statement.
+"""Reasons why findings are not passes.
+
+Of each outcome every sentence is told once, with the findings that say it; those that decided
+nothing are grouped by their first statement.
 """
 
 from dataclasses import dataclass, field
@@ -22,7 +24,7 @@ class Reason:
 
     @property
     def count(self) -> int:
-        """The number of findings."""
+        """The number of findings of all its sentences."""
         return sum(len(found) for found in self.details.values())
 
 

@@ -39,7 +39,7 @@ def test_the_advised_step_is_one_that_holds_the_digits():
             assert setting["level"] is None or setting["error"] <= 1e-3 * (1 + 1e-12)
     text = called(*asked).stdout
     assert text.startswith("3 digits: errors of at most 0.001 of each quantity's scale")
-    assert "reference/exact-pendulum: any step in all 1 setting" in text
+    assert "reference/exact-pendulum: exact, any step in 1 setting" in text
 
 
 def test_digits_that_no_method_holds_are_exit_status_1():
@@ -53,6 +53,19 @@ def test_an_engine_that_cannot_say_the_case_is_exit_status_2():
     done = called("advise", "heavy-top", "--engine", "pymunk", "--jobs", "1")
     assert done.exit_code == 2
     assert "pymunk: not measured in 1 of 1: heavy-top" in done.stdout
+
+
+def test_a_word_that_is_no_case_asks_for_the_cases_that_it_finds():
+    asked = ("advise", "gyroscopes", "--engine", "pymunk", "--jobs", "1")
+    done = called(*asked)
+    assert "pymunk: not measured in 3 of 3: " in done.stdout
+    for case in ("free-rigid-body", "heavy-top", "neglected-gyroscopic"):
+        assert case in done.stdout
+
+
+def test_a_word_that_finds_nothing_is_refused():
+    with pytest.raises(UsageError, match="no case 'teapot'"):
+        called("advise", "teapot")
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,7 @@ TRUTH = TruthLine(
 PAGE = ManualPage(
     case="top",
     title=NASTY,
+    words=("swing", "rod"),
     statement=NASTY,
     latex=r"\ddot x=-x",
     source=NASTY,

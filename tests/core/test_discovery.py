@@ -1,9 +1,9 @@
-"""Cases by the words that people type."""
+"""Discovery: cases by the words that people type."""
 
 import pytest
 
 from refdem.core import discovery
-from refdem.core.finding_cases import cases_about
+from refdem.core.discovery import cases_about
 from refdem.errors import UsageError
 
 

@@ -1,0 +1,34 @@
+"""`refdem list`: cases by the words that people type."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from refdem.cli.app import app
+from refdem.errors import UsageError
+
+
+def listed(*arguments: str) -> list[str]:
+    """Ids that `refdem list ... --json` prints; raises what it raises."""
+    done = CliRunner().invoke(app, ["list", *arguments, "--json"], catch_exceptions=False)
+    return [item["id"] for item in json.loads(done.stdout)]
+
+
+def test_words_leave_the_cases_that_have_all_of_them():
+    assert listed("cases", "pool") == ["billiard-break", "billiards"]
+    assert listed("cases", "friction", "belt") == ["stick-slip"]
+    assert {"billiards", "pendulum"} <= set(listed("cases"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("cases", "teapot"), "no case is about 'teapot'"),
+        (("engines", "friction"), "list engines got 'friction'; words find cases only"),
+        (("friction",), "list got 'friction'; expected cases, engines or checks"),
+    ],
+)
+def test_a_question_without_an_answer_is_refused(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        listed(*arguments)
