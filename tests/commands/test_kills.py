@@ -18,6 +18,8 @@ from pathlib import Path
 
 import pytest
 
+from refdem.engines.external import folders
+
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 ASSASSIN = Path(__file__).with_name("assassin.py")
 PATIENCE = 120.0
@@ -243,6 +245,9 @@ def after(
         wait_for_ends(place)
         kept = place.kept()
         monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+        # The next start of refdem begins with this.
+        folders.sweep()
+        assert list((tmp_path / "temporary").iterdir()) == []
         again = command_line(*place.words, cwd=tmp_path, env=place.environment)
         assert again.returncode == 0, again.stdout + again.stderr
         assert again.stderr.count("Traceback") == 0
@@ -251,8 +256,6 @@ def after(
         unharmed = quiet(kill.engine)
         assert place.findings() == unharmed.findings()
         assert place.files() == unharmed.files()
-        stale = (tmp_path / "temporary").glob("refdem-new-*")
-        assert list(stale) == []
         return done.returncode
 
     return status_after
