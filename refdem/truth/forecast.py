@@ -1,6 +1,7 @@
 """What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
 pace of the later half of that. Where the motion has a clock of its own that says how fast it will
-be (scout.py), the pace is that by the clock.
+be (scout.py), the pace is that by the clock. Where it goes through events its modes have paces of
+their own, and it goes on at that of whole cycles: from entry to entry into one mode.
 
 Following takes long itself where the motion is dear, so that whoever asks within `told_to` hears of
 every forecast on the way, of the rough one after the first piece before all others. The first
@@ -24,6 +25,8 @@ SHARE = 8
 """The part of a forecast that may be spent on it: the eighth."""
 PIECES = 16
 """That are made in any case."""
+WITHOUT_CYCLE = 4 * PIECES
+"""Pieces that are made of a motion through events before its pace is believed without a cycle."""
 EXPONENT = 1.5
 """Of the bits, in the cost of a piece: between 1 and 2 from 128 to 1024 bits, where the order grows
 as the bits do.
@@ -91,16 +94,40 @@ class Course:
     """A motion as far as it was followed at some precision.
 
     `clock` turns a time [s] into that in which the motion goes on at an even pace; the methods
-    speak of times by it.
+    speak of times by it. `entries` has, for each event passed, the mode that it entered and the
+    number of the mark there; `has_events` says that there may be some.
     """
 
     bits: int
     marks: list[Mark] = field(default_factory=list)
     clock: Clock = seconds_themselves
+    has_events: bool = False
+    entries: list[tuple[str | None, int]] = field(default_factory=list)
+
+    def cycle_entries(self) -> list[Mark]:
+        """The marks at the entries into the mode that has been entered most often, of those the
+        last one to be entered; empty where no mode was entered twice.
+        """
+        by_mode: dict[str | None, list[Mark]] = {}
+        for mode, number in self.entries:
+            by_mode.setdefault(mode, []).append(self.marks[number])
+        most = max(by_mode.values(), key=lambda marks: (len(marks), marks[-1].time), default=[])
+        if len(most) < 2:
+            return []
+        return most
+
+    def has_pace(self) -> bool:
+        """Whether what was followed shows the pace of the motion: of one through events, a cycle,
+        or many pieces.
+        """
+        made = self.marks[-1].pieces - self.marks[0].pieces
+        return not self.has_events or made >= WITHOUT_CYCLE or bool(self.cycle_entries())
 
     def later_half(self) -> tuple[Mark, Mark]:
-        """The mark at which half of the time had passed, and the last one, both by the clock."""
-        marks = self.marks
+        """The mark at which half of the time had passed, and the last one, both by the clock; those
+        at the entries into one mode where there are cycles.
+        """
+        marks = self.cycle_entries() or self.marks
         last = replace(marks[-1], time=self.clock(marks[-1].time))
         middle = (self.clock(marks[0].time) + last.time) / 2
         # Marks rise in time, and their times by the clock do too.
@@ -115,6 +142,10 @@ class Course:
         if passed <= 0:
             return 0.0
         return (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
+
+    def pieces_since(self) -> int:
+        """How many pieces were made since the last entry, from which the pace is counted on."""
+        return self.marks[-1].pieces - self.later_half()[1].pieces
 
     def radius_at(self, t: float) -> float:
         """log2 of the radius at t, extrapolated at the rate of the later half."""
@@ -140,7 +171,8 @@ class Course:
         last = self.later_half()[1]
         t = self.clock(t)
         bits = self.bits
-        work = self.pieces_to(min(t, max(last.time, self.time_of(TOO_LARGE))))
+        end = min(t, max(last.time, self.time_of(TOO_LARGE)))
+        work = max(0.0, self.pieces_to(end) - self.pieces_since())
         for _ in range(TRIES):
             # A set is thinner by the bits that are more.
             thinner = bits - self.bits
@@ -207,7 +239,7 @@ def follow(
         if pieces_made >= telling:
             tell(seconds)
             telling = 2 * pieces_made
-        if is_enough(pieces_made, left, seconds):
+        if course.has_pace() and is_enough(pieces_made, left, seconds):
             break
 
 

@@ -1,8 +1,9 @@
 """A motion followed ahead of its proof, without radii: where it will be fast and where slow.
 
 A piece of a proof is about as long as the radius of convergence of the motion's Taylor series
-allows, and so is a step here. So the number of steps to a time is a clock in which a proof goes on
-at an even pace, also through whips that the proof has not reached. No proof depends on it.
+allows, or as the largest exponent of its disc where the series would allow more, and so is a step
+here. So the number of steps to a time is a clock in which a proof goes on at an even pace, also
+through whips that the proof has not reached. No proof depends on it.
 """
 
 from bisect import bisect_right
@@ -14,6 +15,7 @@ from flint import arb
 from refdem.truth.balls import outward, precision
 from refdem.truth.traced_field import Program
 from refdem.truth.validated_ivp.recurrences import taylor
+from refdem.truth.weights import ABOVE_QUICKEST, MAX_DISC_EXPONENT, quickest
 
 BITS = 53
 """The working precision."""
@@ -28,15 +30,17 @@ SHORTEST = 2.0**-24
 
 
 class Scout:
-    """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s].
+    """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s]; `slopes` is
+    the program of the field's Jacobian, row after row.
 
     `times` has the ends of the steps. `ended` says that no step goes on from the last one: the
     series is not finite there, or does not end (a motion at rest). `is_singular` says that steps
     have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
     """
 
-    def __init__(self, field: Program, start: Sequence[arb], begin: float) -> None:
+    def __init__(self, field: Program, slopes: Program, start: Sequence[arb], begin: float) -> None:
         self.field = field
+        self.slopes = slopes
         self.y = [value.mid() for value in start]
         self.times = [begin]
         self.fastest = [0.0] * len(self.y)
@@ -48,7 +52,10 @@ class Scout:
         """Makes a step, if there is one."""
         with precision(BITS):
             polynomials = taylor(self.field, self.y, ORDER)
-            length = RATIO * self.radius([one.coeffs() for one in polynomials])
+            radius = self.radius([one.coeffs() for one in polynomials])
+            if isfinite(radius):
+                radius = min(radius, self.widest_disc())
+            length = RATIO * radius
             following = [one(arb(length)).mid() for one in polynomials]
         is_made = 0 < length < float("inf") and all(value.is_finite() for value in following)
         self.ended = not is_made
@@ -58,6 +65,17 @@ class Scout:
             self.longest = max(self.longest, length)
             self.is_singular = length < SHORTEST * self.longest
             self.ended = self.is_singular
+
+    def widest_disc(self) -> float:
+        """The radius [s] beyond which no proof looks for a disc, however far the series converges.
+
+        |J| R <= MAX_DISC_EXPONENT, where |J| in the weights of the proof is ABOVE_QUICKEST times
+        the largest eigenvalue of the absolute values of J. Infinite where J is not finite.
+        """
+        norm = ABOVE_QUICKEST * quickest(self.slopes.run(self.y))
+        if not isfinite(norm):
+            return float("inf")
+        return MAX_DISC_EXPONENT / norm
 
     def radius(self, series: Sequence[Sequence[arb]]) -> float:
         """The radius of convergence, about; not a positive finite number if there is none.

@@ -410,7 +410,7 @@ class ValidatedFlow(Guarded, Truth):
                 return flow.end, len(flow.pieces), self.radius_of(flow)
 
             # Its clock is not the time alone: whips to come are known before they are proved.
-            scout = Scout(flow.field, flow.centre, float(flow.end))
+            scout = Scout(flow.field, flow.slopes, flow.centre, float(flow.end))
             course.clock = scout.clock
 
             def work() -> float:
@@ -422,11 +422,19 @@ class ValidatedFlow(Guarded, Truth):
         return course.work_to(time, target, next_bits)
 
     def radius_of(self, flow: Integration) -> arb:
-        """The largest radius of a quantity at the end of what is integrated, which is what digits
-        are asked of; that of the set where a quantity is not finite there.
+        """The largest radius of a quantity at the end of what is integrated, as `at` reads it from
+        the last piece; that of the set where a quantity is not finite there.
+
+        Within a piece the set is bounded by the Gronwall inequality, so that a value there has a
+        larger radius than the set that goes on.
         """
         with precision(flow.bits + GUARD):
-            values = self.reading.values(flow.reached())
+            if flow.pieces:
+                piece = flow.pieces[-1]
+                state = piece.at(arb_of(piece.length))
+            else:
+                state = flow.reached()
+            values = self.reading.values(state)
         radius = largest([value.rad() for value in values.values()])
         if radius.is_finite():
             return radius

@@ -16,6 +16,10 @@ MAX_DISC_EXPONENT = 12
 """The most that |J| at the start times the outer radius may be: sums whose terms grow as exp of
 that lose its bits.
 """
+ABOVE_QUICKEST = 1.25
+"""The ratio of r, in the weights of the norm, to the largest eigenvalue of the absolute values of
+the Jacobian: |J| is at most r.
+"""
 HALVINGS = 32
 """The most halvings of the disc whose Jacobian makes the weights."""
 
@@ -67,7 +71,7 @@ def weighted(
     if not b.any():
         # The motion rests at 0: all coordinates count alike.
         b = b + 1
-    r = 1.25 * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
+    r = ABOVE_QUICKEST * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
     weights = np.linalg.solve(np.eye(len(b)) - matrix / r, b)
     # Rounding may make a weight that should be tiny 0 or negative.
     smallest = weights[weights > 0].min() / 1024

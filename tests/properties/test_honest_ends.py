@@ -17,7 +17,7 @@ from refdem.truth.closed_forms import duffing
 from refdem.truth.escape import Repulsion
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.truth import LADDER
-from refdem.truth.forecast import Course
+from refdem.truth.forecast import EXPONENT, PIECES, Course, Mark
 from refdem.truth.refiner import Refiner
 from refdem.truth.validated_flow import ValidatedFlow, never
 
@@ -205,6 +205,54 @@ def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
         truth.displaced(0, Fraction(1))
     with pytest.raises(NotCertifiedError, match="fewer"):
         truth.refined(900).at(Fraction(1, 64))
+
+
+@pytest.mark.parametrize(
+    ("case", "given", "t", "digits"),
+    [
+        ("stick-slip", {}, 47, 60),
+        # It sticks at first, which costs nothing, and then slips and sticks by turns.
+        ("stick-slip", {"gamma": "0.609", "eta": "1.094", "belt": "-0.87"}, "58.37", 20),
+        ("stick-slip", {"gamma": "0.532", "eta": "2.637", "belt": "-0.75"}, "18.49", 60),
+        ("stick-slip", {"gamma": "0.179", "eta": "0.507", "belt": "0.641"}, "54.57", 40),
+        # It flies, and the proof needs more bits than the set at the end of a piece tells.
+        ("neglected-gyroscopic", {"member": "slope"}, "0.02", 40),
+        ("neglected-gyroscopic", {"member": "slope"}, "0.1", 40),
+    ],
+)
+def test_a_forecast_through_events_is_within_a_factor_of_three_in_pieces(case, given, t, digits):
+    """Counted work, no clock: what is left after the forecast has followed its share."""
+    truth = discovery.case(case).at(**given).truth().refined(digits)
+    course = Course(truth.proof.needed()[0], has_events=True)
+    told = truth.proof.foreseen(Fraction(t), course)
+    made = course.marks[-1].pieces
+    truth.at(Fraction(t))
+    work = 0.0
+    for key, motion in truth.proof.kept.items():
+        pieces = sum(len(phase.pieces) for phase in motion.phases)
+        work += pieces * (key[1] / course.bits) ** EXPONENT
+    left = work - made
+    # A motion that is all but followed has nothing left to be wrong about.
+    assert told / 3 - PIECES < left < 3 * told + PIECES
+
+
+def test_the_pace_of_a_motion_through_events_is_that_from_entry_to_entry_into_one_mode():
+    """It slips for 1 s with 10 pieces, and sticks for 9 s with none: a piece a second."""
+    marks = [
+        Mark(0.0, 0, 0.0, -90.0),
+        Mark(1.0, 10, 10.0, -90.0),
+        Mark(10.0, 10, 10.0, -90.0),
+        Mark(11.0, 20, 20.0, -90.0),
+        Mark(20.0, 20, 20.0, -90.0),
+        Mark(20.5, 25, 25.0, -90.0),
+    ]
+    entries = [("stick", 1), ("slip", 2), ("stick", 3), ("slip", 4)]
+    course = Course(100, marks, has_events=True, entries=entries)
+    assert course.has_pace()
+    assert course.pieces_since() == 5
+    assert course.work_to(60.0, -80.0, lambda bits, lacking: None) == pytest.approx(35.0)
+    assert not Course(100, marks[:3], has_events=True, entries=entries[:2]).has_pace()
+    assert Course(100, marks[:3]).has_pace()
 
 
 def test_where_s_is_not_known_it_says_why_and_from_where_on():

@@ -7,11 +7,13 @@ from flint import arb
 
 from refdem.truth.scout import ORDER, RATIO, Scout
 from refdem.truth.traced_field import Program, traced
+from refdem.truth.weights import ABOVE_QUICKEST, MAX_DISC_EXPONENT
 
 
 def scout_of(field, start):
-    outputs, _ = traced(field, len(start))
-    return Scout(Program(outputs), [arb(value) for value in start], 0.0)
+    outputs, rows = traced(field, len(start))
+    slopes = Program([entry for row in rows for entry in row])
+    return Scout(Program(outputs), slopes, [arb(value) for value in start], 0.0)
 
 
 def test_a_step_is_a_part_of_the_distance_to_a_pole():
@@ -25,6 +27,16 @@ def test_a_step_is_a_part_of_the_distance_to_a_pole():
     assert len(lengths) == 5
     parts = [length / distance for length, distance in zip(lengths, left[:-1], strict=True)]
     assert parts == pytest.approx([RATIO * ORDER ** (-1 / (ORDER - 1))] * 5, rel=0.02)
+
+
+def test_a_step_is_a_part_of_the_widest_disc_that_a_proof_looks_for():
+    """A harmonic motion beside y' = -60 y at rest: |J| R <= MAX_DISC_EXPONENT, though the series
+    goes much further.
+    """
+    scout = scout_of(lambda y: [y[1], -y[0], -60 * y[2]], [1, 0, 0])
+    assert scout.widest_disc() == pytest.approx(MAX_DISC_EXPONENT / (60 * ABOVE_QUICKEST))
+    scout.advance()
+    assert scout.times[1] == pytest.approx(RATIO * scout.widest_disc())
 
 
 def test_a_clock_stands_still_beyond_a_singularity():

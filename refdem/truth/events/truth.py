@@ -178,7 +178,7 @@ class EventProof(Guarded, Generic[Motion]):
         what is followed for it is kept.
         """
         asked = self.to(digits)
-        course = Course(asked.needed()[0])
+        course = Course(asked.needed()[0], has_events=True)
         try:
             work = asked.foreseen(t, course)
         except NotCertifiedError:
@@ -186,30 +186,34 @@ class EventProof(Guarded, Generic[Motion]):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The number of windows that are still to be searched until the radius at t is what is
-        asked for, counted in windows of the course's precision.
+        """The number of pieces that are still to be made until the radius at t is what is asked
+        for, counted in pieces of the course's precision.
+
+        Windows are not counted: those of a mode whose solution ends in closed form cost nothing
+        beside a piece.
         """
         # log2 of a number that may be below all doubles.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
         motion = self.motion(course.bits)
-        followed = 0
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
             return next((rung for rung in LADDER if rung > bits), None)
 
         def step() -> bool:
             """Follows the motion by one window; False where it is over or cannot be followed."""
-            nonlocal followed
-            followed += 1
+            passed = len(motion.events)
             try:
                 motion.follow()
             except UndecidedError:
                 return False
+            # The mark of this step is the next one.
+            course.entries += [(event.mode, len(course.marks)) for event in motion.events[passed:]]
             return not motion.over()
 
         def state() -> tuple[Fraction, int, arb]:
-            return motion.reached(), followed, largest(motion.phases[-1].spread.radii())
+            pieces = sum(len(phase.pieces) for phase in motion.phases)
+            return motion.reached(), pieces, read_radius(motion)
 
         def work() -> float:
             return course.work_to(time, target, next_bits)
@@ -342,6 +346,19 @@ class EventProof(Guarded, Generic[Motion]):
             inner = at_fixed_time(after, after.entered) * jump
             chart = self.system.chart(motion, after, after.entered)
             return chart * self.system.beside(inner)
+
+
+def read_radius(motion: Followed) -> arb:
+    """The largest radius of a state as `at` reads it where the motion has been followed to: within
+    a piece the set is bounded by the Gronwall inequality, and is larger than the set at its end.
+    """
+    phase = motion.phases[-1]
+    if not phase.pieces:
+        return largest(phase.spread.radii())
+    piece = phase.pieces[-1]
+    with precision(phase.bits + GUARD):
+        state = piece.at(arb_of(piece.length))
+    return largest([value.rad() for value in state])
 
 
 class HybridFlow(Guarded, Truth):
