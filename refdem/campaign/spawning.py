@@ -15,7 +15,9 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
 
 PAUSE = 0.001
-"""Seconds between attempts to get a lock that another process holds, which it does for less."""
+"""Seconds between attempts to get a lock that another process holds: a worker holds it while it
+reads a job or writes a result.
+"""
 
 
 class PipeLock:
@@ -78,7 +80,8 @@ class PipeLock:
         """Whether this process gets the record lock now."""
         try:
             fcntl.lockf(self._end.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except (BlockingIOError, PermissionError):
+            # Another process holds it: systems say so in one of these ways.
             return False
         return True
 
