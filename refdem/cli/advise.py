@@ -50,7 +50,7 @@ def command(
     jobs: options.Jobs = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Says which method holds a number of digits with which step, and at what cost.
+    """Recommends a method and a step for the accuracy that you need, and says what it costs.
 
     A number of digits d is held where the error against certified truth is at most 10^-d of the
     scale of each quantity, over the whole run. What is measured is kept, and asked again in no

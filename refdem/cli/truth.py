@@ -66,7 +66,9 @@ def command(
         tabled(case)
         return
     if not case:
-        raise UsageError("truth got no case; expected one of `refdem list cases`, or --list")
+        raise UsageError(
+            "which case? For example `refdem truth pendulum`; `refdem list cases` has them all"
+        )
     name, of_label = labelled(case)
     chosen = discovery.case(name)
     if isinstance(chosen, Selection):

@@ -4,8 +4,8 @@ An engine cannot express a feature if its own users could not have it, however t
 engine. What they could have and the adapter leaves out is a gap of the adapter, to be closed.
 """
 
-ENGINE_CANNOT = "engine cannot: "
-ADAPTER_LACKS = "adapter does not support yet: "
+ENGINE_CANNOT = "the engine does not support "
+ADAPTER_LACKS = "the adapter does not support yet: "
 
 
 def engine_cannot(feature: str) -> str:

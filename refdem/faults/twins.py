@@ -207,7 +207,7 @@ class Diagnosis:
     def sentence(self) -> str:
         """What the run behaves as, or which twin is nearest and that it is no diagnosis."""
         if not self.twins:
-            return "behaves as no twin: none can run this scene"
+            return "cannot be diagnosed: no known fault can run this scene"
         if np.isfinite(self.defect):
             ending = f"; the right motion is {_size(self.defect)} away"
         else:

@@ -78,4 +78,6 @@ def test_engines_run_it_or_say_that_they_cannot() -> None:
     rebound = discovery.engine("rebound")
     for name in ("leapfrog", "ias15", "bs"):
         reason = str(rebound.unsupported(problem, rebound.method(name)))
-        assert reason == "engine cannot: friction between particles (they have no spin)"
+        assert (
+            reason == "the engine does not support friction between particles (they have no spin)"
+        )

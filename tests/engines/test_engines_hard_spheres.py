@@ -126,17 +126,32 @@ def test_collisions_of_rebound_are_the_same_to_the_bit_in_every_run():
 
 
 REFUSED = [
-    ("pymunk", "semi-implicit-euler", OUT_OF_PLANE, "engine cannot: motion or rotation in three"),
+    (
+        "pymunk",
+        "semi-implicit-euler",
+        OUT_OF_PLANE,
+        "the engine does not support motion or rotation in three",
+    ),
     (
         "pymunk",
         "semi-implicit-euler",
         {"friction": "1", "tangential_restitution": "1/2"},
-        "engine cannot: an impact that reverses the slip",
+        "the engine does not support an impact that reverses the slip",
     ),
-    ("rebound", "leapfrog", {"friction": "1/4"}, "engine cannot: friction between particles"),
-    ("rebound", "leapfrog", {"spins": "0,0,1,0,0,0"}, "engine cannot: rotation"),
-    ("rebound", "ias15", {}, "adapter does not support yet: hard spheres by an integrator"),
-    ("rebound", "leapfrog-8", {}, "adapter does not support yet: hard spheres by an integrator"),
+    (
+        "rebound",
+        "leapfrog",
+        {"friction": "1/4"},
+        "the engine does not support friction between particles",
+    ),
+    ("rebound", "leapfrog", {"spins": "0,0,1,0,0,0"}, "the engine does not support rotation"),
+    ("rebound", "ias15", {}, "the adapter does not support yet: hard spheres by an integrator"),
+    (
+        "rebound",
+        "leapfrog-8",
+        {},
+        "the adapter does not support yet: hard spheres by an integrator",
+    ),
     ("mujoco", "rk4", {}, "a coefficient of restitution"),
 ]
 

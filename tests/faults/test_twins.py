@@ -203,7 +203,8 @@ def test_a_search_that_runs_out_of_time_says_so():
 
 def test_a_scene_that_no_twin_can_run_is_said_to_be_one():
     assert (
-        Diagnosis(twins=(), defect=inf).sentence() == "behaves as no twin: none can run this scene"
+        Diagnosis(twins=(), defect=inf).sentence()
+        == "cannot be diagnosed: no known fault can run this scene"
     )
 
 

@@ -158,8 +158,16 @@ def test_a_dashpot_on_a_body_that_turns_leaves_its_turning_alone(run):
 @pytest.mark.parametrize(
     ("law", "more", "words"),
     [
-        ({"friction": 0.25}, [], "engine cannot: friction of a contact that has a stiffness"),
-        ({}, [Plane(normal=(0.0, 1.0, 0.0))], "engine cannot: a soft contact with a wall"),
+        (
+            {"friction": 0.25},
+            [],
+            "the engine does not support friction of a contact that has a stiffness",
+        ),
+        (
+            {},
+            [Plane(normal=(0.0, 1.0, 0.0))],
+            "the engine does not support a soft contact with a wall",
+        ),
     ],
 )
 def test_what_a_spring_cannot_say_of_a_contact_is_refused(law, more, words):
