@@ -68,7 +68,7 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     """The findings of a task: how its runs failed, then the findings of its checks."""
     if task.unsupported is not None:
-        sentence = f"Not supported: {task.unsupported}."
+        sentence = f"{task.unsupported[:1].upper()}{task.unsupported[1:]}."
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=sentence)]
     completed = {
         variant: CompletedRun(run.trajectory, run.cost)
@@ -121,10 +121,7 @@ def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
 def _refused_variant(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
     """The finding on a variant that the engine refused, as it declares that it may."""
     failure = next(failure for variant, failure in failed.items() if variant.change == change)
-    sentence = (
-        f"Not supported: the engine refused the variant `{change}` during the run:"
-        f" {failure.sentence}."
-    )
+    sentence = f"The engine refused the variant `{change}` during the run: {failure.sentence}."
     return Finding(check=check.name, quantity=change, outcome="unsupported", sentence=sentence)
 
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from refdem.cli import completion, options
-from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, measured, shown
+from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, counted, listed, measured, shown
 
 if TYPE_CHECKING:
     from refdem.core.finding import Record
+    from refdem.report.advice import Recommendation
     from refdem.report.contents import Contents
 
 LAWS = ("momentum", "angular-momentum", "energy")
@@ -62,7 +63,11 @@ def command(
     printed = []
     for sheet in contents.cases:
         printed += [*table(contents, sheet.label, digits), ""]
-    print("\n".join(map(shown, printed)).rstrip())
+    refused = refusals(contents)
+    if refused:
+        printed += [*refused, ""]
+    printed.append(answer(contents, digits))
+    print("\n".join(map(shown, printed)).strip())
     counts = contents.counts()
     if "pass" not in counts and "fail" not in counts:
         raise typer.Exit(2)
@@ -70,7 +75,7 @@ def command(
 
 
 def table(contents: "Contents", label: str, digits: float) -> list[str]:
-    """One case: a row a method, the cheapest at the wanted digits first; then who cannot say it."""
+    """One case: a row a method, the cheapest at the wanted digits first."""
     from refdem.report.advice import choices
     from refdem.report.tolerance import rows_of, worst_rows
 
@@ -98,7 +103,7 @@ def table(contents: "Contents", label: str, digits: float) -> list[str]:
     for line in cells:
         padded = [text.ljust(width) for text, width in zip(line, widths, strict=True)]
         lines.append("  " + "  ".join(padded).rstrip())
-    return [*lines, *refusals(contents, label)]
+    return lines
 
 
 def digits_of(error: float) -> str:
@@ -148,15 +153,62 @@ def law_of(record: "Record", law: str) -> str:
     return WORDS.get(worst, worst)
 
 
-def refusals(contents: "Contents", label: str) -> list[str]:
-    """A line for every engine none of whose methods runs the case, with its first reason."""
+def refusals(contents: "Contents") -> list[str]:
+    """For every engine the reasons for which none of its methods runs some of the cases, each with
+    these cases.
+    """
     from refdem.core.outside import one_line
 
     lines = []
-    records = contents.of(label)
     for sheet in contents.engines:
-        own = [record for record in records if record.engine == sheet.engine]
-        findings = [finding for record in own for finding in record.findings]
-        if findings and all(finding.outcome == "unsupported" for finding in findings):
-            lines.append(f"  {sheet.engine}: {one_line(findings[0].sentence)}")
+        labels: dict[str, list[str]] = {}
+        for case in contents.cases:
+            records = [one for one in contents.of(case.label) if one.engine == sheet.engine]
+            findings = [finding for record in records for finding in record.findings]
+            if findings and all(finding.outcome == "unsupported" for finding in findings):
+                labels.setdefault(one_line(findings[0].sentence), []).append(case.label)
+        for reason, own in labels.items():
+            lines.append(f"{sheet.engine}: {reason} ({listed(own)})")
     return lines
+
+
+def answer(contents: "Contents", digits: float) -> str:
+    """One sentence: the method that holds the digits in most settings, of these at the least cost,
+    and beside it the best method of each other engine; empty if nothing was measured.
+    """
+    from refdem.report.advice import choices, recommendations
+
+    best: dict[str, Recommendation] = {}
+    for one in recommendations(choices(contents, digits)):
+        best.setdefault(one.engine, one)
+    if not best:
+        return ""
+    first, *others = best.values()
+    settings = len(contents.cases)
+    opening = f"For {digits:g} digits in {counted(settings, 'setting')}"
+    if not first.held:
+        return f"{opening}: no method holds them in any."
+    name = f"{first.engine}/{first.method}"
+    if len(first.held) == settings:
+        parts = [f"{name} costs least"]
+    else:
+        parts = [f"{name} holds them in most, in {len(first.held)}"]
+    parts += [_beside(first, other) for other in others]
+    return f"{opening}: {'; '.join(parts)}."
+
+
+def _beside(first: "Recommendation", other: "Recommendation") -> str:
+    """How the best method of another engine compares with the first one."""
+    name = f"{other.engine}/{other.method}"
+    if not other.held:
+        return f"{other.engine} does not hold them in any"
+    if len(other.held) < len(first.held):
+        return f"{name} holds them in {len(other.held)}"
+    return f"{name} takes {times(other.cost / first.cost)} as long"
+
+
+def times(ratio: float) -> str:
+    """A ratio to two digits, in whole numbers from ten on: `1.4 times`, `450 times`."""
+    if ratio < 10:
+        return f"{ratio:.2g} times"
+    return f"{float(f'{ratio:.2g}'):,.0f} times"

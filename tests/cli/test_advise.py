@@ -92,7 +92,8 @@ def test_every_case_says_what_happens_in_it():
 def test_engines_are_compared_in_a_case_the_cheapest_method_first():
     case = "pendulum[theta0=0.5 duration=2 samples=8]"
     done = called("compare", "reference", "pymunk", "--case", case, "--jobs", "1")
-    lines = done.stdout.splitlines()
+    table, *_ = done.stdout.split("\n\n")
+    lines = table.splitlines()
     assert done.exit_code == 0
     assert lines[0].startswith("pendulum[")
     assert lines[1].split()[:4] == ["method", "digits", "order", "step"]
@@ -105,7 +106,28 @@ def test_engines_are_compared_in_a_case_the_cheapest_method_first():
 def test_who_cannot_say_a_case_is_told_with_the_reason():
     done = called("compare", "pymunk", "--case", "heavy-top", "--jobs", "1")
     assert done.exit_code == 2
-    assert "pymunk: Not supported" in done.stdout
+    assert "pymunk: The engine does not support motion or rotation in three" in done.stdout
+    assert "(heavy-top)" in done.stdout
+
+
+def test_a_comparison_ends_with_one_sentence_that_answers():
+    case = "pendulum[theta0=0.5 duration=2 samples=8]"
+    done = called("compare", "reference", "pymunk", "--case", case, "--jobs", "1")
+    last = done.stdout.splitlines()[-1]
+    assert last.startswith("For 3 digits in 1 setting: reference/")
+    assert "costs least; pymunk/semi-implicit-euler takes " in last
+    assert last.endswith(" times as long.")
+    done = called("compare", "pymunk", "--case", case, "--digits", "12", "--jobs", "1")
+    assert (
+        done.stdout.splitlines()[-1] == "For 12 digits in 1 setting: no method holds them in any."
+    )
+
+
+def test_a_reason_that_refuses_several_settings_is_told_once():
+    cases = ("heavy-top", "heavy-top[spin=2]")
+    done = called("compare", "pymunk", *(f"--case={case}" for case in cases), "--jobs", "1")
+    (line,) = [line for line in done.stdout.splitlines() if line.startswith("pymunk: ")]
+    assert line.endswith("(heavy-top (2 settings))")
 
 
 def test_a_run_tells_its_outcome_as_json(tmp_path):

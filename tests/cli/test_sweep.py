@@ -82,7 +82,7 @@ def test_what_an_engine_does_not_support_has_its_reason_and_is_exit_status_2() -
     assert [point["verdict"] for point in answer["points"]] == ["unsupported"] * 2
     assert answer["points"][0]["error"] is None
     text = called(*asked).stdout
-    assert "unsupported, pymunk/semi-implicit-euler: Not supported: " in text
+    assert "unsupported, pymunk/semi-implicit-euler: The engine does not support " in text
     assert "(2 of 2 rows)" in text
 
 
