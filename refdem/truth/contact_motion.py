@@ -4,6 +4,7 @@ derivatives by the start, and extremes.
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from math import pi, sqrt
 from typing import Any
 
 from flint import arb, arb_mat
@@ -18,8 +19,12 @@ from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LONGEST = 128
-"""The longest contact that is followed, in the phases' unit of time, which is at most the shortest
-time of the law.
+"""The longest contact that is followed in any case, in the phases' unit of time, which is at most
+the shortest time of the law.
+"""
+HALF_PERIODS = 2
+"""The half periods of the normal spring for which a contact is followed in any case: without
+damping it lasts one, however short the times of a stiff tangential spring are.
 """
 PRESSES = ("press", "slip", "slip back", "stick", "hold")
 """The modes in which the normal force presses."""
@@ -140,11 +145,14 @@ class ContactMotion(Followed):
 
     def part(self) -> None:
         """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
+        # The half period of the normal spring, in units of time, is pi/sqrt(k).
+        half_period = pi / sqrt(float(self.traced.phases.k))
+        longest = max(LONGEST, HALF_PERIODS * half_period)
         while self.name(self.phases[-1]) != "apart":
             last = self.phases[-1]
-            if last.entered[-1] + arb_of(last.searched) > LONGEST:
+            if last.entered[-1] + arb_of(last.searched) > arb(longest):
                 raise SwitchError(
-                    "time", "the contact does not end within the time that is integrated", LONGEST
+                    "time", "the contact does not end within the time that is integrated", longest
                 ).at(last.entered)
             self.follow()
 

@@ -10,6 +10,7 @@ from itertools import product
 import pytest
 from flint import arb, arb_series, ctx
 
+from refdem.core import discovery
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms.spinning_spheres import truth
@@ -349,3 +350,20 @@ def test_start_is_as_the_conventions_say():
     assert start["v1.y"] == pytest.approx(1.5 * 0.8414709848078965)
     assert start["v2.y"] == pytest.approx(-0.5 * 0.8414709848078965)
     assert [start[f"omega{i}.{axis}"] for i in (1, 2) for axis in "xyz"] == [0, 1, 2, 3, 4, 5]
+
+
+def test_a_wall_with_a_stiff_tangential_spring_has_scalars_with_the_duration_of_a_soft_one():
+    """The normal spring goes its own way: its contact lasts as long and rebounds as fast, in many
+    hundred times of the tangential spring.
+    """
+    soft, stiff = (
+        discovery.case("impact-benchmarks")
+        .at(member="co-4", tangential_stiffness=stiffness)
+        .truth()
+        .scalars()
+        for stiffness in ("1.48e7", "1e11")
+    )
+    for name in ("duration", "restitution", "max_overlap"):
+        apart = abs(soft[name].mid - stiff[name].mid)
+        assert apart <= soft[name].radius + stiff[name].radius
+        assert stiff[name].radius < Fraction(1, 10**40)
