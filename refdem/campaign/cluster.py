@@ -13,7 +13,7 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from typing import Any
 
 import msgspec
@@ -329,8 +329,10 @@ def connected(address: str) -> Any:
     # Dask would log a lost scheduler with a traceback, and ClusterError says it in a sentence.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
-        # A client that does not come to be leaves threads behind, so one question goes first.
-        asyncio.run(asyncio.wait_for(_identity(address), CONNECT))
+        # A client that does not come to be leaves threads behind, so one question goes first; from
+        # a thread of its own, as that of a notebook has a loop that runs already.
+        with ThreadPoolExecutor(max_workers=1) as apart:
+            apart.submit(_ask, address).result()
         # Results are bytes: nothing else is read from a worker, and nothing of it unpickled.
         families = ["dask", "msgpack"]
         return distributed.Client(
@@ -347,6 +349,11 @@ def connected(address: str) -> Any:
             f"no scheduler answers at {one_line(address)!r} ({words}); expected the address that"
             f" `dask scheduler` prints, as tcp://HOST:PORT, and an answer within {CONNECT:g} s"
         ) from error
+
+
+def _ask(address: str) -> None:
+    """Returns once a scheduler has answered; raises TimeoutError after CONNECT seconds."""
+    asyncio.run(asyncio.wait_for(_identity(address), CONNECT))
 
 
 async def _identity(address: str) -> None:

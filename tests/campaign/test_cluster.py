@@ -2,6 +2,7 @@
 dies; and what a user is told of a cluster that is not there or not fit.
 """
 
+import asyncio
 import multiprocessing
 import os
 import signal
@@ -272,6 +273,19 @@ def test_an_address_where_no_scheduler_answers_is_said_in_bounded_time(
         )
         with pytest.raises(ClusterError, match=f"no scheduler answers at '{address}'"):
             connected(address)
+
+
+def test_a_scheduler_is_asked_for_where_a_loop_runs_already_as_in_a_notebook(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "CONNECT", 0.2)
+
+    async def cell() -> None:
+        connected("nowhere")
+
+    with pytest.raises(ClusterError, match="no scheduler answers at 'nowhere'") as caught:
+        asyncio.run(cell())
+    assert "event loop" not in str(caught.value)
 
 
 def test_without_dask_a_user_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
