@@ -185,7 +185,7 @@ def dense_variant(subject: Subject) -> Variant:
     if subject.truth is None:
         return plain
     interval = float(subject.instance.problem.interval)
-    end = subject.truth.t[-1]
+    end = float(subject.instance.times[-1])
     wait = shortest_wait([impact for impact in listed(subject.truth.scalars) if impact.time <= end])
     dense = 1
     while dense < MOST_DENSE and SAMPLES_A_WAIT * interval > dense * wait:

@@ -67,7 +67,8 @@ def command(
         return
     if not case:
         raise UsageError(
-            "which case? For example `refdem truth pendulum`; `refdem list cases` has them all"
+            "which case? For example `refdem truth pendulum`; `refdem list cases` has them all, and"
+            " `refdem truth --list` those with certified values"
         )
     name, of_label = labelled(case)
     chosen = discovery.case(name)

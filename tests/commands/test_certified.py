@@ -47,7 +47,7 @@ def test_the_list_of_one_case_has_its_sets_and_times(refdem: Run) -> None:
 def test_no_case_and_no_list_is_bad_usage(refdem: Run) -> None:
     done = refdem("truth")
     assert done.returncode == 2
-    assert "or --list" in done.stderr
+    assert "`refdem truth --list`" in done.stderr
 
 
 def test_a_check_of_a_store_proves_a_sample_again(refdem: Run, tmp_path: Path) -> None:

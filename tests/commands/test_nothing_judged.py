@@ -39,10 +39,10 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
     ("arguments", "says"),
     [
         (["run", "two-spheres[damping=1]", "--engine", "mujoco"], "an attractive contact force"),
-        (["run", "logistic", "billiards", "--engine", "rebound"], "cannot run an iteration"),
+        (["run", "logistic", "billiards", "--engine", "rebound"], "Cannot run an iteration"),
         (
             ["run", "harmonic-oscillator", "--engine", "reference", "--method", "rattle"],
-            "no elements of kind rod",
+            "No elements of kind rod",
         ),
         (["run", "pendulum", "--engine", "nothing.toml"], "not in `supports`"),
         (["run", "--campaign", "empty.toml"], "has no case"),
