@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.case import Instance
-from refdem.core.once import once_per_instance
+from refdem.core.once import once_for_each
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
@@ -60,7 +60,7 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
     return kinetic(scene, run) + scene.potential(run.position, run.attitude)
 
 
-@once_per_instance
+@once_for_each
 def energy_scale(instance: Instance) -> float:
     """Energy [J] against which an error of the energy counts: that of the start.
 

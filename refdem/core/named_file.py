@@ -81,9 +81,23 @@ def sweep(files: Iterable[Path]) -> None:
         if not file.name.startswith(beginning):
             continue
         process = file.name.removeprefix(beginning).partition("-")[0]
-        if not Path("/proc", process).exists():
+        if is_gone(process):
             with suppress(OSError):
                 file.unlink()
+
+
+def is_gone(process: str) -> bool:
+    """True if no process of this machine has that number, as it stands in the name of a file; False
+    for what is no number.
+    """
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, ValueError, OverflowError):
+        # It is another user's, or the name is not one of ours.
+        return False
+    return False
 
 
 def _beginning() -> str:

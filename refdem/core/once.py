@@ -1,25 +1,27 @@
-"""Numbers of an instance that many checks ask for, computed once for each instance."""
+"""What many ask of one object, an instance of a case or the contents of a report, found once for
+each object.
+"""
 
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
-if TYPE_CHECKING:
-    from refdem.core.case import Instance
+Owner = TypeVar("Owner")
+Found = TypeVar("Found")
 
 
-def once_per_instance(number: Callable[["Instance"], float]) -> Callable[["Instance"], float]:
-    """The same function, which computes its number once for each instance and forgets it with the
-    instance.
+def once_for_each(find: Callable[[Owner], Found]) -> Callable[[Owner], Found]:
+    """The same function, which finds its answer once for each object and forgets it with the
+    object; objects are told apart by their identity.
     """
-    known: WeakKeyDictionary[Instance, float] = WeakKeyDictionary()
+    known: WeakKeyDictionary[Owner, Found] = WeakKeyDictionary()
 
-    @wraps(number)
-    def known_number(instance: "Instance") -> float:
-        """The number, from `known` where it is there."""
-        if instance not in known:
-            known[instance] = number(instance)
-        return known[instance]
+    @wraps(find)
+    def known_answer(owner: Owner) -> Found:
+        """The answer, from `known` where it is there."""
+        if owner not in known:
+            known[owner] = find(owner)
+        return known[owner]
 
-    return known_number
+    return known_answer

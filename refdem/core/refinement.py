@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.engine import Method
-from refdem.core.once import once_per_instance
+from refdem.core.once import once_for_each
 from refdem.core.problem import Motion
 from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
@@ -149,7 +149,7 @@ def farthest_place(instance: Instance) -> float:
     return float(np.max(np.abs(problem.scene.bodies.position), initial=0.0))
 
 
-@once_per_instance
+@once_for_each
 def of_directions(instance: Instance) -> float:
     """Roundings of a spin that one rounding of an attitude makes: |L|/(I_min omega), the largest of
     any body; 0 where nothing spins at the start.
@@ -170,7 +170,7 @@ def of_directions(instance: Instance) -> float:
     return float(np.max(momentum / (moments.min(axis=1) * np.linalg.norm(omega, axis=1))))
 
 
-@once_per_instance
+@once_for_each
 def of_touching_spins(instance: Instance) -> float:
     """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
     the largest of any body; 0 without contacts.
@@ -190,7 +190,7 @@ def of_touching_spins(instance: Instance) -> float:
     return float(np.max(ratio, initial=0.0))
 
 
-@once_per_instance
+@once_for_each
 def of_rods(instance: Instance) -> float:
     """Roundings of a place that one rounding of the length of each rod makes; 0 without rods.
 
@@ -226,7 +226,7 @@ def rod_directions(scene: Scene) -> Array:
     return rod_jacobian(points, ends)[:, : places.size]
 
 
-@once_per_instance
+@once_for_each
 def of_alternating_friction(instance: Instance) -> float:
     """Factor >= 1 by which friction without a tangential spring outgrows the errors of a step: mu,
     or mu m R^2/J of a sphere of little inertia.

@@ -24,7 +24,7 @@ from refdem.core.resolution import Resolution
 from refdem.report.jsonl import finite
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contents:
     """The sheets by kind: cases by label, the reference before other engines, records likewise."""
 

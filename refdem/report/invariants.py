@@ -15,6 +15,7 @@ from typing import Literal
 
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.core.judgement import INTEGRATED
+from refdem.core.once import once_for_each
 from refdem.report.contents import Contents
 from refdem.report.overview import MOST_DIGITS
 
@@ -114,6 +115,7 @@ class LawSheet:
     cases: Mapping[str, Mapping[str, Conserved]]
 
 
+@once_for_each
 def law_sheets(contents: Contents) -> list[LawSheet]:
     """A sheet for each law that is judged somewhere."""
     titles = {sheet.label: sheet.title for sheet in contents.cases}

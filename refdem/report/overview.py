@@ -10,6 +10,7 @@ from typing import get_args
 
 from refdem.core.case import Moving
 from refdem.core.finding import WORST_FIRST, CaseSheet, Outcome
+from refdem.core.once import once_for_each
 from refdem.report.advice import Choice, Recommendation, choices, recommendations
 from refdem.report.contents import Contents
 from refdem.report.tolerance import Cell
@@ -119,6 +120,7 @@ def _fewest_first(cell: Cell) -> tuple[bool, float]:
     return cell.digits is None, cell.digits or 0.0
 
 
+@once_for_each
 def advised(contents: Contents) -> list[Advised]:
     """A line for every motion and every engine other than the reference that was measured there."""
     by_motion = motions(contents)

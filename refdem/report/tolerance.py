@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from refdem.core.finding import WORST_FIRST, Finding, Level, Outcome, Record
+from refdem.core.once import once_for_each
 from refdem.report.contents import Contents
 
 TARGETS = (1e-3, 1e-6, 1e-9)
@@ -65,6 +66,17 @@ def rows_of(contents: Contents, label: str) -> list[Row]:
     """All rows of one instance: for every engine and method the worst of all, then each
     quantity.
     """
+    return list(_rows_by_label(contents).get(label, ()))
+
+
+@once_for_each
+def _rows_by_label(contents: Contents) -> dict[str, list[Row]]:
+    """The rows of every instance: the tables, the matrix and the advice all are made of them."""
+    return {sheet.label: _rows(contents, sheet.label) for sheet in contents.cases}
+
+
+def _rows(contents: Contents, label: str) -> list[Row]:
+    """The rows of one instance."""
     rows = []
     for record in contents.of(label):
         errors = [

@@ -3,6 +3,8 @@
 import errno
 import os
 import stat
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -94,3 +96,15 @@ def test_what_takes_nothing_is_found_before_anything_is_made() -> None:
     with pytest.raises(OSError, match="No space left"):
         refuse_full(Path("/dev/full"))
     refuse_full(Path(os.devnull))
+
+
+def test_a_process_that_has_ended_is_gone_and_one_that_runs_is_not() -> None:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    assert named_file.is_gone(str(ended.pid))
+    assert not named_file.is_gone(str(os.getpid()))
+
+
+@pytest.mark.parametrize("name", ["", "x", "1.5", "9" * 40])
+def test_what_is_no_number_of_a_process_is_of_nobody_who_is_gone(name: str) -> None:
+    assert not named_file.is_gone(name)

@@ -1,16 +1,16 @@
-"""A number of an instance is computed once for each instance, and kept no longer than it."""
+"""What is asked of an object is found once for each object, and kept no longer than it."""
 
 import gc
 import weakref
 
 from refdem.cases.pendulum import CASE
-from refdem.core.once import once_per_instance
+from refdem.core.once import once_for_each
 
 
 def test_each_instance_has_its_own_number_which_is_computed_once():
     asked = []
 
-    @once_per_instance
+    @once_for_each
     def start(instance):
         asked.append(instance)
         return instance.scene.bodies.position[0, 0]
@@ -24,7 +24,7 @@ def test_each_instance_has_its_own_number_which_is_computed_once():
 
 
 def test_an_instance_that_nobody_needs_is_let_go():
-    length = once_per_instance(lambda instance: instance.scales.length)
+    length = once_for_each(lambda instance: instance.scales.length)
     instance = CASE.at()
     assert length(instance) == instance.scales.length
     known = weakref.ref(instance)

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from refdem.core.named_file import is_gone
 from refdem.engines.external.supervisor import remove
 from refdem.errors import EngineError
 
@@ -109,6 +110,6 @@ def sweep() -> None:
     for folder in Path(tempfile.gettempdir()).glob(f"{MAKING}*"):
         maker = folder.name.removeprefix(MAKING).partition("-")[0]
         # A process that was killed here leaves its folder empty: rmdir takes no other.
-        if not Path("/proc", maker).exists():
+        if is_gone(maker):
             with suppress(OSError):
                 folder.rmdir()
