@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Ball
 from refdem.truth.from_rest import FromRest
@@ -68,6 +69,11 @@ def is_displaced_itself(case: str, truth: Any) -> bool:
     if case == "impact-benchmarks":
         return hasattr(truth, "displaced")
     return case not in BY_PARAMETERS
+
+
+def has_displaced_starts(case: str) -> bool:
+    """True where the start of a case can be displaced, in its parameters or by its truth."""
+    return case in BY_PARAMETERS or hasattr(discovery.case(case).at().truth(), "displaced")
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, Protocol, TypeVar
 
-from refdem.campaign.spawning import Spawning
+from refdem.campaign.spawning import Spawning, unblock_interrupts
 from refdem.core.engine import Stages, Waiting
 from refdem.core.outside import one_line
 from refdem.core.run import Failure
@@ -381,6 +381,8 @@ def begin(parent: int, temporary: str) -> None:
     killed just then.
     """
     tempfile.tempdir = temporary
+    # The pool has let this process ignore interrupts by now.
+    unblock_interrupts()
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     # It may have ended before this was asked for.

@@ -1,4 +1,5 @@
-"""How worker processes are started: afresh, with locks that end with whoever holds them.
+"""How worker processes are started: afresh, out of reach of interrupts, with locks that end with
+whoever holds them.
 
 Python's own locks between processes are files in /dev/shm, which all of these processes map. Any
 program may truncate them, and that ends the processes by SIGBUS. They are also known to a process
@@ -9,11 +10,15 @@ its holder ends.
 """
 
 import fcntl
+import signal
 import threading
 import time
 from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnContext
+from multiprocessing.context import SpawnContext, SpawnProcess
+from multiprocessing.process import BaseProcess
+from typing import Any
 
+INTERRUPT = (signal.SIGINT,)
 PAUSE = 0.001
 """Seconds between attempts to get a lock that another process holds: a worker holds it while it
 reads a job or writes a result.
@@ -86,8 +91,34 @@ class PipeLock:
         return True
 
 
+class SpawnedProcess(SpawnProcess):
+    """A process that an interrupt does not reach while it starts.
+
+    A terminal interrupts all processes of a command. One that still imports its modules would end
+    by a traceback, before it could say that interrupts are its parent's.
+    """
+
+    @staticmethod
+    def _Popen(process_obj: BaseProcess) -> Any:  # noqa: N802 - the name that is called
+        """Starts the process with interrupts blocked, which it inherits; `unblock_interrupts` is
+        its own to call.
+        """
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPT)
+        try:
+            return SpawnProcess._Popen(process_obj)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def unblock_interrupts() -> None:
+    """Lets interrupts reach this process, and those that it starts, as the system delivers them."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, INTERRUPT)
+
+
 class Spawning(SpawnContext):
     """Starts processes afresh, so that no state is shared, and makes locks of pipes."""
+
+    Process = SpawnedProcess
 
     def RLock(self) -> PipeLock:  # type: ignore[override]  # noqa: N802 - the name that is called
         """A lock that the processes of this context share."""

@@ -4,7 +4,6 @@ derivatives by the start, and extremes.
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from math import pi, sqrt
 from typing import Any
 
 from flint import arb, arb_mat
@@ -146,13 +145,15 @@ class ContactMotion(Followed):
     def part(self) -> None:
         """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
         # The half period of the normal spring, in units of time, is pi/sqrt(k).
-        half_period = pi / sqrt(float(self.traced.phases.k))
-        longest = max(LONGEST, HALF_PERIODS * half_period)
+        half_period = arb.pi() / arb_of(self.traced.phases.k).sqrt()
+        longest = arb(LONGEST).max(HALF_PERIODS * half_period)
         while self.name(self.phases[-1]) != "apart":
             last = self.phases[-1]
-            if last.entered[-1] + arb_of(last.searched) > arb(longest):
+            if last.entered[-1] + arb_of(last.searched) > longest:
                 raise SwitchError(
-                    "time", "the contact does not end within the time that is integrated", longest
+                    "time",
+                    "the contact does not end within the time that is integrated",
+                    float(longest),
                 ).at(last.entered)
             self.follow()
 

@@ -89,6 +89,21 @@ def test_a_lock_whose_holder_is_killed_is_free(monkeypatch: pytest.MonkeyPatch) 
     assert lock.acquire(block=False)
 
 
+def test_an_interrupt_while_a_process_starts_does_not_reach_it(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    process = Spawning().Process(target=signal.getsignal, args=(signal.SIGINT,))
+    process.start()
+    assert process.pid is not None
+    os.kill(process.pid, signal.SIGINT)
+    process.join(PATIENCE)
+    assert process.exitcode == 0
+    assert "Traceback" not in capfd.readouterr().err
+    # The process that starts it is interrupted as before.
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
 def mapped() -> bytes:
     """The shared memory with a name that this process maps."""
     lines = Path("/proc/self/maps").read_text().splitlines()
