@@ -205,6 +205,8 @@ class Schedule:
         self._size = 0
         self._in_order = 0.0
         """When jobs were last seen to be taken [s]."""
+        self._has_lost = False
+        """Whether jobs were lost since the last result."""
         self._programs = Programs(workers)
 
     def __enter__(self) -> "Schedule":
@@ -224,9 +226,9 @@ class Schedule:
     def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """The results of worker processes.
 
-        A worker that dies while it starts breaks the whole pool. The pool is made again, and what
-        had been handed to it is handed over once more; where that breaks POOLS pools without a
-        result, these jobs have failed.
+        A worker that dies while it starts, or in the midst of a result, breaks the whole pool. The
+        pool is made again, and what had been handed to it is handed over once more; where that
+        breaks POOLS pools without a result, these jobs have failed.
         """
         self._employ(min(self._most, len(jobs)))
         self._in_order = time.monotonic()
@@ -263,14 +265,22 @@ class Schedule:
     def _lost(self, running: dict[Any, Job], *, is_going: bool) -> list[Job]:
         """The jobs that no worker has taken for UNTAKEN seconds although one is free; they no
         longer run. `is_going` says that a result has just come.
+
+        Where that happens twice without a result, the pool is stopped: a worker that was killed in
+        the midst of a result has left a part of it, and the pool waits for the rest.
         """
         untaken = [future for future in running if not (future.running() or future.done())]
         taken = len(running) - len(untaken)
         if is_going or not untaken or taken >= self._size:
             self._in_order = time.monotonic()
+        if is_going:
+            self._has_lost = False
         if time.monotonic() - self._in_order < UNTAKEN:
             return []
         self._in_order = time.monotonic()
+        if self._has_lost:
+            self._pool.stop()
+        self._has_lost = True
         for future in untaken:
             future.cancel()
         return [running.pop(future) for future in untaken]

@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
@@ -345,3 +346,46 @@ class Nothing:
 
     def truth(self, key: str) -> None:
         return None
+
+
+def is_cut_short(parent: int, temporary: str) -> None:
+    """In place of `begin`: a worker is killed when half of a long result is in the pipe, once."""
+    begin(parent, temporary)
+    whole = Connection._send
+
+    def half(connection: Connection, message: bytes, **how: object) -> None:
+        if len(message) >= len(LONG):
+            with suppress(FileNotFoundError):
+                Path(os.environ["DEATH"]).unlink()
+                os.write(connection.fileno(), message[: len(LONG) // 2])
+                os.kill(os.getpid(), signal.SIGKILL)
+        whole(connection, message, **how)
+
+    Connection._send = half
+
+
+LONG = b"-" * 32768
+"""A result that is sent in two pieces, its length and itself; half of it has room in a pipe."""
+
+
+def tells_much() -> bytes:
+    """A long result."""
+    return LONG
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_pool_in_which_a_result_was_cut_short_is_made_again(
+    workers: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "death").touch()
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    monkeypatch.setenv("DEATH", str(tmp_path / "death"))
+    monkeypatch.setattr("refdem.campaign.schedule.begin", is_cut_short)
+    monkeypatch.setattr("refdem.campaign.schedule.UNTAKEN", 4.0)
+    jobs = [Job(0, tells_much, ()), *(Job(k, works, ()) for k in range(1, 12))]
+    with Schedule(workers, 300) as schedule:
+        found = {job.key: result for job, result in schedule.results(jobs)}
+    crash = found.pop(0)
+    assert isinstance(crash, Failure)
+    assert crash.kind == "crash"
+    assert found == dict.fromkeys(range(1, 12), b"done")
