@@ -349,23 +349,25 @@ class Nothing:
 
 
 def is_cut_short(parent: int, temporary: str) -> None:
-    """In place of `begin`: a worker is killed when half of a long result is in the pipe, once."""
+    """In place of `begin`: a worker is killed when a part of a long result is in the pipe, once."""
     begin(parent, temporary)
     whole = Connection._send
 
-    def half(connection: Connection, message: bytes, **how: object) -> None:
+    def partly(connection: Connection, message: bytes, **how: object) -> None:
         if len(message) >= len(LONG):
             with suppress(FileNotFoundError):
                 Path(os.environ["DEATH"]).unlink()
-                os.write(connection.fileno(), message[: len(LONG) // 2])
+                os.write(connection.fileno(), message[:PART])
                 os.kill(os.getpid(), signal.SIGKILL)
         whole(connection, message, **how)
 
-    Connection._send = half
+    Connection._send = partly
 
 
-LONG = b"-" * 32768
-"""A result that is sent in two pieces, its length and itself; half of it has room in a pipe."""
+LONG = b"-" * 2**24
+"""A result that is sent in two pieces, its length and itself."""
+PART = 2**15
+"""Bytes that have room in a pipe."""
 
 
 def tells_much() -> bytes:
