@@ -38,15 +38,20 @@ def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
     try:
         engine.run(Request.unpacked(coarse))
         request = Request.unpacked(fine)
-        RESET.write_text("5")  # the peak starts again from what is held now
-        before = _resident("VmRSS")
+        reset_peak()
+        before = resident("VmRSS")
         engine.run(request)
     except Exception:  # a run that fails here has said so in its curve
         return None
-    return max(0, _resident("VmHWM") - before)
+    return max(0, resident("VmHWM") - before)
 
 
-def _resident(field: str) -> int:
-    """A field of the process's status [bytes]."""
+def reset_peak() -> None:
+    """Lets the peak of this process start again from what it holds now (Linux, proc(5))."""
+    RESET.write_text("5")
+
+
+def resident(field: str) -> int:
+    """A field of this process's status [bytes]: VmRSS is what it holds, VmHWM its peak."""
     line = next(line for line in STATUS.read_text().splitlines() if line.startswith(field))
     return 1024 * int(line.split()[1])

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from refdem.bench.memory import reset_peak, resident
 from tests.campaign.test_exchange import TOML, run
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -383,11 +384,11 @@ def judged(
         damage(folder)
         before = listing(tmp_path)
         reset_peak()
-        start = peak()
+        start = resident("VmHWM")
         done = command_line(
             "judge", "given", "--out", "report", cwd=tmp_path, env=environment(exported.parent)
         )
-        assert peak() - start < MOST_MEMORY
+        assert resident("VmHWM") - start < MOST_MEMORY
         shown = done.stdout + done.stderr
         assert "Traceback" not in shown
         assert "refdem itself broke" not in shown
@@ -395,9 +396,7 @@ def judged(
         assert SECRET not in shown
         reports = [path for path in (tmp_path / "report").rglob("*") if path.is_file()]
         assert not [path for path in reports if SECRET.encode() in path.read_bytes()]
-        after = listing(tmp_path)
-        assert {path: state for path, state in after.items() if path not in before} == {}
-        assert before == after
+        assert listing(tmp_path) == before
         return done
 
     return judge
@@ -413,18 +412,6 @@ def listing(above: Path) -> "dict[str, tuple[int, int]]":
             found[path] = (status.st_size, status.st_mtime_ns)
     report = str(above / "report")
     return {path: state for path, state in found.items() if not path.startswith(report)}
-
-
-def reset_peak() -> None:
-    """The most memory that this process has taken counts from now on (Linux, proc(5))."""
-    Path("/proc/self/clear_refs").write_text("5")
-
-
-def peak() -> int:
-    """The most memory that this process has taken [bytes]."""
-    status = Path("/proc/self/status").read_text()
-    (kilobytes,) = re.findall(r"VmHWM:\s*(\d+) kB", status)
-    return 1024 * int(kilobytes)
 
 
 @pytest.mark.parametrize("name", MANIFESTS)

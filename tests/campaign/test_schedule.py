@@ -7,7 +7,7 @@ import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -153,19 +153,31 @@ def wait_for(path: Path) -> None:
         time.sleep(0.01)
 
 
+def results_with_one_death(
+    begins: Callable[[int, str], None],
+    jobs: list[Job],
+    monkeypatch: pytest.MonkeyPatch,
+    folder: Path,
+) -> "dict[int, bytes | Failure]":
+    """Results of jobs in two workers, of which one dies, as what it `begins` with has it."""
+    death = folder / "death"
+    death.touch()
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    monkeypatch.setenv("DEATH", str(death))
+    monkeypatch.setattr("refdem.campaign.schedule.begin", begins)
+    with Schedule(2, 300) as schedule:
+        found = {job.key: result for job, result in schedule.results(jobs)}
+    assert not death.exists()
+    return found
+
+
 def test_a_job_whose_worker_is_killed_as_it_takes_it_is_handed_over_again(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (tmp_path / "death").touch()
-    monkeypatch.syspath_prepend(Path(__file__).parents[2])
-    monkeypatch.setenv("DEATH", str(tmp_path / "death"))
     monkeypatch.setenv("BEGUN", str(tmp_path / "begun"))
-    monkeypatch.setattr("refdem.campaign.schedule.begin", loses)
     monkeypatch.setattr("refdem.campaign.schedule.UNTAKEN", 2.0)
     jobs = [Job(0, runs_meanwhile, ()), *(Job(k, comes_next, ()) for k in range(1, 6))]
-    with Schedule(2, 300) as schedule:
-        found = {job.key: result for job, result in schedule.results(jobs)}
-    assert not (tmp_path / "death").exists()
+    found = results_with_one_death(loses, jobs, monkeypatch, tmp_path)
     assert found == dict.fromkeys(range(6), b"done")
 
 
@@ -378,14 +390,9 @@ def tells_much() -> bytes:
 def test_a_pool_in_which_a_result_was_cut_short_is_made_again(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    (tmp_path / "death").touch()
-    monkeypatch.syspath_prepend(Path(__file__).parents[2])
-    monkeypatch.setenv("DEATH", str(tmp_path / "death"))
-    monkeypatch.setattr("refdem.campaign.schedule.begin", is_cut_short)
     monkeypatch.setattr("refdem.campaign.schedule.UNTAKEN", 10.0)
     jobs = [Job(0, tells_much, ()), *(Job(k, works, ()) for k in range(1, 12))]
-    with Schedule(2, 300) as schedule:
-        found = {job.key: result for job, result in schedule.results(jobs)}
+    found = results_with_one_death(is_cut_short, jobs, monkeypatch, tmp_path)
     crash = found.pop(0)
     assert isinstance(crash, Failure)
     assert crash.kind == "crash"

@@ -9,13 +9,14 @@ call, or `program`), KILL_WHO and KILL_BY, the number of the signal. Each comman
 import importlib
 import json
 import os
+import runpy
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-HEADER = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
+PROGRAM = Path(__file__).parents[1] / "foreign" / "served" / "program.py"
 WORDS = {
     "refdem": "assassin.py\0refdem",
     "worker": "spawn_main",
@@ -111,26 +112,12 @@ def refdem(words: "list[str]") -> None:
     main()
 
 
-def answer(request: str, trajectory: str) -> None:
-    """Writes the rows of velocity Verlet for a mass on a spring."""
+def answer(asked: "dict[str, str]") -> None:
+    """Writes the right trajectory, with the program that the zoo of programs is made of."""
     if os.environ["KILL_AT"] == "program":
         kill()
-    asked = json.loads(Path(request).read_text())
-    (body,) = asked["scene"]["bodies"]
-    (spring,) = asked["scene"]["elements"]
-    h = asked["step"]
-    rate = spring["stiffness"] / body["mass"]
-    anchor = spring["anchor_b"][0]
-    x = body["position"][0]
-    v = body["velocity"][0]
-    rows = [HEADER]
-    for n, t in enumerate(asked["times"]):
-        for _ in range(asked["stride"] if n else 0):
-            v -= 0.5 * h * rate * (x - anchor)
-            x += h * v
-            v -= 0.5 * h * rate * (x - anchor)
-        rows.append(f"{t!r},0,{x!r},0,0,{v!r},0,0,,,,,,,")
-    Path(trajectory).write_text("\n".join(rows) + "\n")
+    program = runpy.run_path(str(PROGRAM))
+    program["solved"](asked)
 
 
 def serve() -> None:
@@ -138,7 +125,7 @@ def serve() -> None:
     print('{"ready": true}', flush=True)
     for line in sys.stdin:
         asked = json.loads(line)
-        answer(asked["request"], asked["trajectory"])
+        answer(asked)
         print(json.dumps({"id": asked["id"], "done": True}), flush=True)
 
 
@@ -147,7 +134,8 @@ def main(words: "list[str]") -> None:
     if words[:1] == ["refdem"]:
         refdem(words[1:])
     elif words:
-        answer(*words)
+        request, trajectory = words
+        answer({"request": request, "trajectory": trajectory})
     else:
         serve()
 

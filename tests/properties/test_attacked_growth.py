@@ -25,6 +25,12 @@ NOT_ATTACKED = {
 }
 
 ATTACKED = sorted(case for case in set(NAMES) - set(NOT_ATTACKED) if has_displaced_starts(case))
+FEWEST = 39
+"""Cases that are attacked, of those that are files of refdem itself."""
+
+
+def test_no_case_drops_out_of_the_attack():
+    assert len(ATTACKED) >= FEWEST
 
 
 def random_attack(case: str, number: int) -> Attack:

@@ -708,4 +708,5 @@ def main(words):
         stay()
 
 
-main(sys.argv[1:])
+if __name__ == "__main__":
+    main(sys.argv[1:])
