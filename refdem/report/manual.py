@@ -79,17 +79,21 @@ def markdown(page: ManualPage) -> str:
 
 
 def _statement(page: ManualPage) -> list[str]:
-    """Title, statement, equation, source and kind of the problem of a case, a paragraph each."""
+    """Title, statement, equation, words, source and kind of the problem of a case, a paragraph
+    each.
+    """
     source = markdown_text(page.source)
     convention = markdown_text(page.convention)
     kind = markdown_text(page.kind)
     features = markdown_text(", ".join(page.features))
-    words = markdown_text(", ".join(page.words))
+    words = []
+    if page.words:
+        words = [f"Found by: {markdown_text(', '.join(page.words))}."]
     return [
         f"# {markdown_text(page.title)} (`{page.case}`)",
         markdown_text(page.statement),
         f"$$\n{page.latex}\n$$",
-        f"Found by: {words}.",
+        *words,
         f"Source: {source}. Convention: {convention}",
         f"Kind of problem: {kind}: {features}.",
     ]

@@ -58,7 +58,7 @@ def home(tmp_path: Path) -> Path:
         digits=34,
         has_no_witness=False,
     )
-    other = msgspec.structs.replace(PAGE, case="bottom", title="Bottom", truth=proved)
+    other = msgspec.structs.replace(PAGE, case="bottom", title="Bottom", words=(), truth=proved)
     write_manual(tmp_path, [other, PAGE], version="9.9")
     return tmp_path / "manual"
 
@@ -86,6 +86,12 @@ def test_a_case_without_a_witness_is_red_and_the_other_is_not(home: Path) -> Non
     assert "**nobody**" in lines["[top](top.md)"]
     assert "**nobody**" not in lines["[bottom](bottom.md)"]
     assert (home / "index.html").read_text().count('class="outcome fail"') == 1
+
+
+@pytest.mark.parametrize("kind", ["html", "md"])
+def test_words_that_find_a_case_are_told_where_it_has_some(home: Path, kind: str) -> None:
+    assert "Found by: swing, rod." in (home / f"top.{kind}").read_text()
+    assert "Found by" not in (home / f"bottom.{kind}").read_text()
 
 
 def test_no_text_becomes_markup(home: Path) -> None:
