@@ -9,14 +9,14 @@ call, or `program`), KILL_WHO and KILL_BY, the number of the signal. Each comman
 import importlib
 import json
 import os
-import runpy
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-PROGRAM = Path(__file__).parents[1] / "foreign" / "served" / "program.py"
+from tests.foreign.served import program
+
 WORDS = {
     "refdem": "assassin.py\0refdem",
     "worker": "spawn_main",
@@ -116,8 +116,7 @@ def answer(asked: "dict[str, str]") -> None:
     """Writes the right trajectory, with the program that the zoo of programs is made of."""
     if os.environ["KILL_AT"] == "program":
         kill()
-    program = runpy.run_path(str(PROGRAM))
-    program["solved"](asked)
+    program.solved(asked)
 
 
 def serve() -> None:

@@ -21,6 +21,7 @@ import pytest
 from refdem.engines.external import folders
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
+ROOT = Path(__file__).parents[2]
 ASSASSIN = Path(__file__).with_name("assassin.py")
 PATIENCE = 120.0
 """Seconds within which processes end, on any machine."""
@@ -127,8 +128,9 @@ class Place:
 
     @property
     def environment(self) -> "dict[str, str]":
-        """With a store and a folder of temporary files of its own."""
+        """With a store and a folder of temporary files of its own, and tests that are found."""
         return os.environ | {
+            "PYTHONPATH": str(ROOT),
             "TMPDIR": str(self.folder / "temporary"),
             "REFDEM_STORE": str(self.folder / "store.sqlite"),
             "KILL_AT": PROGRAM_RUNS,
