@@ -1,13 +1,29 @@
-/* Chipmunk (the engine of pymunk): a loop over its own steps that records the bodies.
+/* Chipmunk (the engine of pymunk): a loop over its own steps that records the bodies, and the
+ * functions that it calls in each step for forces and laws that it has no element for.
  *
  * The engine's functions come as addresses; no header of Chipmunk is used. Its numbers are doubles
- * (the adapter checks), its vectors are passed by value.
+ * (the adapter checks), its vectors are passed by value. Its functions have no argument for their
+ * user, so that the laws are kept for each thread; a law is found by the address of its owner.
  */
-#include <assert.h>
+#include "chipmunk_kernel.h"
 
-#include "kernels.h"
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "force_rows.h"
 
 enum { COLUMNS = 6 }; /* of a body: position (2), velocity (2), angle, omega */
+enum { CONTACT = PIECEWISE + 1, FRICTION }; /* further kinds of laws, of constraints */
+
+/* The friction of a joint is at most load mu(u), with
+ * mu(u) = (mu0 - mu1)/(1 + lambda0 u) + mu1 + lambda1 u^power at the speed u along the axis. */
+typedef struct {
+    double load, mu0, mu1, lambda0, lambda1, power, axis[2];
+} friction_row;
+
+static _Thread_local const refdem_chipmunk_laws *running;
 
 /* Writes the columns of one body; those of its rotation stay as they are in a scene in which
  * nothing can turn. */
@@ -42,4 +58,110 @@ int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies,
             record(engine, body[i], out + COLUMNS * (bodies * k + i));
     }
     return 0;
+}
+
+void refdem_chipmunk_set(const refdem_chipmunk_laws *laws)
+{
+    running = laws;
+}
+
+/* The number of the first law of that owner; the number of laws if it has none. */
+static int64_t first_law_of(const refdem_chipmunk_laws *f, const void *owner)
+{
+    int64_t below = 0, above = f->laws;
+    while (below < above) {
+        int64_t middle = below + (above - below) / 2;
+        if ((uintptr_t)f->owner[middle] < (uintptr_t)owner)
+            below = middle + 1;
+        else
+            above = middle;
+    }
+    return below;
+}
+
+void refdem_chipmunk_push(void *body, refdem_vector2 gravity, double damping, double h)
+{
+    const refdem_chipmunk_laws *f = running;
+    assert(f);
+    refdem_vector2 r = f->position(body), v = f->velocity(body);
+    double place[3] = {r.x, r.y, 0}, velocity[3] = {v.x, v.y, 0};
+    /* The body has moved already, and the step is counted: the force is that at its end. */
+    double t = f->start + f->step * f->timestamp(f->space);
+    refdem_vector2 total = {0, 0};
+    for (int64_t k = first_law_of(f, body); k < f->laws && f->owner[k] == body; k++) {
+        double force[3];
+        force_on(f->kind[k], f->number + NUMBERS * k, t, place, velocity, force);
+        total.x += force[0];
+        total.y += force[1];
+    }
+    f->set_force(body, total);
+    f->update_velocity(body, gravity, damping, h);
+}
+
+/* Between the two bodies of a constraint: the place and velocity of the second from the first. */
+static void relative(const refdem_chipmunk_laws *f, const void *constraint, double *d, double *w)
+{
+    const void *a = f->body_a(constraint), *b = f->body_b(constraint);
+    refdem_vector2 r_a = f->position(a), r_b = f->position(b);
+    refdem_vector2 v_a = f->velocity(a), v_b = f->velocity(b);
+    d[0] = r_b.x - r_a.x;
+    d[1] = r_b.y - r_a.y;
+    w[0] = v_b.x - v_a.x;
+    w[1] = v_b.y - v_a.y;
+}
+
+/* True while two discs overlap, and the forces of spring and damper together push or may pull. */
+static bool is_pressed(const refdem_chipmunk_laws *f, const void *constraint, const contact_row *p,
+                       double distance)
+{
+    double overlap = p->reach - distance;
+    if (!(overlap > 0))
+        return false;
+    if (p->may_pull != 0 || p->damping == 0)
+        return true;
+    double d[2], w[2];
+    relative(f, constraint, d, w);
+    double overlap_rate = -(w[0] * d[0] + w[1] * d[1]) / hypot(d[0], d[1]);
+    return p->stiffness * pow(overlap, p->exponent) + p->damping * overlap_rate > 0;
+}
+
+double refdem_chipmunk_spring(void *constraint, double distance)
+{
+    const refdem_chipmunk_laws *f = running;
+    assert(f);
+    int64_t k = first_law_of(f, constraint);
+    assert(k < f->laws && f->owner[k] == constraint);
+    const void *row = f->number + NUMBERS * k;
+    if (f->kind[k] == SPRING) {
+        const spring_row *p = row;
+        return -spring_pull(p, distance - p->length);
+    }
+    const contact_row *p = row;
+    if (!is_pressed(f, constraint, p, distance))
+        return 0.0;
+    return p->stiffness * pow(p->reach - distance, p->exponent);
+}
+
+void refdem_chipmunk_prepare(void *constraint, void *space)
+{
+    (void)space;
+    const refdem_chipmunk_laws *f = running;
+    assert(f);
+    int64_t k = first_law_of(f, constraint);
+    assert(k < f->laws && f->owner[k] == constraint);
+    const void *row = f->number + NUMBERS * k;
+    double d[2], w[2];
+    relative(f, constraint, d, w);
+    if (f->kind[k] == CONTACT) {
+        const contact_row *p = row;
+        double damping = 0.0;
+        if (is_pressed(f, constraint, p, hypot(d[0], d[1])))
+            damping = p->damping;
+        f->set_damping(constraint, damping);
+    } else {
+        const friction_row *p = row;
+        double speed = fabs(p->axis[0] * w[0] + p->axis[1] * w[1]);
+        double falling = (p->mu0 - p->mu1) / (1 + p->lambda0 * speed) + p->mu1;
+        f->set_limit(constraint, p->load * (falling + p->lambda1 * pow(speed, p->power)));
+    }
 }

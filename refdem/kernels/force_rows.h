@@ -1,7 +1,15 @@
 /* The numbers of one force as an adapter hands them over: a row of doubles, seen through the struct
- * of its kind. MuJoCo's and REBOUND's callbacks read the same rows. */
+ * of its kind. The callbacks of MuJoCo, REBOUND and Chipmunk read the same rows. */
 #ifndef REFDEM_FORCE_ROWS_H
 #define REFDEM_FORCE_ROWS_H
+
+#include <math.h>
+#include <stdint.h>
+
+/* The kinds of forces on a point, as adapters number them. */
+enum { DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE };
+/* Doubles of a row in a table of several kinds. */
+enum { NUMBERS = 10 };
 
 /* F = force cos(frequency t + phase) along the axis. [N], [rad/s], [rad]. */
 typedef struct {
@@ -36,6 +44,13 @@ typedef struct {
     double reach, stiffness, exponent, damping, may_pull;
 } contact_row;
 
+/* The pull of a spring at the stretch s. */
+static inline double spring_pull(const spring_row *p, double s)
+{
+    double power = p->stiffness * copysign(pow(fabs(s), p->exponent), s);
+    return power + (p->quadratic + p->cubic * s) * s * s;
+}
+
 /* The force of a piecewise field at s. */
 static inline double piecewise_force(const piecewise_row *p, double s)
 {
@@ -44,6 +59,57 @@ static inline double piecewise_force(const piecewise_row *p, double s)
     if (s > 0 && s < p->x2)
         return p->k2 * (s - p->x2);
     return 0.0;
+}
+
+/* The distance of a point from an anchor, and its branch vector d. */
+static inline double branch(const double *anchor, const double *place, double *d)
+{
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        d[i] = place[i] - anchor[i];
+        square += d[i] * d[i];
+    }
+    return sqrt(square);
+}
+
+/* The force (3) [N] of one row on a point at time t [s], from its place (3) [m] and velocity (3)
+ * [m/s]: relative to the other end of the row's element, where it has one. */
+static inline void force_on(int64_t kind, const double *row, double t, const double *place,
+                            const double *velocity, double *force)
+{
+    static const double origin[3] = {0, 0, 0};
+    const double *direction = place; /* F = strength direction */
+    double strength = 0.0;
+    double d[3];
+    if (kind == DRIVE) {
+        const drive_row *p = (const void *)row;
+        strength = p->force * cos(p->frequency * t + p->phase);
+        direction = p->axis;
+    } else if (kind == SPRING) {
+        const spring_row *p = (const void *)row;
+        double distance = branch(p->anchor, place, d);
+        if (distance > 0) /* a spring of no length has no direction */
+            strength = -spring_pull(p, distance - p->length) / distance;
+        direction = d;
+    } else if (kind == DASHPOT) {
+        const dashpot_row *p = (const void *)row;
+        double distance = branch(p->anchor, place, d);
+        strength = -(p->damping + p->van_der_pol * distance * distance);
+        direction = velocity;
+    } else if (kind == CENTRAL) {
+        const central_row *p = (const void *)row;
+        double distance = branch(origin, place, d);
+        strength = -p->attraction / (distance * distance * distance);
+    } else if (kind == PIECEWISE) {
+        const piecewise_row *p = (const void *)row;
+        double s = 0.0;
+        for (int i = 0; i < 3; i++)
+            s += (place[i] - p->point[i]) * p->axis[i];
+        strength = piecewise_force(p, s);
+        direction = p->axis;
+    }
+    for (int i = 0; i < 3; i++)
+        force[i] = strength * direction[i];
 }
 
 #endif

@@ -33,29 +33,6 @@
 int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride, int64_t n_source,
                   void *const *source, const int64_t *size, double *out);
 
-/* == chipmunk == */
-
-typedef struct {
-    double x, y;
-} refdem_vector2;
-
-/* Addresses in the engine: its space, its step, and what reads a body's state; angle and omega are
- * NULL if nothing can turn. */
-typedef struct {
-    void *space;
-    void (*step)(void *space, double h);
-    refdem_vector2 (*position)(void *body);
-    refdem_vector2 (*velocity)(void *body);
-    double (*angle)(void *body);
-    double (*omega)(void *body);
-} refdem_chipmunk_engine;
-
-/* Steps Chipmunk `stride` times a sample. out (samples, bodies, 6): x, y [m], vx, vy [m/s], angle
- * [rad], omega [rad/s]; row 0 is the state at the start; angle and omega are left alone if nothing
- * can turn. Returns 0. */
-int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body,
-                           double h, int64_t samples, int64_t stride, double *out);
-
 /* == rebound_forces == */
 
 /* What REBOUND's callbacks need. particle: address of the scene's first body in the engine's array;

@@ -80,12 +80,9 @@ static void spring(const scene_t *scene, const int64_t *end, const spring_row *p
         return;
     }
     double distance = sqrt(dot(d, d));
-    double stretch = distance - p->length;
     if (!(distance > 0)) /* a spring of no length has no direction */
         return;
-    double power = p->stiffness * copysign(pow(fabs(stretch), p->exponent), stretch);
-    double polynomial = (p->quadratic + p->cubic * stretch) * stretch * stretch;
-    add_force(scene, end, -(power + polynomial) / distance, d);
+    add_force(scene, end, -spring_pull(p, distance - p->length) / distance, d);
 }
 
 /* F = -(damping + van_der_pol |d|^2) w. */

@@ -71,11 +71,11 @@ FAULTS = [
     ),
     (
         "friction that pushes",
-        "engines/pymunk/callbacks.py",
+        "engines/pymunk/space.py",
         (
-            "    joint.max_force = load * link.coefficient(0.0)\n",
+            "    joint.max_force = link.normal_force * link.coefficient(0.0)\n",
             (
-                "    joint.max_force = 0.0\n    push = load * link.coefficient(0.0)\n"
+                "    joint.max_force = 0.0\n    push = link.normal_force * link.coefficient(0.0)\n"
                 "    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
                 "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) /"
                 " b.mass * dt, 0.0))\n"

@@ -8,6 +8,18 @@ from itertools import pairwise
 from refdem.core import discovery
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Request
+from refdem.scene.force_rows import CENTRAL, DASHPOT, DRIVE, PIECEWISE, SPRING
+
+STRENGTHS = {DRIVE: (0,), SPRING: (0, 6, 7), DASHPOT: (0, 1), CENTRAL: (0,), PIECEWISE: (0, 1)}
+"""Columns of the row of each kind of force that the force is proportional to."""
+
+
+def misread(numbers: Iterable[float], columns: Iterable[int], factor: float) -> tuple[float, ...]:
+    """The numbers with some columns multiplied by a factor."""
+    wrong = list(numbers)
+    for column in columns:
+        wrong[column] *= factor
+    return tuple(wrong)
 
 
 def largest_error(

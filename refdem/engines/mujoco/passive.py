@@ -19,12 +19,9 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.spring import Spring
+from refdem.scene.force_rows import NUMBERS, Row, kind_of, row_of
 
 FAMILY = "mujoco_forces"
-(DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE) = range(5)
-"""Kinds of forces, as the compiled callback numbers them."""
-NUMBERS = 10
-"""Columns of a force in the table that the compiled callback reads."""
 Places = tuple[list[int], list[int]]
 """The indices of a body's coordinates in MuJoCo's qpos, and of its velocities in qvel; along an
 axis that has none the body is at rest at 0."""
@@ -34,14 +31,13 @@ axis that has none the body is at rest at 0."""
 class Push:
     """A force on body `a`, and its opposite on body `b` unless that is the world (-1).
 
-    `kind` is one of DRIVE to PIECEWISE; `numbers` are the parameters of that kind in the order of
-    the compiled callback (mujoco_forces_kernel.h).
+    `kind` and `numbers` are those of the compiled callback (`force_rows`).
     """
 
     a: int
     b: int
     kind: int
-    numbers: tuple[float, ...]
+    numbers: Row
 
 
 @contextmanager
@@ -159,26 +155,8 @@ def _pushes(scene: Scene) -> Iterator[Push]:
         if not is_passive(element, scene):
             continue
         if isinstance(element, Force | Spring | Dashpot):
-            yield _of_link(element)
+            yield Push(element.a, element.b, kind_of(element), row_of(element))
         elif isinstance(element, CentralField | PiecewiseField):
             for number in moving:
-                yield _of_field(element, number, float(scene.bodies.mass[number]))
-
-
-def _of_link(link: Force | Spring | Dashpot) -> Push:
-    """The force of a drive, a spring or a dashpot."""
-    if isinstance(link, Force):
-        numbers: tuple[float, ...] = (link.amplitude, link.frequency, link.phase, *link.axis)
-        return Push(link.a, link.b, DRIVE, numbers)
-    if isinstance(link, Spring):
-        numbers = (link.stiffness, link.length, link.exponent, *link.anchor_b)
-        return Push(link.a, link.b, SPRING, (*numbers, link.quadratic, link.cubic))
-    return Push(link.a, link.b, DASHPOT, (link.damping, link.van_der_pol, *link.anchor_b))
-
-
-def _of_field(field: CentralField | PiecewiseField, body: int, mass: float) -> Push:
-    """The force of a field on one body."""
-    if isinstance(field, CentralField):
-        return Push(body, -1, CENTRAL, (field.gm * mass,))
-    numbers = (field.k1, field.k2, field.x1, field.x2, *field.point, *field.axis)
-    return Push(body, -1, PIECEWISE, numbers)
+                numbers = row_of(element, float(scene.bodies.mass[number]))
+                yield Push(number, -1, kind_of(element), numbers)

@@ -65,13 +65,13 @@ AUDIT = (
         "Euler",
         "the same after the forces at the new place and the clock's end of the step",
         "drives, central and piecewise fields, dashpots that Space.damping cannot say; the callback"
-        " is Python",
+        " is compiled",
     ),
     Default(
         "DampedSpring.force_func",
         "stiffness * (rest_length - distance)",
         "the spring's law where it is not linear; k d^n of a soft contact while d > 0",
-        "Chipmunk asks it for the force of the spring without its damper; the callback is Python",
+        "Chipmunk asks it for the force of the spring without its damper; the callback is compiled",
     ),
     Default(
         "DampedSpring.damping",

@@ -1,141 +1,213 @@
-"""Functions that Chipmunk calls in every step: for friction that depends on the speed, and for
-forces on a body that depend on the time, its position or its velocity.
+"""Laws that Chipmunk asks for in every step, compiled (`kernels/chipmunk.c`): forces on a body that
+depend on the time, its place or its velocity, springs that are not linear, soft contacts, and
+friction that depends on the speed.
 """
 
-from collections.abc import Callable, Iterator
-from math import cos, hypot
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
 
+import numpy as np
 import pymunk
-from pymunk._chipmunk_cffi import lib as engine
+from pymunk._chipmunk_cffi import ffi as engine_ffi
+from pymunk._chipmunk_cffi import lib as engine_lib
 
+from refdem import kernels
 from refdem.engines.pymunk.unsupported import fading
-from refdem.scene import Scene
+from refdem.scene import Scene, Sphere
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.force_rows import (
+    NUMBERS,
+    PIECEWISE,
+    SPRING,
+    Field,
+    Push,
+    Row,
+    kind_of,
+    row_of,
+)
 
-Planar = tuple[float, float]
-BodyForce = Callable[[float, pymunk.Body], Planar]
-"""The force (x, y) [N] on a body at a time [s]; the body tells its place and velocity."""
+FAMILY = "chipmunk"
+CONTACT = PIECEWISE + 1
+"""The kind of a soft contact, beyond those of forces on one body."""
+FRICTION = PIECEWISE + 2
+"""The kind of a friction that depends on the speed."""
+CENTRE = (0.0, 0.0)
+FUNCTIONS = {
+    "timestamp": "cpSpaceGetTimestamp",
+    "position": "cpBodyGetPosition",
+    "velocity": "cpBodyGetVelocity",
+    "set_force": "cpBodySetForce",
+    "update_velocity": "cpBodyUpdateVelocity",
+    "body_a": "cpConstraintGetBodyA",
+    "body_b": "cpConstraintGetBodyB",
+    "set_damping": "cpDampedSpringSetDamping",
+    "set_limit": "cpConstraintSetMaxForce",
+}
+"""Chipmunk's functions that the laws call, by the names of the compiled struct."""
 
 
-def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
-    """The joint as dry friction: its force is at most f(u) N, f being the coefficient at speed u.
+@dataclass(frozen=True)
+class Law:
+    """A law of a body or of a joint: its kind, and its numbers as the compiled code reads them."""
 
-    Coulomb's limit is constant. A limit that depends on the speed is set anew before each step, for
-    the speed that the bodies have then.
+    owner: pymunk.Body | pymunk.Constraint
+    kind: int
+    numbers: Row
+
+
+def bent(joint: pymunk.Constraint, link: Spring) -> Law:
+    """The law of a spring that is not linear.
+
+    Pull = k |s|^n sgn(s) + a s^2 + b s^3 in the stretch s = distance - length.
     """
-    (x, y) = link.axis[:2]
-    load = link.normal_force
-    joint.max_force = load * link.coefficient(0.0)
-    # 1 a second leaves the distance as it is: friction has no memory of a place to go back to.
-    joint.error_bias = 1.0
-
-    def limited(joint: pymunk.Constraint, space: pymunk.Space) -> None:
-        relative = joint.a.velocity - joint.b.velocity
-        speed = abs(x * relative.x + y * relative.y)
-        joint.max_force = load * link.coefficient(speed)
-
-    if link.law != "coulomb":
-        joint.pre_solve = limited
-    return joint
+    return Law(joint, SPRING, row_of(link))
 
 
-def drive(
-    space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body], start: float, step: float
-) -> None:
-    """Sets a velocity function on every body that a force from outside acts on.
+def fading_friction(joint: pymunk.Constraint, link: Slider) -> Law:
+    """The law of a dry friction whose limit depends on the speed: it is set anew before each step,
+    for the speed that the bodies have then.
+    """
+    power = 1.0
+    if link.law == "stribeck":
+        power = 2.0
+    numbers = (link.normal_force, link.mu0, link.mu1, link.lambda0, link.lambda1, power)
+    return Law(joint, FRICTION, (*numbers, *link.axis[:2]))
 
-    Chipmunk calls it where it updates a velocity, after it has moved the body: the force is that at
-    the new place and at the end of the step, with the velocity of its beginning.
+
+def soft_contacts(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
+    """A one-sided spring for every pair of spheres, where the contact law has a stiffness.
+
+    F = k d^n with the overlap d = R_a + R_b - distance, and c dd/dt of the joint's own damper. The
+    damper acts at any distance, so that it is switched before each step: on while the discs
+    overlap, for `zero_force` only while both forces together push.
+    """
+    for law in scene.all(Contact):
+        if law.law == "rigid":
+            continue
+        balls = [
+            (body, shape.radius)
+            for body, shape in zip(bodies, scene.bodies.shape, strict=True)
+            if isinstance(shape, Sphere)
+        ]
+        for (a, radius_a), (b, radius_b) in combinations(balls, 2):
+            if a.body_type == b.body_type == pymunk.Body.STATIC:
+                continue
+            touching = radius_a + radius_b
+            joint = pymunk.DampedSpring(a, b, CENTRE, CENTRE, touching, law.stiffness, 0.0)
+            may_pull = float(law.cutoff == "zero_overlap")
+            numbers = (touching, law.stiffness, law.exponent, law.damping, may_pull)
+            yield Law(joint, CONTACT, numbers)
+
+
+def pushes(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
+    """The forces from outside on every body that moves: drives, fields, and dashpots that
+    `Space.damping` cannot say.
+
+    Chipmunk asks for them where it updates a velocity, after it has moved the body: the force is
+    that at the new place and at the end of the step, with the velocity of its beginning.
     """
     for number, body in enumerate(bodies):
-        forces = list(_forces_on(scene, number))
-        if forces and not scene.bodies.fixed[number]:
-            _push(space, body, forces, start, step)
+        if scene.bodies.fixed[number]:
+            continue
+        mass = float(scene.bodies.mass[number])
+        for element in _pushing(scene, number):
+            yield Law(body, kind_of(element), row_of(element, mass))
 
 
-def _forces_on(scene: Scene, number: int) -> Iterator[BodyForce]:
-    """The forces from outside on one body: drives, fields, and dashpots that `Space.damping` cannot
-    say.
-    """
-    mass = float(scene.bodies.mass[number])
+def _pushing(scene: Scene, number: int) -> Iterator[Field | Push]:
+    """The elements whose forces on that body are from outside."""
     for element in scene.elements:
-        if isinstance(element, Force) and element.a == number:
-            yield _periodic(element)
-        elif isinstance(element, CentralField):
-            yield _attraction(element, mass)
-        elif isinstance(element, PiecewiseField):
-            yield _slope(element)
-        elif isinstance(element, Dashpot) and element.a == number and fading(scene) is None:
-            yield _resistance(element)
+        if isinstance(element, CentralField | PiecewiseField):
+            yield element
+        elif isinstance(element, Dashpot) and fading(scene) is not None:
+            continue
+        elif isinstance(element, Force | Dashpot) and element.a == number:
+            yield element
 
 
-def _periodic(drive: Force) -> BodyForce:
-    """F = amplitude cos(frequency t + phase) along the axis."""
-    (x, y) = drive.axis[:2]
-
-    def force(t: float, body: pymunk.Body) -> Planar:
-        strength = drive.amplitude * cos(drive.frequency * t + drive.phase)
-        return strength * x, strength * y
-
-    return force
-
-
-def _attraction(field: CentralField, mass: float) -> BodyForce:
-    """F = -gm m r/|r|^3 towards the origin."""
-
-    def force(t: float, body: pymunk.Body) -> Planar:
-        (x, y) = body.position
-        distance = hypot(x, y)
-        pull = -field.gm * mass / (distance * distance * distance)
-        return pull * x, pull * y
-
-    return force
+@contextmanager
+def acting(space: pymunk.Space, laws: Sequence[Law], start: float, step: float) -> Iterator[None]:
+    """Within this context Chipmunk asks for these laws, from a start [s] with a step [s]."""
+    if not laws:
+        yield
+        return
+    library = kernels.load(FAMILY)
+    # The arrays live as long as their names: the struct only points to them.
+    (struct, *_arrays) = _struct(space, sorted(laws, key=_address_of), start, step)
+    for law in laws:
+        _ask(law)
+    library.lib.refdem_chipmunk_set(struct)
+    try:
+        yield
+    finally:
+        library.lib.refdem_chipmunk_set(library.ffi.NULL)
 
 
-def _slope(field: PiecewiseField) -> BodyForce:
-    """F(s) along the axis, s = (r - point).axis: k1 (s - x1) up to s = 0, then k2 (s - x2)."""
-    (axis_x, axis_y) = field.axis[:2]
-    (point_x, point_y) = field.point[:2]
-
-    def force(t: float, body: pymunk.Body) -> Planar:
-        (x, y) = body.position
-        s = (x - point_x) * axis_x + (y - point_y) * axis_y
-        if s <= 0:
-            strength = field.k1 * max(s - field.x1, 0.0)
-        else:
-            strength = field.k2 * min(s - field.x2, 0.0)
-        return strength * axis_x, strength * axis_y
-
-    return force
+def _ask(law: Law) -> None:
+    """Tells Chipmunk which compiled functions to call for the owner of a law."""
+    if isinstance(law.owner, pymunk.Body):
+        pushed = _compiled("cpBodyVelocityFunc", "refdem_chipmunk_push")
+        engine_lib.cpBodySetVelocityUpdateFunc(law.owner._body, pushed)
+        return
+    if law.kind != FRICTION:
+        spring = _compiled("cpDampedSpringForceFunc", "refdem_chipmunk_spring")
+        engine_lib.cpDampedSpringSetSpringForceFunc(law.owner._constraint, spring)
+    if law.kind != SPRING:
+        prepared = _compiled("cpConstraintPreSolveFunc", "refdem_chipmunk_prepare")
+        engine_lib.cpConstraintSetPreSolveFunc(law.owner._constraint, prepared)
 
 
-def _resistance(dashpot: Dashpot) -> BodyForce:
-    """F = -(damping + van_der_pol d^2) v, where d is the distance from the dashpot's other end."""
-    (anchor_x, anchor_y) = dashpot.anchor_b[:2]
-
-    def force(t: float, body: pymunk.Body) -> Planar:
-        (x, y) = body.position
-        (v_x, v_y) = body.velocity
-        distance_squared = (x - anchor_x) ** 2 + (y - anchor_y) ** 2
-        coefficient = dashpot.damping + dashpot.van_der_pol * distance_squared
-        return -coefficient * v_x, -coefficient * v_y
-
-    return force
+def _compiled(kind: str, name: str) -> Any:
+    """A compiled function of ours as a function of Chipmunk's type."""
+    library = kernels.load(FAMILY)
+    function = library.ffi.addressof(library.lib, name)
+    return engine_ffi.cast(kind, int(library.ffi.cast("uintptr_t", function)))
 
 
-def _push(
-    space: pymunk.Space, body: pymunk.Body, forces: list[BodyForce], start: float, step: float
-) -> None:
-    """Applies these forces to one body; Chipmunk has counted the step that it is in."""
+def _struct(space: pymunk.Space, laws: Sequence[Law], start: float, step: float) -> list[Any]:
+    """The struct of the compiled functions, and after it the arrays that it points to."""
+    ffi = kernels.load(FAMILY).ffi
+    kind = np.array([law.kind for law in laws], np.int64)
+    number = np.zeros((len(laws), NUMBERS))
+    for row, law in enumerate(laws):
+        number[row, : len(law.numbers)] = law.numbers
+    arrays = {
+        "owner": ffi.new("void *[]", [ffi.cast("void *", _address_of(law)) for law in laws]),
+        "kind": ffi.from_buffer("int64_t[]", kind),
+        "number": ffi.from_buffer("double[]", number),
+    }
+    struct = ffi.new("refdem_chipmunk_laws *", {"laws": len(laws), **arrays})
+    struct.space = ffi.cast("void *", number_of(space._space))
+    struct.start = start
+    struct.step = step
+    set_functions(struct, FUNCTIONS)
+    return [struct, *arrays.values()]
 
-    def updated(body: pymunk.Body, gravity: Planar, damping: float, dt: float) -> None:
-        t = start + step * engine.cpSpaceGetTimestamp(space._space)
-        components = [force(t, body) for force in forces]
-        body.force = (sum(x for x, _ in components), sum(y for _, y in components))
-        pymunk.Body.update_velocity(body, gravity, damping, dt)
 
-    body.velocity_func = updated
+def _address_of(law: Law) -> int:
+    """The address of the owner of a law in Chipmunk."""
+    if isinstance(law.owner, pymunk.Body):
+        return number_of(law.owner._body)
+    return number_of(law.owner._constraint)
+
+
+def number_of(pointer: Any) -> int:
+    """The address that a pointer of Chipmunk holds."""
+    return int(engine_ffi.cast("uintptr_t", pointer))
+
+
+def set_functions(struct: Any, functions: dict[str, str]) -> None:
+    """Sets fields of a compiled struct to the addresses of functions of Chipmunk."""
+    ffi = kernels.load(FAMILY).ffi
+    for field, function in functions.items():
+        address = number_of(engine_ffi.addressof(engine_lib, function))
+        setattr(struct, field, ffi.cast(ffi.typeof(getattr(struct, field)), address))

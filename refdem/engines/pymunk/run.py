@@ -12,7 +12,7 @@ from pymunk._chipmunk_cffi import lib as engine_lib
 from refdem import kernels
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.pymunk.callbacks import drive
+from refdem.engines.pymunk.callbacks import FAMILY, acting, number_of, set_functions
 from refdem.engines.pymunk.space import angle_of, space_of
 from refdem.errors import EngineError
 
@@ -25,9 +25,10 @@ FUNCTIONS = {
     "step": "cpSpaceStep",
     "position": "cpBodyGetPosition",
     "velocity": "cpBodyGetVelocity",
-    "angle": "cpBodyGetAngle",
-    "omega": "cpBodyGetAngularVelocity",
 }
+"""Chipmunk's functions that the loop calls, by the names of the compiled struct."""
+TURNING = {"angle": "cpBodyGetAngle", "omega": "cpBodyGetAngularVelocity"}
+"""Those that it calls in scenes in which something can turn."""
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
@@ -42,10 +43,9 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     start = request.problem.times[0]
     step = request.signed_step
     is_as_shipped = request.method.endswith("-as-shipped")
-    space, bodies = space_of(scene, is_tuned=not is_as_shipped)
-    drive(space, scene, bodies, float(start), step)
-    ffi = kernels.load("chipmunk").ffi
-    lib = kernels.load("chipmunk").lib
+    space, bodies, laws = space_of(scene, is_tuned=not is_as_shipped)
+    ffi = kernels.load(FAMILY).ffi
+    lib = kernels.load(FAMILY).lib
     can_turn = (columns.inertia[:, 2] > 0) & ~columns.fixed
     engine = _engine(ffi, space, turns=bool(can_turn.any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
@@ -55,10 +55,11 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     # Where nothing can turn the loop does not write these columns.
     rows[..., ANGLE] = angle_of(columns.attitude)
     rows[..., OMEGA] = 0.0
-    out = kernels.pointer("chipmunk", rows, output=True)
-    started = perf_counter()
-    lib.refdem_chipmunk_record(engine, len(bodies), handles, step, samples, stride, out)
-    ended = perf_counter()
+    out = kernels.pointer(FAMILY, rows, output=True)
+    with acting(space, laws, float(start), step):
+        started = perf_counter()
+        lib.refdem_chipmunk_record(engine, len(bodies), handles, step, samples, stride, out)
+        ended = perf_counter()
     steps = int(engine_lib.cpSpaceGetTimestamp(space._space))
     if steps != (samples - 1) * stride:
         raise EngineError(
@@ -72,22 +73,16 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
 def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
     """Addresses for the compiled loop; angles are not read where nothing can turn."""
     engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
-    for field, function in FUNCTIONS.items():
-        if turns or field not in ("angle", "omega"):
-            address = _number(engine_ffi.addressof(engine_lib, function))
-            kind = ffi.typeof(getattr(engine, field))
-            setattr(engine, field, ffi.cast(kind, address))
+    functions = dict(FUNCTIONS)
+    if turns:
+        functions |= TURNING
+    set_functions(engine, functions)
     return engine
-
-
-def _number(pointer: Any) -> int:
-    """The address that an engine's pointer holds."""
-    return int(engine_ffi.cast("uintptr_t", pointer))
 
 
 def _address(ffi: Any, pointer: Any) -> Any:
     """The same address for the loop's own interface."""
-    return ffi.cast("void *", _number(pointer))
+    return ffi.cast("void *", number_of(pointer))
 
 
 def _trajectory(request: Request, t: Array, rows: Array) -> Trajectory:

@@ -1,14 +1,21 @@
 """A scene as Chipmunk's space with its bodies and joints."""
 
+from collections.abc import Iterator
 from math import exp
 from typing import Any
 
 import numpy as np
 import pymunk
 
-from refdem.engines.pymunk.callbacks import rubbing
+from refdem.engines.pymunk.callbacks import (
+    CENTRE,
+    Law,
+    bent,
+    fading_friction,
+    pushes,
+    soft_contacts,
+)
 from refdem.engines.pymunk.shapes import add_shapes
-from refdem.engines.pymunk.springs import add_soft_contacts, bent
 from refdem.engines.pymunk.unsupported import fading
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
@@ -22,9 +29,11 @@ round-off.
 """
 
 
-def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list[pymunk.Body]]:
-    """The space and its bodies, in the scene's order; with pymunk's own slop, iterations and pull
-    on joints unless it is tuned.
+def space_of(
+    scene: Scene, *, is_tuned: bool = True
+) -> tuple[pymunk.Space, list[pymunk.Body], list[Law]]:
+    """The space, its bodies in the scene's order, and the laws that it asks for in every step; with
+    pymunk's own slop, iterations and pull on joints unless it is tuned.
     """
     space = pymunk.Space()
     # Chipmunk's damping is the factor on all velocities in a second, exp(-rate).
@@ -38,28 +47,40 @@ def space_of(scene: Scene, *, is_tuned: bool = True) -> tuple[pymunk.Space, list
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
     space.add(*bodies)
     links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
-    joints = [
-        _joint(space, bodies, link, is_tuned=is_tuned)
-        for link in links
-        if not all(_is_still(scene, end) for end in (link.a, link.b))
-    ]
+    links = [link for link in links if not all(_is_still(scene, end) for end in (link.a, link.b))]
+    joints = [_joint(space, bodies, link, is_tuned=is_tuned) for link in links]
+    pressing = list(soft_contacts(scene, bodies))
+    laws = [law for joint, link in zip(joints, links, strict=True) for law in _laws(joint, link)]
+    laws += [*pressing, *pushes(scene, bodies)]
     space.add(*joints)
-    # Springs are forces; all other joints are constraints that the solver iterates over.
-    solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
-    add_soft_contacts(space, scene, bodies)
+    space.add(*[law.owner for law in pressing])
     if is_tuned:
-        _tune(space, is_one_joint=solved <= 1 and not touching)
-    return space, bodies
+        _tune(space, is_independent=not touching and _is_independent(scene, links))
+    return space, bodies, laws
 
 
-def _tune(space: pymunk.Space, *, is_one_joint: bool) -> None:
+def _is_independent(scene: Scene, links: list[Spring | Rod | Slider]) -> bool:
+    """True if no body is held by two constraints, so that each is solved in one pass.
+
+    Springs are forces; all other joints are constraints that the solver iterates over.
+    """
+    held = [
+        end
+        for link in links
+        if not isinstance(link, Spring)
+        for end in (link.a, link.b)
+        if not _is_still(scene, end)
+    ]
+    return len(held) == len(set(held))
+
+
+def _tune(space: pymunk.Space, *, is_independent: bool) -> None:
     """Takes out what pymunk's defaults do to the mechanics of a scene."""
     space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
-    # One joint is solved exactly in one pass.
     space.iterations = COUPLED_ITERATIONS
-    if is_one_joint:
+    if is_independent:
         space.iterations = 1
 
 
@@ -117,16 +138,25 @@ def _joint(
     if isinstance(link, Slider) and link.belt_velocity:
         b = _belt(space, link)
     if isinstance(link, Spring):
-        spring = pymunk.DampedSpring(
+        return pymunk.DampedSpring(
             a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0
         )
-        if link.exponent == 1 and not link.quadratic and not link.cubic:
-            return spring
-        return bent(spring, link)
     if isinstance(link, Rod):
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
         rod.distance = link.length
         if is_tuned:
             rod.error_bias = 0.0
         return rod
-    return rubbing(pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0)), link)
+    joint = pymunk.PivotJoint(a, b, CENTRE, CENTRE)
+    joint.max_force = link.normal_force * link.coefficient(0.0)
+    # 1 a second leaves the distance as it is: friction has no memory of a place to go back to.
+    joint.error_bias = 1.0
+    return joint
+
+
+def _laws(joint: pymunk.Constraint, link: Spring | Rod | Slider) -> Iterator[Law]:
+    """The law that a joint does not have by itself, if there is one."""
+    if isinstance(link, Spring) and (link.exponent != 1 or link.quadratic or link.cubic):
+        yield bent(joint, link)
+    if isinstance(link, Slider) and link.law != "coulomb":
+        yield fading_friction(joint, link)

@@ -20,6 +20,7 @@ from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.force_rows import Field, Push, Row, row_of
 
 FAMILY = "rebound_forces"
 
@@ -94,21 +95,15 @@ def _numbers(scene: Scene, touches: list[Touch], rotors: Sequence[int]) -> dict[
     gravity = [field.g for field in scene.all(UniformGravity)]
     if not gravity:
         gravity = [(0.0, 0.0, 0.0)]
-    spring_rows = [
-        (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic)
-        for s in scene.all(Spring)
-    ]
-    dashpot_rows = [(d.damping, d.van_der_pol, *d.anchor_b) for d in scene.all(Dashpot)]
-    drive_rows = [(f.amplitude, f.frequency, f.phase, *f.axis) for f in scene.all(Force)]
     rods = scene.all(Rod)
     return {
         "mass": scene.bodies.mass,
         "gravity": np.sum(gravity, axis=0),
-        "spring": spring_rows,
-        "dashpot": dashpot_rows,
+        "spring": _rows(scene, Spring),
+        "dashpot": _rows(scene, Dashpot),
         "contact": [touch.numbers for touch in touches],
-        "field": _piecewise_rows(scene),
-        "drive": drive_rows,
+        "field": _rows(scene, PiecewiseField),
+        "drive": _rows(scene, Force),
         "rod_anchor": [rod.anchor_b for rod in rods],
         "tension": np.zeros(len(rods)),
         "inertia": scene.bodies.inertia[rotors],
@@ -146,12 +141,9 @@ def _set_arrays(struct: Any, columns: dict[str, Any], kind: str, dtype: Any) -> 
     return views
 
 
-def _piecewise_rows(scene: Scene) -> list[tuple[float, ...]]:
-    """k1, k2 [N/m], x1, x2 [m], point (3) [m] and axis (3) of every piecewise field."""
-    return [
-        (field.k1, field.k2, field.x1, field.x2, *field.point, *field.axis)
-        for field in scene.all(PiecewiseField)
-    ]
+def _rows(scene: Scene, kind: type[Field | Push]) -> list[Row]:
+    """The numbers of every element of that kind."""
+    return [row_of(element) for element in scene.all(kind)]
 
 
 def _touches(scene: Scene) -> list[Touch]:

@@ -12,10 +12,11 @@ from refdem.core import discovery
 from refdem.core.balance import angular, angular_scale, linear, momentum_scale
 from refdem.core.problem import Motion, Request
 from refdem.engines.mujoco import options, passive, solver
-from refdem.scene import Body, Scene
+from refdem.scene import Body, Scene, force_rows
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.spring import Spring
+from tests.engines.accuracy import STRENGTHS, misread
 
 OBLIQUE = {"damping": "0", "angle": "1/2", "friction": "1/4", "masses": "1,3", "radii": "1/2,3/4"}
 ROUGH = [
@@ -104,25 +105,15 @@ def test_a_force_by_callback_is_that_of_certified_truth(engine, method, case, gi
         assert np.log2(coarse / fine) / 3 == pytest.approx(1, abs=0.35)
 
 
-STRENGTHS = {
-    passive.DRIVE: (0,),
-    passive.SPRING: (0, 6, 7),
-    passive.DASHPOT: (0, 1),
-    passive.CENTRAL: (0,),
-    passive.PIECEWISE: (0, 1),
-}
-"""Which numbers of a force are proportional to it."""
-
-
 @pytest.mark.parametrize(
     ("kind", "case", "given"),
     [
-        (passive.SPRING, "power-oscillator", {"duration": "2"}),
-        (passive.SPRING, "quadratic-response", {"duration": "2"}),
-        (passive.DRIVE, *FORCES[1]),
-        (passive.DASHPOT, *FORCES[2]),
-        (passive.CENTRAL, *FORCES[3]),
-        (passive.PIECEWISE, *FORCES[4]),
+        (force_rows.SPRING, "power-oscillator", {"duration": "2"}),
+        (force_rows.SPRING, "quadratic-response", {"duration": "2"}),
+        (force_rows.DRIVE, *FORCES[1]),
+        (force_rows.DASHPOT, *FORCES[2]),
+        (force_rows.CENTRAL, *FORCES[3]),
+        (force_rows.PIECEWISE, *FORCES[4]),
     ],
 )
 @pytest.mark.parametrize("factor", [-1.0, 0.5])
@@ -131,11 +122,9 @@ def test_a_wrong_sign_or_factor_of_a_force_shows(engine, monkeypatch, kind, case
 
     def planted(scene):
         for push in right(scene):
-            numbers = list(push.numbers)
             if push.kind == kind:
-                for index in STRENGTHS[kind]:
-                    numbers[index] *= factor
-            yield replace(push, numbers=tuple(numbers))
+                push = replace(push, numbers=misread(push.numbers, STRENGTHS[kind], factor))
+            yield push
 
     monkeypatch.setattr(passive, "_pushes", planted)
     assert error(engine, "rk4", case, given, 64) > 1e-2

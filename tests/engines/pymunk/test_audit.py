@@ -40,7 +40,7 @@ def test_pymunk_comes_with_what_the_audit_says():
 
 
 def test_the_adapter_sets_what_the_audit_says():
-    space, bodies = space_of(SCENE)
+    space, bodies, _ = space_of(SCENE)
     rod, spring, friction = space.constraints
     assert (space.damping, space.collision_slop) == (1.0, 0.0)
     assert math.isinf(space.sleep_time_threshold)
@@ -66,7 +66,7 @@ def test_the_product_of_two_shapes_is_the_contact_s_value(balls, planes):
         for n in range(balls)
     ]
     law = Contact(law="rigid", friction=0.75, restitution=0.3)
-    space, moving = space_of(Scene.of(bodies, [law, *[Plane(normal=(0.0, 1.0, 0.0))] * planes]))
+    space, moving, _ = space_of(Scene.of(bodies, [law, *[Plane(normal=(0.0, 1.0, 0.0))] * planes]))
     for one, other in combinations(space.shapes, 2):
         unit = 0.0 if balls == 1 else 2e-15  # the square of a rounded root is not exact
         assert abs(one.friction * other.friction - 0.75) <= unit

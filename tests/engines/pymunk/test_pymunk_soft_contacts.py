@@ -1,19 +1,22 @@
-"""Forces that Chipmunk asks its user for, against certified truth: soft contacts and springs by
-`force_func`, fields and dashpots by `velocity_func`.
+"""Forces that Chipmunk asks for in every step, against certified truth: soft contacts and springs,
+fields and dashpots.
 """
 
+from dataclasses import replace
+
 import numpy as np
-import pymunk
 import pytest
 
 from refdem.core.balance import angular, linear
 from refdem.core.problem import Motion
-from refdem.engines.pymunk import ENGINE, callbacks, springs
+from refdem.engines.pymunk import ENGINE
+from refdem.engines.pymunk import run as running
+from refdem.engines.pymunk.callbacks import CONTACT
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.plane import Plane
-from tests.engines.accuracy import largest_error
+from tests.engines.accuracy import STRENGTHS, largest_error, misread
 
 METHOD = ENGINE.methods[0]
 OBLIQUE = {"damping": "0", "angle": "1/2", "masses": "1,3", "radii": "1/2,3/4"}
@@ -55,64 +58,45 @@ def test_a_force_by_callback_is_that_of_certified_truth_at_first_order(case, giv
     assert np.log2(coarse / fine) / 2 == pytest.approx(1, abs=0.35)
 
 
-def _times(factor, make):
-    """The maker of a force function, whose forces are `factor` times what they should be."""
-
-    def planted(*given):
-        force = make(*given)
-
-        def wrong(t, body):
-            return tuple(factor * component for component in force(t, body))
-
-        return wrong
-
-    return planted
+OF_LAWS = STRENGTHS | {CONTACT: (1, 3)}
 
 
-@pytest.mark.parametrize(
-    ("maker", "case", "given"),
-    [
-        ("_attraction", "two-body-orbit", {"duration": "4"}),
-        ("_slope", "asymmetric-field", {}),
-        ("_resistance", "van-der-pol", {"mu": "3/4", "duration": "4"}),
-        ("_periodic", "quadratic-response", {"duration": "4"}),
-    ],
-)
+def plant(monkeypatch, factor, strengths=OF_LAWS):
+    """Runs in which the strengths of every law are `factor` times what they should be."""
+    right = running.space_of
+
+    def planted(scene, **given):
+        space, bodies, laws = right(scene, **given)
+        wrong = [
+            replace(law, numbers=misread(law.numbers, strengths[law.kind], factor)) for law in laws
+        ]
+        return space, bodies, wrong
+
+    monkeypatch.setattr(running, "space_of", planted)
+
+
 @pytest.mark.parametrize("factor", [-1.0, 0.5])
-def test_a_wrong_sign_or_factor_of_a_force_shows(monkeypatch, maker, case, given, factor):
-    monkeypatch.setattr(callbacks, maker, _times(factor, getattr(callbacks, maker)))
-    assert largest_error(ENGINE, METHOD, case, given, 1024) > 3e-2
-
-
 @pytest.mark.parametrize(
     ("case", "given"),
-    [("two-spheres", OBLIQUE), ("two-spheres", DAMPED), ("hertz-spheres", {}), ("duffing", {})],
+    [
+        ("two-body-orbit", {"duration": "4"}),
+        ("asymmetric-field", {}),
+        ("van-der-pol", {"mu": "3/4", "duration": "4"}),
+        ("quadratic-response", {"duration": "4"}),
+        ("two-spheres", OBLIQUE),
+        ("two-spheres", DAMPED),
+        ("hertz-spheres", {}),
+        ("duffing", {"duration": "1/2"}),
+    ],
 )
-def test_a_wrong_factor_of_a_spring_s_force_shows(monkeypatch, case, given):
-    class Weak(pymunk.DampedSpring):
-        def __setattr__(self, name, value):
-            if name == "force_func":
-                super().__setattr__(name, lambda joint, distance: 0.75 * value(joint, distance))
-            else:
-                super().__setattr__(name, value)
-
-    monkeypatch.setattr("pymunk.DampedSpring", Weak)
+def test_a_wrong_sign_or_factor_of_a_force_shows(monkeypatch, case, given, factor):
+    plant(monkeypatch, factor)
     assert largest_error(ENGINE, METHOD, case, given, 1024) > 2e-2
 
 
 def test_a_dashpot_that_is_never_switched_on_shows(monkeypatch):
-    class Undamped(pymunk.DampedSpring):
-        damping = property(lambda self: 0.0, lambda self, value: None)
-
-    monkeypatch.setattr("pymunk.DampedSpring", Undamped)
+    plant(monkeypatch, 0.0, {CONTACT: (3,)})
     assert largest_error(ENGINE, METHOD, "two-spheres", DAMPED, 1024) > 3e-2
-
-
-def test_the_force_that_must_not_pull_asks_how_fast_the_discs_close(monkeypatch):
-    given = {"cutoff": "zero_force", "damping": "8"}
-    right = springs._closing_speed
-    monkeypatch.setattr(springs, "_closing_speed", lambda joint: -right(joint))
-    assert largest_error(ENGINE, METHOD, "two-spheres", given, 1024) > 3e-2
 
 
 def meeting(count, **law):

@@ -59,12 +59,13 @@ def test_a_wrong_sign_or_factor_of_a_contact_shows(monkeypatch, case, given, fac
 
 @pytest.mark.parametrize("factor", [-1.0, 0.75])
 def test_a_wrong_sign_or_factor_of_a_field_shows(monkeypatch, factor):
-    right = fields._piecewise_rows
+    right = fields.row_of
 
-    def wrong(scene):
-        return [(factor * k1, factor * k2, *more) for k1, k2, *more in right(scene)]
+    def wrong(field):
+        (k1, k2, *more) = right(field)
+        return (factor * k1, factor * k2, *more)
 
-    monkeypatch.setattr(fields, "_piecewise_rows", wrong)
+    monkeypatch.setattr(fields, "row_of", wrong)
     assert largest_error(ENGINE, METHOD, "asymmetric-field", {}, 128) > 2e-2
 
 
