@@ -215,15 +215,16 @@ class Runner:
         if isinstance(engine, ProgramEngine):
             stages = worker.stages
             rows = most_rows(request.problem)
+        deadline = self.deadlines.get(engine.name, math.inf)
         return Job(
             asked.key,
             worker.run,
-            (engine.address, request.packed(), self.deadlines.get(engine.name, math.inf)),
-            limit,
+            timeout=limit,
             computes=stages is None,
             stages=stages,
             rows=rows,
             given_up=partial(self.hangs.given_up, asked),
+            pack=lambda: (engine.address, request.packed(), deadline),
         )
 
     def _kept(self, key: str, result: bytes | Failure) -> worker.Reply:
