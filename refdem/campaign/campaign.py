@@ -15,6 +15,7 @@ from refdem.campaign.replays import replays
 from refdem.campaign.runs import Hangs, Runner
 from refdem.campaign.schedule import InProcess, Progress, Schedule, Scheduler
 from refdem.campaign.specification import Specification
+from refdem.campaign.spool import Spool, spool
 from refdem.campaign.truths import is_lasting, sampled_truths
 from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, CaseSheet, Sheet
@@ -68,6 +69,11 @@ class Campaign:
 
     def _ended(self, engines: list[Engine]) -> "Ended":
         """The outcome of the four stages, one after another."""
+        with spool() as trajectories:
+            return self._judged(engines, trajectories)
+
+    def _judged(self, engines: list[Engine], trajectories: Spool) -> "Ended":
+        """The outcome of the four stages; its trajectories are in a spool until they are judged."""
         versions = {engine.name: engine.version() for engine in engines}
         deadlines = {
             engine.name: time.monotonic() + engine.budget
@@ -88,6 +94,7 @@ class Campaign:
             runner = Runner(
                 schedule=schedule,
                 store=self.store,
+                spool=trajectories,
                 use_store=self.use_store,
                 timeout=self.specification.timeout,
                 versions=versions,

@@ -189,15 +189,20 @@ class _Distribution:
             batch = list[Job]()
             room = MOST_BYTES
             for _ in range(self._batch_size()):
-                if not self._waiting or (batch and len(self._waiting[0].arguments[1]) > room):
+                if not self._waiting:
                     break
                 job = self._waiting.popleft()
                 failure = job.given_up()
                 if failure is not None:
                     yield job, failure
                     continue
+                job = job.ready()
+                size = len(job.arguments[1])
+                if batch and size > room:
+                    self._waiting.appendleft(job)
+                    break
                 batch.append(job)
-                room -= len(job.arguments[1])
+                room -= size
             if batch:
                 self._submit(batch)
 

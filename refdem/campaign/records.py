@@ -16,6 +16,8 @@ def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[
     judged = []
     for number, task in enumerate(tasks):
         name = task.engine.name
-        runs_of_task = runs.of_task(number, task)
-        judged.append(judging.record(task, versions[name], runs_of_task, expected[name]))
+        # No name for the runs of a task: they are let go before those of the next one are read.
+        judged.append(
+            judging.record(task, versions[name], runs.of_task(number, task), expected[name])
+        )
     return judged

@@ -5,7 +5,7 @@ quantity is drawn as certified; what else a picture needs comes from the run of 
 error is least, and the replay says how large that is.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -88,30 +88,39 @@ class Stage:
 
 def replays(tasks: list[Task], runs: Runs, records: list[Record]) -> list[Replay]:
     """A replay of each instance whose motion the reference draws closely enough."""
-    by_label: dict[str, list[Candidate]] = {}
-    for number, (task, record) in enumerate(zip(tasks, records, strict=True)):
-        if task.subject.truth is None or not is_drawable(task.subject.instance):
-            continue
-        plain = {
-            variant.level: run.trajectory
-            for variant, run in runs.of_task(number, task).items()
-            if variant.change == "none" and run.trajectory is not None
-        }
-        if plain:
-            candidate = Candidate(task=task, record=record, plain=plain)
-            by_label.setdefault(task.subject.instance.label, []).append(candidate)
+    numbers: dict[str, list[int]] = {}
+    for number, task in enumerate(tasks):
+        if task.subject.truth is not None and is_drawable(task.subject.instance):
+            numbers.setdefault(task.subject.instance.label, []).append(number)
     found = []
-    for candidates in by_label.values():
-        anchors = [anchor for anchor in map(anchor_of, candidates) if anchor is not None]
-        if not anchors:
-            continue
-        anchor = min(anchors, key=lambda one: one.error)
-        if anchor.error > VISIBLE:
-            continue
-        shown = replay(candidates[0].task.subject, anchor, candidates)
+    for of_label in numbers.values():
+        # Of one instance at a time, so that few trajectories are held at once.
+        shown = replay_of([_candidate(tasks[n], records[n], runs, n) for n in of_label])
         if shown is not None:
             found.append(shown)
     return found
+
+
+def _candidate(task: Task, record: Record, runs: Runs, number: int) -> Candidate:
+    """A task with its plain runs; `number` is that of the task in the plan."""
+    plain = {
+        variant.level: run.trajectory
+        for variant, run in runs.of_task(number, task, change="none").items()
+        if run.trajectory is not None
+    }
+    return Candidate(task=task, record=record, plain=plain)
+
+
+def replay_of(candidates: Sequence[Candidate]) -> Replay | None:
+    """The replay of one instance; None if the reference does not draw its motion closely enough."""
+    candidates = [candidate for candidate in candidates if candidate.plain]
+    anchors = [anchor for anchor in map(anchor_of, candidates) if anchor is not None]
+    if not anchors:
+        return None
+    anchor = min(anchors, key=lambda one: one.error)
+    if anchor.error > VISIBLE:
+        return None
+    return replay(candidates[0].task.subject, anchor, candidates)
 
 
 def is_drawable(instance: Instance) -> bool:

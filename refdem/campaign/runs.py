@@ -5,7 +5,7 @@ Equal runs are made once, and unchanged ones are read from the store.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import msgspec
@@ -13,6 +13,7 @@ import msgspec
 from refdem.campaign import plan, worker
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import Job, Progress, Scheduler, counted
+from refdem.campaign.spool import Spool
 from refdem.core.answer_csv import most_rows
 from refdem.core.engine import ProgramEngine
 from refdem.core.problem import Request
@@ -27,8 +28,6 @@ trajectory, to keep what failed.
 """
 ENOUGH = 2
 """A method that hung at so many different steps is not tried at others."""
-Answer = tuple[worker.Reply, Trajectory | None]
-"""The result of a run: the worker's reply, and the trajectory unless it failed."""
 Place = tuple[int, Variant]
 """A run by the number of its task in the plan, and its variant."""
 
@@ -45,16 +44,31 @@ class Asked:
 
 @dataclass(frozen=True, kw_only=True)
 class Runs:
-    """Runs by their places; how many different ones were made now, and how many were read."""
+    """Runs by their places, without their trajectories, which `spool` has under their keys; how
+    many different ones were made now, and how many were read.
+    """
 
     by_place: Mapping[Place, Run]
+    spool: Spool
     made: int
     read: int
 
-    def of_task(self, number: int, task: Task) -> dict[Variant, Run]:
-        """The runs of one task by variant; one that goes on from a run that failed is not there."""
-        places = {variant: (number, variant) for variant in task.variants}
-        return {v: self.by_place[place] for v, place in places.items() if place in self.by_place}
+    def of_task(self, number: int, task: Task, change: str | None = None) -> dict[Variant, Run]:
+        """The runs of one task by variant, with their trajectories; `change`, if any, is that of
+        the only variants. A run that goes on from one that failed is not there.
+        """
+        runs = {}
+        for variant in task.variants:
+            run = self.by_place.get((number, variant))
+            if run is not None and change in (None, variant.change):
+                runs[variant] = replace(run, trajectory=self.trajectory(run))
+        return runs
+
+    def trajectory(self, run: Run) -> Trajectory | None:
+        """The trajectory of one of these runs, unpacked anew; None if the run failed."""
+        if run.failure is not None:
+            return None
+        return Trajectory.from_bytes(self.spool.read(run.key))
 
     @property
     def is_lasting(self) -> bool:
@@ -119,12 +133,14 @@ def _step(request: Request) -> float:
 class Runner:
     """Makes runs: with the workers of `schedule`, within `timeout` [s] each, kept in `store`.
 
+    Their trajectories go into the `spool` as they come: all of them at once need much memory.
     `versions` are those of the engines by name; `deadlines` are the times [s] of the monotonic
     clock after which nothing more is run in an engine.
     """
 
     schedule: Scheduler
     store: Store
+    spool: Spool
     use_store: bool
     timeout: float
     versions: Mapping[str, str]
@@ -139,45 +155,49 @@ class Runner:
             equal.setdefault(request_of_task.key, []).append(request_of_task)
         read = self._read(equal)
         jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
-        computed: dict[str, Answer] = {}
+        computed: dict[str, worker.Reply] = {}
         results = self.schedule.results(jobs)
         for job, result in counted(results, stage, len(jobs), self.progress):
-            answer = self._kept(job.key, result)
-            computed[job.key] = answer
-            self.hangs.note(equal[job.key][0], answer[0].failure)
+            reply = self._kept(job.key, result)
+            computed[job.key] = reply
+            self.hangs.note(equal[job.key][0], reply.failure)
         self._forget_leaking(equal, computed)
-        answers = read | computed
+        replies = read | computed
         by_place = {
             request_of_task.place: self._run(
                 request_of_task,
-                answers[request_of_task.key],
+                replies[request_of_task.key],
                 from_store=request_of_task.key in read,
             )
             for request_of_task in asked
         }
-        return Runs(by_place=by_place, made=len(computed), read=len(read))
+        return Runs(by_place=by_place, spool=self.spool, made=len(computed), read=len(read))
 
     def _forget_leaking(
-        self, equal: Mapping[str, list[Asked]], computed: Mapping[str, Answer]
+        self, equal: Mapping[str, list[Asked]], computed: Mapping[str, worker.Reply]
     ) -> None:
         """Takes the runs of methods whose answers depend on what they were asked before out of the
         store: none of them can be trusted, whichever of them showed it.
         """
         leaking = {
             _method(equal[key][0].task)
-            for key, (reply, _) in computed.items()
+            for key, reply in computed.items()
             if reply.failure is not None and reply.failure.kind == "leak"
         }
         for key, same in equal.items():
             if _method(same[0].task) in leaking:
                 self.store.forget("run", key)
 
-    def _read(self, keys: Iterable[str]) -> dict[str, Answer]:
-        """The results that the store has of the runs with these keys."""
+    def _read(self, keys: Iterable[str]) -> dict[str, worker.Reply]:
+        """The replies that the store has to the runs with these keys."""
         if not self.use_store:
             return {}
-        stored = {key: self.store.read("run", key, answer_of) for key in keys}
-        return {key: answer for key, answer in stored.items() if answer is not None}
+        stored = {}
+        for key in keys:
+            reply = self.store.read("run", key, checked_reply)
+            if reply is not None:
+                stored[key] = self._spooled(key, reply)
+        return stored
 
     def _job(self, asked: Asked) -> Job:
         """The job that makes one run in a worker, or in a program of its own.
@@ -195,46 +215,54 @@ class Runner:
         if isinstance(engine, ProgramEngine):
             stages = worker.stages
             rows = most_rows(request.problem)
+        deadline = self.deadlines.get(engine.name, math.inf)
         return Job(
             asked.key,
             worker.run,
-            (engine.address, request.packed(), self.deadlines.get(engine.name, math.inf)),
-            limit,
+            timeout=limit,
             computes=stages is None,
             stages=stages,
             rows=rows,
             given_up=partial(self.hangs.given_up, asked),
+            pack=lambda: (engine.address, request.packed(), deadline),
         )
 
-    def _kept(self, key: str, result: bytes | Failure) -> Answer:
-        """The result of a run that ended; it is stored unless it may end otherwise next time."""
+    def _kept(self, key: str, result: bytes | Failure) -> worker.Reply:
+        """The reply of a run that ended; it is stored unless it may end otherwise next time."""
         if isinstance(result, Failure):
-            return worker.Reply(failure=result), None
-        reply, trajectory = answer_of(result)
+            return worker.Reply(failure=result)
+        reply = msgspec.msgpack.decode(result, type=worker.Reply)
         if is_lasting(reply.failure):
             self.store.put("run", key, result)
-        return reply, trajectory
+        return self._spooled(key, reply)
 
-    def _run(self, asked: Asked, answer: Answer, *, from_store: bool) -> Run:
-        """The run that one task asked for, from the answer to its request."""
-        reply, trajectory = answer
+    def _spooled(self, key: str, reply: worker.Reply) -> worker.Reply:
+        """The reply without its trajectory, which goes into the spool."""
+        if reply.failure is None:
+            self.spool.keep(key, reply.trajectory)
+        return msgspec.structs.replace(reply, trajectory=b"")
+
+    def _run(self, asked: Asked, reply: worker.Reply, *, from_store: bool) -> Run:
+        """The run that one task asked for, from the reply; its trajectory is in the spool."""
         name = asked.task.engine.name
         return Run(
             key=asked.key,
             request=asked.request,
             engine=name,
             version=self.versions[name],
-            trajectory=trajectory,
             failure=reply.failure,
             cost=reply.cost,
             from_store=from_store,
         )
 
 
-def answer_of(data: bytes) -> Answer:
-    """The reply of a worker and its trajectory; raises ValueError for bytes that are neither."""
+def checked_reply(data: bytes) -> worker.Reply:
+    """The reply of a worker; raises ValueError for bytes that are none, or whose trajectory is
+    none.
+    """
     reply = msgspec.msgpack.decode(data, type=worker.Reply)
-    return reply, reply.unpacked()
+    reply.unpacked()
+    return reply
 
 
 def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
@@ -246,6 +274,7 @@ def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
     later = runner.runs(_asked(tasks, fingerprints, 0, first), "runs that go on")
     return Runs(
         by_place={**first.by_place, **later.by_place},
+        spool=runner.spool,
         made=first.made + later.made,
         read=first.read + later.read,
     )
@@ -267,7 +296,7 @@ def _asked(
                 continue
             base = None
             if first is not None:
-                base = first.by_place[number, variant.base].trajectory
+                base = first.trajectory(first.by_place[number, variant.base])
             # There is no end to go on from where the first run failed.
             if variant.goes_on and base is None:
                 continue

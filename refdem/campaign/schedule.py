@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, Protocol, TypeVar
 
@@ -86,7 +86,7 @@ class Job:
 
     key: Any
     function: Callable[..., bytes]
-    arguments: tuple[Any, ...]
+    arguments: tuple[Any, ...] = ()
     timeout: float | None = None
     patience: float = 1.0
     computes: bool = False
@@ -94,6 +94,14 @@ class Job:
     rows: int = 0
     given_up: Callable[[], Failure | None] = lambda: None
     """Asked just before it begins: why it is not run any more, or None."""
+    pack: Callable[[], tuple[Any, ...]] | None = None
+    """Makes the arguments just before it begins, where those of all jobs need much memory."""
+
+    def ready(self) -> "Job":
+        """The same job with its arguments made."""
+        if self.pack is None:
+            return self
+        return replace(self, arguments=self.pack(), pack=None)
 
 
 class Scheduler(Protocol):
@@ -120,7 +128,7 @@ class InProcess:
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes, in order."""
         for job in jobs:
-            yield job, job.given_up() or job.function(*job.arguments)
+            yield job, job.given_up() or job.function(*job.ready().arguments)
 
 
 class Programs:
@@ -152,7 +160,7 @@ class Programs:
                 if failure is not None:
                     yield job, failure
                 elif job.stages is not None:
-                    ended = self._gone_on(job, job.stages(*job.arguments), None)
+                    ended = self._gone_on(job, job.stages(*job.ready().arguments), None)
                     if ended is not None:
                         yield job, ended
             if not begun and not self._running:
@@ -328,7 +336,7 @@ class Schedule:
     def _begun(self, job: Job) -> Any:
         """The future of a job that is handed to a worker process; None if the pool is broken."""
         limit = job.patience * (job.timeout or self._timeout)
-        call = (job.function, *job.arguments)
+        call = (job.function, *job.ready().arguments)
         try:
             if job.computes:
                 return self._pool.schedule(limited, args=(limit, *call), timeout=SLOWER * limit)

@@ -5,7 +5,7 @@ import pytest
 
 from refdem.campaign.campaign import Campaign
 from refdem.campaign.in_process import truth_of
-from refdem.campaign.runs import answer_of
+from refdem.campaign.runs import checked_reply
 from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.finding import Record
@@ -47,7 +47,7 @@ def trajectories(sheets, store, label, track):
         for sheet in sheets
         if isinstance(sheet, Record) and (sheet.label, sheet.method) == (label, track.method)
     ]
-    return [store.read("run", key, answer_of)[1] for key in record.runs]
+    return [store.read("run", key, checked_reply).unpacked() for key in record.runs]
 
 
 def places(replay):

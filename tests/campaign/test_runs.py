@@ -5,6 +5,7 @@ import pytest
 from refdem.campaign import plan
 from refdem.campaign.runs import Asked, Hangs, Runs
 from refdem.campaign.specification import Entry, Specification
+from refdem.campaign.spool import spool
 from refdem.core import discovery
 from refdem.core.run import Failure, Run
 from refdem.core.variant import Variant
@@ -61,6 +62,7 @@ def test_runs_are_kept_whole_unless_one_may_end_otherwise(
 ) -> None:
     one = asked(0.125)
     run = Run(key="key", request=one.request, engine="reference", version="1", failure=failure)
-    found = Runs(by_place={one.place: run}, made=1, read=0)
-    assert found.is_lasting == is_lasting
-    assert found.of_task(1, one.task) == {}
+    with spool() as trajectories:
+        found = Runs(by_place={one.place: run}, spool=trajectories, made=1, read=0)
+        assert found.is_lasting == is_lasting
+        assert found.of_task(1, one.task) == {}

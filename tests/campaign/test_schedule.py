@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from pebble.pool import process as pool_process
 
-from refdem.campaign.schedule import NEVER_BEGUN, POOLS, READ_HERE, Job, Schedule, begin
+from refdem.campaign.schedule import NEVER_BEGUN, POOLS, READ_HERE, InProcess, Job, Schedule, begin
 from refdem.campaign.truths import sampled_truths
 from refdem.campaign.worker import COUNT_BYTES
 from refdem.core import discovery
@@ -40,6 +40,44 @@ def works() -> bytes:
 
 def raises() -> bytes:
     raise LocalError("singular", "no analytic point")
+
+
+def echoes(data: bytes) -> bytes:
+    """What it is given."""
+    return data
+
+
+def echoes_in_stages(data: bytes) -> Stages[bytes]:
+    """What it is given, at once."""
+    yield from ()
+    return data
+
+
+@pytest.mark.parametrize("place", ["here", "programs", "workers"])
+def test_arguments_are_packed_only_when_their_job_begins(
+    place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    packed = list[int]()
+
+    def job(number: int) -> Job:
+        """A job that notes when its arguments are packed."""
+
+        def pack() -> tuple[bytes]:
+            """The only argument: the number as bytes."""
+            packed.append(number)
+            return (bytes([number]),)
+
+        stages = echoes_in_stages if place == "programs" else None
+        return Job(number, echoes, stages=stages, pack=pack)
+
+    ahead = 0
+    with InProcess() if place == "here" else Schedule(1, 60) as scheduler:
+        for done, (one, result) in enumerate(scheduler.results([job(k) for k in range(20)])):
+            assert result == bytes([one.key])
+            ahead = max(ahead, len(packed) - done)
+    assert sorted(packed) == list(range(20))
+    assert ahead < 10
 
 
 def test_an_exception_that_cannot_travel_costs_its_own_job(monkeypatch: pytest.MonkeyPatch) -> None:
