@@ -14,6 +14,7 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -25,7 +26,7 @@ LATER = 2.0
 
 
 def force_probes() -> tuple[Probe, ...]:
-    """The probes of forces: springs, friction, drives, a rod, contacts with spheres and a wall."""
+    """The probes of forces: springs, friction, drives, a rod, contacts and fixed bodies."""
     return (
         _diagonal_spring(),
         _slide(),
@@ -35,6 +36,8 @@ def force_probes() -> tuple[Probe, ...]:
         _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
         _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
         _floor(),
+        _hanging_from_fixed(),
+        _resting_on_fixed(),
     )
 
 
@@ -252,6 +255,90 @@ def _floor() -> Probe:
         ],
     )
     return Probe(name="floor", shows="place and normal of a wall", scene=scene, expected=expected)
+
+
+def _hanging_from_fixed() -> Probe:
+    """A mass that hangs by a spring from a fixed body, which neither falls nor is pulled.
+
+    It swings along gravity about the stretch m g/k with w = sqrt(k/m).
+    """
+    mass = 2.0
+    rate = 4.0
+    length = 1.25
+    weight = 8.0
+    speed = 1.5
+    down = np.array([2.0, -1.0, -2.0]) / 3.0
+    support = np.array([1.0, -0.5, 0.25])
+    hanging = length + weight / rate**2
+
+    def expected(t: Array) -> Expected:
+        place = hanging + speed / rate * np.sin(rate * t)
+        return _beside_fixed(support, down, place, speed * np.cos(rate * t))
+
+    fixed = Body(mass=3.0, position=_vector(support), fixed=True)
+    hung = Body(
+        mass=mass, position=_vector(support + hanging * down), velocity=_vector(speed * down)
+    )
+    elements = [
+        UniformGravity(g=_vector(weight * down)),
+        Spring(a=0, b=1, stiffness=mass * rate**2, length=length),
+    ]
+    return Probe(
+        name="hanging from a fixed body",
+        shows="a fixed body, which neither gravity nor a spring moves",
+        scene=Scene.of([fixed, hung], elements),
+        expected=expected,
+    )
+
+
+def _resting_on_fixed() -> Probe:
+    """A sphere that its weight holds on a fixed sphere, which neither falls nor is pushed.
+
+    It swings along gravity about the overlap m g/k with w = sqrt(k/m), less than it is deep.
+    """
+    mass = 2.0
+    weight = 8.0
+    rate = float(np.sqrt(STIFFNESS / mass))
+    resting = weight / rate**2
+    speed = resting * rate / 2
+    radii = (0.5, 0.25)
+    up = np.array([0.0, 0.6, 0.8])
+    support = np.array([-1.0, 0.5, 0.25])
+
+    def expected(t: Array) -> Expected:
+        place = sum(radii) - resting + speed / rate * np.sin(rate * t)
+        return _beside_fixed(support, up, place, speed * np.cos(rate * t))
+
+    start = support + (sum(radii) - resting) * up
+    fixed = Body(mass=3.0, position=_vector(support), shape=Sphere(radius=radii[0]), fixed=True)
+    resting_body = Body(
+        mass=mass,
+        position=_vector(start),
+        velocity=_vector(speed * up),
+        shape=Sphere(radius=radii[1]),
+    )
+    elements = [
+        UniformGravity(g=_vector(-weight * up)),
+        Contact(law="linear", stiffness=STIFFNESS),
+    ]
+    return Probe(
+        name="resting on a fixed sphere",
+        shows="a fixed body, which neither gravity nor a contact moves",
+        scene=Scene.of([fixed, resting_body], elements),
+        expected=expected,
+    )
+
+
+def _beside_fixed(support: Array, along: Array, x: Array, v: Array) -> Expected:
+    """Motion of a second body at `support` + x e, the first one being fixed at `support`.
+
+    `x` [m] and `v` [m/s] are (T,), `support` [m] and the unit vector e = `along` (3,).
+    """
+    moving = _moved(support, along, x, v)
+    return {
+        "position": np.concatenate([0 * moving["position"] + support, moving["position"]], axis=1),
+        "velocity": np.concatenate([0 * moving["velocity"], moving["velocity"]], axis=1),
+    }
 
 
 def _vector(values: Array) -> Vector:

@@ -45,6 +45,7 @@ def derivative(scene, gyroscopic, r, v, q, w):
             if body >= 0:
                 acceleration[body] += force / mass[body]
                 torque[body] += np.cross(anchor, rotated(conjugate(q[body]), force))
+    acceleration[scene.bodies.fixed] = 0.0
     inertia = np.where(scene.bodies.inertia > 0, scene.bodies.inertia, 1.0)
     turn = product(q, np.pad(w, ((0, 0), (1, 0)))) / 2
     return [
@@ -206,6 +207,15 @@ def numbers_swapped(request, columns):
     }
 
 
+def fixed_falls(request, columns):
+    """What an adapter hands back that lets a fixed body move like any other."""
+    problem = request.problem
+    bodies = problem.scene.bodies
+    free = replace(bodies, fixed=np.zeros_like(bodies.fixed))
+    changed = Scene(free, problem.scene.elements)
+    return {"t": columns["t"], **honest(changed.to_json(), problem.interval, len(problem.times))}
+
+
 def moments_reordered(*axes):
     """A lie: moments of inertia come in another order."""
 
@@ -242,6 +252,7 @@ def delayed(request, columns):
 
 LIES = {
     "a clock that starts at zero": (changed("t", lambda t: t - t[0]), "later: clock", ""),
+    "a fixed body that moves": (fixed_falls, "hanging from a fixed body: position", ""),
     "gravity upwards": (changed("velocity", np.abs), "fall in space: velocity", ""),
     "millimetres": (
         changed("position", lambda r: 1000 * r),

@@ -13,7 +13,10 @@ from refdem.faults.change import of_bodies, of_elements
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
 from refdem.gate.gate import supported
+from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 TELLING = named("gate").case
 TWO_SPHERES = [{}, *(entry.set for entry in TELLING if entry.id == "two-spheres")]
@@ -56,6 +59,11 @@ def without_friction_where_nothing_is_damped(request):
     return request
 
 
+def asked(instance):
+    """The request of an instance in one step a sample."""
+    return Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
+
+
 SLOW_AND_SOFT = 6
 SLOW = {SLOW_AND_SOFT, 7}
 UNDAMPED = {5, SLOW_AND_SOFT}
@@ -74,19 +82,16 @@ MISREADINGS = {
 def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_there(name):
     misread, seen = MISREADINGS[name]
     instances = [discovery.case("two-spheres").at(**given) for given in TWO_SPHERES]
-    asked = [
-        Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
-        for instance in instances
-    ]
+    requests = [asked(instance) for instance in instances]
     frictional = {
         number
-        for number in range(len(asked))
+        for number in range(len(requests))
         if instances[number].scene.all(Contact)[0].friction > 0
     }
     acts_on = {
         number
-        for number in range(len(asked))
-        if misread(asked[number]).to_json() != asked[number].to_json()
+        for number in range(len(requests))
+        if misread(requests[number]).to_json() != requests[number].to_json()
     }
     assert acts_on & frictional == seen
     fault = Fault(name="misread", kind="misread", sentence="", on=(), sees=("", ""), before=misread)
@@ -94,6 +99,55 @@ def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_t
     truth = truth_of(instance)
     for engine, expected in ((Transparent(), False), (Carrier(Transparent(), fault), True)):
         record = record_of(task_of(engine, "verlet", instance, truth, 5, ["error"]))
+        assert any(finding.outcome == "fail" for finding in record.findings) == expected
+
+
+def without_weight_at_soft_contacts(request):
+    """Gravity is left out where bodies have soft contacts."""
+    laws = {law.law for law in request.problem.scene.all(Contact)}
+    if "linear" not in laws:
+        return request
+    return of_elements(UniformGravity, g=lambda g: (0.0, 0.0, 0.0))(request)
+
+
+def with_the_first_wall_alone(request):
+    """Walls beyond the first one are left out."""
+    scene = request.problem.scene
+    later_walls = scene.all(Plane)[1:]
+    kept = tuple(element for element in scene.elements if element not in later_walls)
+    return request.with_scene(Scene(scene.bodies, kept))
+
+
+OF_CONTACTS = {
+    "no weight at soft contacts": (
+        without_weight_at_soft_contacts,
+        {"dem-01", "dem-03", "dem-04"},
+        "dem-04",
+    ),
+    "one wall": (with_the_first_wall_alone, {"dem-03"}, "dem-03"),
+}
+"""Faults of the question, the members of the impact benchmarks on which alone they act, and the one
+that is judged.
+"""
+
+
+@pytest.mark.parametrize("name", OF_CONTACTS)
+def test_weight_and_walls_at_soft_contacts_are_told_by_the_members_that_are_there_for_them(name):
+    misread, members, judged = OF_CONTACTS[name]
+    acted = {}
+    for entry in supported(ENGINE):
+        if entry.id != "impact-benchmarks":
+            continue
+        instance = discovery.case(entry.id).at(**entry.set)
+        request = asked(instance)
+        if misread(request).to_json() != request.to_json():
+            acted[entry.set["member"]] = instance
+    assert set(acted) == members
+    fault = Fault(name="misread", kind="misread", sentence="", on=(), sees=("", ""), before=misread)
+    instance = acted[judged]
+    truth = truth_of(instance)
+    for engine, expected in ((Transparent(), False), (Carrier(Transparent(), fault), True)):
+        record = record_of(task_of(engine, "verlet", instance, truth, 3, ["error"]))
         assert any(finding.outcome == "fail" for finding in record.findings) == expected
 
 
