@@ -163,8 +163,6 @@ def test_a_forecast_is_within_a_factor_of_three_in_pieces(case, given, t, digits
         ("dissipating-body", {"damping": "0.492", "omega_body": "-3.23,-2.897,1.427"}, 20),
         # More bits are needed for the radius within the last piece, not for that at its end.
         ("heavy-top", {"theta0": "2.08", "spin": "21.643"}, 3),
-        # Its sets wrap whip after whip, while an error that is there hardly grows in the end.
-        ("double-pendulum", {"masses": "1,100", "lengths": "1,0.1"}, "1.3"),
     ],
 )
 def test_a_forecast_knows_the_widest_disc_and_the_radius_within_a_piece(case, given, t):
@@ -232,6 +230,18 @@ def test_a_motion_with_a_clock_goes_on_at_the_pace_by_the_clock():
     assert course.work_to(4.0, 0.0, lambda bits, lacking: None) == pytest.approx(120.0)
     assert course.seconds_for(120.0) == pytest.approx(12.0)
     assert course.radius_at(course.clock(4.0)) == pytest.approx(-64.0)
+
+
+def test_a_forecast_sees_the_bits_that_sets_lose_by_wrapping_whip_after_whip():
+    """The whole proof makes 803 pieces at 160 bits, whose radius is too large in the end, and 788
+    at 200 bits. An error that is there hardly grows: the sets wrap.
+    """
+    truth = truth_of("double-pendulum", masses="1,100", lengths="1,0.1")
+    course = Course(truth.bits())
+    told = truth.foreseen(Fraction(2), course)
+    assert course.bits == 160
+    work = 803 + 788 * (200 / 160) ** EXPONENT
+    assert work / 1.6 < told + course.marks[-1].pieces < 1.6 * work
 
 
 def test_what_an_error_will_do_is_foreseen_and_what_the_proof_adds_goes_on():
