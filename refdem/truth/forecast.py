@@ -53,6 +53,8 @@ followed to its end); None if none.
 
 Clock = Callable[[float], float]
 """A time [s] as another one, which rises with it."""
+Swelling = Callable[[float], float]
+"""log2 of the growth of an error from the start to a time by the clock."""
 
 Listener = Callable[[float], None]
 """Is called with the CPU seconds that are expected to be left."""
@@ -89,18 +91,25 @@ def seconds_themselves(t: float) -> float:
     return t
 
 
+def no_swelling(t: float) -> float:
+    """The swelling of a motion that foresees none: always 0."""
+    return 0.0
+
+
 @dataclass
 class Course:
     """A motion as far as it was followed at some precision.
 
     `clock` turns a time [s] into that in which the motion goes on at an even pace; the methods
-    speak of times by it. `entries` has, for each event passed, the mode that it entered and the
-    number of the mark there; `has_events` says that there may be some.
+    speak of times by it. `swelling` foresees how an error grows that is there already. `entries`
+    has, for each event passed, the mode that it entered and the number of the mark there;
+    `has_events` says that there may be some.
     """
 
     bits: int
     marks: list[Mark] = field(default_factory=list)
     clock: Clock = seconds_themselves
+    swelling: Swelling = no_swelling
     has_events: bool = False
     entries: list[tuple[str | None, int]] = field(default_factory=list)
 
@@ -147,19 +156,32 @@ class Course:
         """How many pieces were made since the last entry, from which the pace is counted on."""
         return self.marks[-1].pieces - self.later_half()[1].pieces
 
-    def radius_at(self, t: float) -> float:
-        """log2 of the radius at t, extrapolated at the rate of the later half."""
+    def growth_to(self, t: float) -> float:
+        """log2 of the growth of the radius per unit of the clock, from the last mark to t.
+
+        An error that is there grows as `swelling` foresees it. What a proof adds on its way, by
+        errors of its own and by sets that wrap the motion, goes on at the rate of the later half.
+        """
         half, last = self.later_half()
         passed = last.time - half.time
+        ahead = t - last.time
         growth = 0.0
         if passed > 0:
-            growth = (last.radius - half.radius) / passed
-        return last.radius + growth * max(0.0, t - last.time)
+            swelled = self.swelling(last.time) - self.swelling(half.time)
+            growth = (last.radius - half.radius - swelled) / passed
+        if ahead > 0:
+            growth += (self.swelling(t) - self.swelling(last.time)) / ahead
+        return growth
 
-    def time_of(self, radius: float) -> float:
-        """When the radius is that large; infinite if never."""
-        half, last = self.later_half()
-        growth = (last.radius - half.radius) / max(last.time - half.time, 1e-300)
+    def radius_at(self, t: float) -> float:
+        """log2 of the radius that is foreseen at t."""
+        last = self.later_half()[1]
+        return last.radius + self.growth_to(t) * max(0.0, t - last.time)
+
+    def time_of(self, radius: float, t: float) -> float:
+        """When the radius is that large, at the rate of growth to t; infinite if never."""
+        last = self.later_half()[1]
+        growth = self.growth_to(t)
         if growth > 0:
             return last.time + (radius - last.radius) / growth
         return float("inf")
@@ -171,12 +193,12 @@ class Course:
         last = self.later_half()[1]
         t = self.clock(t)
         bits = self.bits
-        end = min(t, max(last.time, self.time_of(TOO_LARGE)))
+        end = min(t, max(last.time, self.time_of(TOO_LARGE, t)))
         work = max(0.0, self.pieces_to(end) - self.pieces_since())
         for _ in range(TRIES):
             # A set is thinner by the bits that are more.
             thinner = bits - self.bits
-            ends = self.time_of(TOO_LARGE + thinner) < t
+            ends = self.time_of(TOO_LARGE + thinner, t) < t
             lacking = self.radius_at(t) - thinner - target
             if not ends and lacking <= 0:
                 break
@@ -184,7 +206,7 @@ class Course:
             if more is None:
                 break
             bits = more
-            reached = min(t, self.time_of(TOO_LARGE + bits - self.bits))
+            reached = min(t, self.time_of(TOO_LARGE + bits - self.bits, t))
             work += (last.pieces + self.pieces_to(reached)) * (bits / self.bits) ** EXPONENT
         return work
 

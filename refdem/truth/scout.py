@@ -3,22 +3,25 @@
 A piece of a proof is about as long as the radius of convergence of the motion's Taylor series
 allows, or as the largest exponent of its disc where the series would allow more, and so is a step
 here. So the number of steps to a time is a clock in which a proof goes on at an even pace, also
-through whips that the proof has not reached. No proof depends on it.
+through whips that the proof has not reached. A neighbour that goes along tells how errors grow on
+the way. No proof depends on it.
 """
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, log2
 
-from flint import arb
+from flint import arb, arb_poly
 
 from refdem.truth.balls import outward, precision
 from refdem.truth.traced_field import Program
 from refdem.truth.validated_ivp.recurrences import taylor
 from refdem.truth.weights import ABOVE_QUICKEST, MAX_DISC_EXPONENT, quickest
 
-BITS = 53
-"""The working precision."""
+BITS = 128
+"""The working precision, at which a neighbour at NEAR still differs by 64 bits."""
+NEAR = -64
+"""log2 of the distance at which the neighbour begins each step."""
 ORDER = 20
 """The order of the Taylor polynomials: 3^-20 of the speed is left out at the end of a step."""
 RATIO = 1 / 3
@@ -33,16 +36,27 @@ class Scout:
     """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s]; `slopes` is
     the program of the field's Jacobian, row after row.
 
-    `times` has the ends of the steps. `ended` says that no step goes on from the last one: the
-    series is not finite there, or does not end (a motion at rest). `is_singular` says that steps
-    have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
+    A neighbour, displaced at the start in the coordinates `moved`, makes the same steps. `times`
+    has the ends of the steps, and `swellings` log2 of the growth of the displacement up to each.
+    `ended` says that no step goes on from the last one: the series is not finite there, or does not
+    end (a motion at rest). `is_singular` says that steps have shrunk to nothing before a
+    singularity, beyond which a proof makes no pieces.
     """
 
-    def __init__(self, field: Program, slopes: Program, start: Sequence[arb], begin: float) -> None:
+    def __init__(
+        self,
+        field: Program,
+        slopes: Program,
+        start: Sequence[arb],
+        begin: float,
+        moved: Sequence[int],
+    ) -> None:
         self.field = field
         self.slopes = slopes
         self.y = [value.mid() for value in start]
+        self.gap = [arb(int(i in moved)) for i in range(len(self.y))]
         self.times = [begin]
+        self.swellings = [0.0]
         self.fastest = [0.0] * len(self.y)
         self.longest = 0.0
         self.ended = False
@@ -56,15 +70,52 @@ class Scout:
             if isfinite(radius):
                 radius = min(radius, self.widest_disc())
             length = RATIO * radius
-            following = [one(arb(length)).mid() for one in polynomials]
+            following = self.moved_on(polynomials, length)
+            gap = self.gap_after(following, length)
         is_made = 0 < length < float("inf") and all(value.is_finite() for value in following)
         self.ended = not is_made
         if is_made:
             self.y = following
             self.times.append(self.times[-1] + length)
+            self.swell(gap)
             self.longest = max(self.longest, length)
             self.is_singular = length < SHORTEST * self.longest
             self.ended = self.is_singular
+
+    def moved_on(self, polynomials: Sequence[arb_poly], length: float) -> list[arb]:
+        """The midpoints of a state at the end of a step of that length [s]."""
+        return [one(arb(length)).mid() for one in polynomials]
+
+    def gap_after(self, following: Sequence[arb], length: float) -> list[arb]:
+        """The displacement of the neighbour at the end of a step, in units of 2^NEAR."""
+        unit = arb(2) ** NEAR
+        beside = [(value + gap * unit).mid() for value, gap in zip(self.y, self.gap, strict=True)]
+        arrived = self.moved_on(taylor(self.field, beside, ORDER), length)
+        return [((a - b) / unit).mid() for a, b in zip(arrived, following, strict=True)]
+
+    def swell(self, gap: Sequence[arb]) -> None:
+        """Notes the displacement at the end of a step, and brings it back to the length 1; one that
+        is 0 or not finite leaves both as they were.
+        """
+        size = max(abs(float(value)) for value in gap)
+        if not 0 < size < float("inf"):
+            self.swellings.append(self.swellings[-1])
+            return
+        self.swellings.append(self.swellings[-1] + log2(size))
+        self.gap = [value / size for value in gap]
+
+    def swelling(self, steps: float) -> float:
+        """log2 of the growth of a displacement from the start to so many steps; beyond the last
+        step at the rate of the later half.
+        """
+        last = len(self.swellings) - 1
+        if steps <= last:
+            number = min(int(steps), last - 1)
+            before, after = self.swellings[number : number + 2]
+            return before + (after - before) * (steps - number)
+        half = last // 2
+        rate = (self.swellings[last] - self.swellings[half]) / (last - half)
+        return self.swellings[last] + rate * (steps - last)
 
     def widest_disc(self) -> float:
         """The radius [s] beyond which no proof looks for a disc, however far the series converges.

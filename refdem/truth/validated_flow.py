@@ -410,12 +410,14 @@ class ValidatedFlow(Guarded, Truth):
                 return flow.end, len(flow.pieces), self.radius_of(flow)
 
             # Its clock is not the time alone: whips to come are known before they are proved.
-            scout = Scout(flow.field, flow.slopes, flow.centre, float(flow.end))
+            scout = Scout(flow.field, flow.slopes, flow.centre, float(flow.end), self.moved)
             course.clock = scout.clock
 
             def work() -> float:
                 """What is left, as the scout sees it, who goes AHEAD of each piece."""
                 scout.go_on(AHEAD, time)
+                if len(scout.times) > 1:
+                    course.swelling = scout.swelling
                 return course.work_to(time, target, next_bits)
 
             follow(course, state, step, t, work)

@@ -1,6 +1,6 @@
 """A scout's steps are as long as the series of the motion allow, and its clock counts them."""
 
-from math import pi
+from math import log, pi
 
 import pytest
 from flint import arb
@@ -13,7 +13,7 @@ from refdem.truth.weights import ABOVE_QUICKEST, MAX_DISC_EXPONENT
 def scout_of(field, start):
     outputs, rows = traced(field, len(start))
     slopes = Program([entry for row in rows for entry in row])
-    return Scout(Program(outputs), slopes, [arb(value) for value in start], 0.0)
+    return Scout(Program(outputs), slopes, [arb(value) for value in start], 0.0, range(len(start)))
 
 
 def test_a_step_is_a_part_of_the_distance_to_a_pole():
@@ -78,3 +78,20 @@ def test_a_series_that_is_not_finite_ends_the_scout():
     scout.go_on(10, 1.0)
     assert scout.ended
     assert scout.times == [0.0]
+
+
+def test_a_neighbour_swells_as_errors_do():
+    """Errors of y'' = y grow as exp(t) and those of y'' = -y stay; a coordinate that is not
+    displaced swells nothing, though its own errors would.
+    """
+    growing = scout_of(lambda y: [y[1], y[0]], [1, 1])
+    growing.go_on(1000, 20.0)
+    assert growing.swelling(growing.clock(20.0)) == pytest.approx(20 / log(2), rel=0.01)
+    turning = scout_of(lambda y: [y[1], -y[0]], [1, 0])
+    turning.go_on(1000, 20.0)
+    assert abs(turning.swelling(turning.clock(20.0))) < 1
+    outputs, rows = traced(lambda y: [y[1], -y[0], y[2]], 3)
+    slopes = Program([entry for row in rows for entry in row])
+    apart = Scout(Program(outputs), slopes, [arb(1), arb(0), arb(1)], 0.0, (0, 1))
+    apart.go_on(1000, 20.0)
+    assert abs(apart.swelling(apart.clock(20.0))) < 1
