@@ -43,7 +43,10 @@ def command(
     ] = 60.0,
     features: Annotated[
         bool,
-        typer.Option("--features", help="List the words of `supports` and `order_with` instead."),
+        typer.Option(
+            "--features",
+            help="List the words of `supports`, `order_with` and `conserves` instead.",
+        ),
     ] = False,
 ) -> None:
     """Says what would run for a case, and why; or what the words of a refdem.toml mean.
@@ -88,18 +91,19 @@ def command(
 
 
 def meanings() -> list[str]:
-    """Lines with every feature that a refdem.toml may name, and what it means."""
-    from refdem.engines.external.features import IMPLIED, MEANINGS
+    """Lines with every feature and every law that a refdem.toml may name, and what they mean."""
+    from refdem.engines.external.features import IMPLIED, KEPT, MEANINGS
 
     lines = ["words of `supports`: what a scene may have"]
     lines += [f"  {name:32}{MEANINGS[name]}" for name in sorted(MEANINGS.keys() - IMPLIED)]
     lines += ["words that come with others, and need not be named there"]
     lines += [f"  {name:32}{MEANINGS[name]}" for name in sorted(IMPLIED)]
-    return [
-        *lines,
+    lines += [
         "keys of `order_with`: any of these words, with the order of the method in scenes that",
         "have it, where that is lower: order_with = { contact = 1, friction = 1 }",
     ]
+    lines += ["words of `conserves`: what the method keeps to round-off, whatever the step"]
+    return lines + [f"  {name:32}{KEPT[name]}" for name in sorted(KEPT)]
 
 
 def asked(instance: "Instance") -> list[str]:

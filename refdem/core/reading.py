@@ -22,6 +22,8 @@ T = TypeVar("T")
 MOST_BYTES = 2**26
 """Of a file; a baseline of 100,000 findings has a fifth of that, and /dev/zero has no end."""
 UNKNOWN = re.compile(r"unknown field `([^`]*)`")
+NO_WORD = re.compile(r"Invalid enum value '(.*)' - at `.*\.(\w+)[^.]*`")
+"""A word that is none of those of its field, and the name of the field."""
 
 
 def content(path: Path, expected: str) -> bytes:
@@ -81,29 +83,52 @@ def json_as(kind: type[T], data: bytes, where: str) -> T:
 
 
 def said(error: Exception, kind: Any) -> str:
-    """An error of reading a `kind` as one line, with the nearest known name of an unknown field."""
+    """An error of reading a `kind` as one line, with the nearest known name of an unknown field,
+    or word of an unknown one.
+    """
     if isinstance(error, RecursionError):
         return "brackets within brackets, too deep to be read"
     text = one_line(str(error))
     unknown = UNKNOWN.search(text)
-    if unknown is None:
-        return text
-    name = unknown[1]
-    known = set(names(kind))
-    if name in known:
-        return f"{text}; {name!r} is a field of another table: move it there"
-    return f"{text}; {nearest(name, known)}"
+    if unknown is not None:
+        name = unknown[1]
+        known = {field.encode_name for field in fields(kind)}
+        if name in known:
+            return f"{text}; {name!r} is a field of another table: move it there"
+        return f"{text}; {nearest(name, known)}"
+    no_word = NO_WORD.search(text)
+    if no_word is not None:
+        word, name = no_word.groups()
+        return f"{text}; {nearest(word, words(kind, name))}"
+    return text
 
 
-def names(kind: Any) -> Iterator[str]:
-    """The names of all fields of a struct type and of the types nested in it."""
-    unvisited = [msgspec.inspect.type_info(kind)]
+def words(kind: Any, name: str) -> set[str]:
+    """The words that fields of that name may hold, in a struct type and those nested in it."""
+    found = set[str]()
+    for field in fields(kind):
+        if field.encode_name == name:
+            for info in nested(field.type):
+                if isinstance(info, msgspec.inspect.LiteralType):
+                    found.update(map(str, info.values))
+    return found
+
+
+def fields(kind: Any) -> Iterator[msgspec.inspect.Field]:
+    """All fields of a struct type and of the types nested in it."""
+    for info in nested(msgspec.inspect.type_info(kind)):
+        if isinstance(info, msgspec.inspect.StructType):
+            yield from info.fields
+
+
+def nested(info: msgspec.inspect.Type) -> Iterator[msgspec.inspect.Type]:
+    """A type and those nested in it: of fields, items and unions, and without annotations."""
+    unvisited = [info]
     while unvisited:
         info = unvisited.pop()
+        yield info
         if isinstance(info, msgspec.inspect.StructType):
-            for field in info.fields:
-                yield field.encode_name
-                unvisited.append(field.type)
+            unvisited += [field.type for field in info.fields]
         elif isinstance(info, msgspec.inspect.ListType):
             unvisited.append(info.item_type)
         elif isinstance(info, msgspec.inspect.Metadata):

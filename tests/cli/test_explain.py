@@ -1,11 +1,13 @@
 """refdem explain: a proof has a limit, and what it certified until then is kept."""
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from refdem.cli.explain import command
-from refdem.engines.external.features import FEATURES, MEANINGS
+from refdem.engines.external.description import Law
+from refdem.engines.external.features import FEATURES, KEPT, MEANINGS
 from refdem.errors import UsageError
 
 
@@ -31,11 +33,14 @@ def test_what_is_proved_once_is_read_the_next_time(
         assert ("truths: 1 done" in said.err) == (times == 0)
 
 
-def test_every_word_of_supports_has_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_word_of_supports_and_conserves_has_a_meaning(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     command("", features=True)
     shown = capsys.readouterr().out
     assert MEANINGS.keys() == FEATURES
-    for name, meaning in MEANINGS.items():
+    assert KEPT.keys() == set(get_args(Law))
+    for name, meaning in (MEANINGS | KEPT).items():
         assert f"  {name:32}{meaning}" in shown.splitlines()
     assert max(map(len, shown.splitlines())) <= 110
 

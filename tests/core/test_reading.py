@@ -237,3 +237,35 @@ def test_a_file_may_have_so_many_bytes_and_no_more(tmp_path: Path) -> None:
         file.truncate(MOST_BYTES + 1)
     with pytest.raises(UsageError, match=f"more than {MOST_BYTES} bytes; expected a list"):
         content(path, "a list")
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "nearest"),
+    [
+        ('["momentum"]', '["angular_momentum"]', "'angular-momentum'"),
+        ('["momentum"]', '["momentum", "energie"]', "'energy'"),
+        ("order = 2", 'order = 2\ncontrol = "steps"', "'step'"),
+        ("timeout = 60", 'precision = "duoble"', "'double'"),
+        ("timeout = 60", 'velocity_time = "minus_half_step"', "'minus-half-step'"),
+        ("timeout = 60", 'may_refuse = ["rotate"]', "'rotated'"),
+        ('"spring"]', '"sping"]', "'spring'"),
+        ("{ contact = 1 }", "{ contacts = 1 }", "'contact'"),
+        ("order = 2", "ordr = 2", "'order'"),
+    ],
+)
+def test_a_word_that_is_none_of_a_field_s_is_answered_with_the_nearest(
+    right: str, wrong: str, nearest: str, tmp_path: Path
+) -> None:
+    text = TOML.decode()
+    assert text.count(right) == 1
+    path = tmp_path / "refdem.toml"
+    path.write_text(text.replace(right, wrong))
+    with pytest.raises(UsageError, match=f"did you mean {nearest}"):
+        read(path)
+
+
+def test_a_word_like_none_of_a_field_s_is_answered_with_all(tmp_path: Path) -> None:
+    path = tmp_path / "refdem.toml"
+    path.write_bytes(TOML.replace(b'["momentum"]', b'["q7"]'))
+    with pytest.raises(UsageError, match="known: angular-momentum, constraint, energy, momentum"):
+        read(path)

@@ -109,3 +109,10 @@ IMPLIED = {
     "shape:sphere",
 }
 """Features that come with others which a program names: a law, friction, a rod, rotation."""
+KEPT = {
+    "energy": "the sum of kinetic and potential energy, where nothing dissipates or drives",
+    "momentum": "the total momentum, where no force acts from outside",
+    "angular-momentum": "the total angular momentum with spins, where no torque acts from outside",
+    "constraint": "lengths of rods, and points that joints hold together",
+}
+"""What each word of `conserves` means: kept to round-off, whatever the step."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path, PurePath
 
+from refdem.core.parameters import nearest
 from refdem.core.reading import toml_as
 from refdem.engines.external.description import Description, EngineTable, GateTable, MethodTable
 from refdem.engines.external.features import FEATURES, SOLIDS
@@ -99,7 +100,7 @@ def _of_support(engine: EngineTable) -> Iterator[Fault]:
         named.update(method.order_with)
     strange = sorted(named - FEATURES)
     if strange:
-        expected = f"features of {', '.join(sorted(FEATURES))}"
+        expected = f"words that `refdem explain --features` lists; {nearest(strange[0], FEATURES)}"
         yield "engine.supports or order_with", strange, expected
     has_solids = bool(SOLIDS & set(engine.supports))
     mute = [method.name for method in engine.methods if method.answers == "solid"]
