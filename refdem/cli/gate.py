@@ -116,7 +116,7 @@ def _verdict(gate: "Gate", status: int) -> int:
 
 def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     """Writes the baseline and shows what it changes."""
-    from refdem.core.finding import Record
+    from refdem.core.finding import Record, findings_of
     from refdem.gate import baseline
     from refdem.gate.baseline import Accepted
 
@@ -128,6 +128,12 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
         print(one_line(line))
     count = baseline.write(gate.baseline, records, why)
     print(one_line(f"baseline {gate.baseline}: {count} findings accepted"))
+    failing = sum(finding.outcome == "fail" for _, finding in findings_of(records))
+    if failing:
+        print(
+            f"{failing} of them fail, for which no baseline opens the gate: mend the program or a"
+            " claim in its refdem.toml, or say in an [[expected]] there why it deviates"
+        )
 
 
 def _write(sheets: "list[Sheet]", gate: "Gate", junit: Path | None, out: Path | None) -> None:

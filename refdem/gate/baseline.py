@@ -19,6 +19,8 @@ from refdem.errors import StoreError, UsageError
 
 FORMAT = 2
 """Version of the format of a baseline."""
+MOST_SHOWN = 20
+"""Changes of a kind that blessing shows one by one."""
 PARTS = 5
 """Of an id: case, engine, method, check, quantity."""
 
@@ -161,22 +163,42 @@ def write(path: Path, records: list[Record], why: str) -> int:
 
 
 def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
-    """The changes that accepting these records would make to a baseline, a line each."""
+    """The changes that accepting these records would make to a baseline, a line each, and at most
+    MOST_SHOWN of a kind; none where there is no baseline yet.
+    """
+    if not before:
+        return []
     now = {
         record.id(finding): accepted(record, finding)
         for record, finding in findings_of(records)
         if finding.outcome in DECIDED
     }
-    lines = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
-    lines += [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
-    for name in sorted(now.keys() & before.keys()):
-        old = before[name]
-        new = now[name]
-        if old.outcome != new.outcome or not _near(old.size, new.size):
-            lines.append(
-                f"~ {name}: {old.outcome} {_number(old.size)} -> {new.outcome} {_number(new.size)}"
-            )
-    return lines
+    new = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
+    gone = [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
+    other = [
+        f"~ {name}: {_told(before[name])} -> {_told(now[name])}"
+        for name in sorted(now.keys() & before.keys())
+        if not _agree(before[name], now[name])
+    ]
+    return [*_shortened(new, "new"), *_shortened(gone, "gone"), *_shortened(other, "changed")]
+
+
+def _shortened(lines: list[str], kind: str) -> list[str]:
+    """The first lines, and how many more there are of that kind."""
+    more = len(lines) - MOST_SHOWN
+    if more <= 0:
+        return lines
+    return [*lines[:MOST_SHOWN], f"{lines[0][0]} and {more} more that are {kind}"]
+
+
+def _agree(old: Accepted, new: Accepted) -> bool:
+    """True if two findings have the same outcome, and sizes that are near."""
+    return old.outcome == new.outcome and _near(old.size, new.size)
+
+
+def _told(entry: Accepted) -> str:
+    """The outcome of a finding and its size."""
+    return f"{entry.outcome} {_number(entry.size)}"
 
 
 def _near(a: float | None, b: float | None) -> bool:

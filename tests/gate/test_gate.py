@@ -75,7 +75,9 @@ def test_an_accepted_finding_that_is_gone_is_absent(program):
 def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
     assert program.gate("--bless").returncode == 2
     assert not (program.folder / "refdem-baseline.jsonl").exists()
-    program.bless()
+    first = program.gate("--bless", "--why", "it was looked at").stdout.splitlines()
+    assert first[0].endswith(" findings accepted")
+    assert "fail" not in first[1]
     program.spoil(
         "                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n"
     )
@@ -83,6 +85,27 @@ def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
     assert "~ harmonic-oscillator/spring/leapfrog/error/x: pass" in done.stdout
     header = json.loads((program.folder / "refdem-baseline.jsonl").read_text().splitlines()[0])
     assert header["why"] == "the scheme was changed"
+
+
+def test_a_blessing_says_in_one_line_that_failures_do_not_open_the_gate(program):
+    program.bless()
+    program.spoil("x += h * v", "x -= h * v")
+    done = program.gate("--bless", "--why", "the scheme was changed")
+    assert done.returncode == 1
+    (said,) = [line for line in done.stdout.splitlines() if "of them fail" in line]
+    assert int(said.split()[0]) == done.stdout.count("\nFAIL")
+    assert "no baseline opens the gate" in said
+
+
+def test_of_many_changes_of_a_kind_some_are_shown_and_the_others_counted():
+    before = {
+        name: baseline.Accepted(id=name, outcome="pass", value=1.0)
+        for name in (f"a/b/c/d/{number:02}" for number in range(23))
+    }
+    *shown, last = baseline.differences(before, [])
+    assert shown == [f"- {name}: pass" for name in list(before)[:20]]
+    assert last == "- and 3 more that are gone"
+    assert baseline.differences({}, []) == []
 
 
 @pytest.mark.parametrize("character", ["\n", "\r", "\x1b", "\u2028", "\x85", "\u202e"])
