@@ -11,7 +11,9 @@ _HOMES = {
     "Scene": "refdem.scene",
     "Body": "refdem.scene",
     "RefdemError": "refdem.errors",
+    "judge": "refdem.api",
     "records": "refdem.report",
+    "run": "refdem.api",
     "truth_of": "refdem.core.discovery",
 }
 

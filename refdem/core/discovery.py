@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from refdem.core import codes
-from refdem.core.parameters import nearest
+from refdem.core.parameters import nearest, text_of
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
@@ -162,8 +162,8 @@ def _described(path: Path) -> "Engine":
     return program
 
 
-def truth_of(name: str, **given: str) -> "Truth":
-    """The certified truth of a case at the given parameters, each as text: `truth_of("pendulum",
-    theta0="2")`.
+def truth_of(name: str, **given: Any) -> "Truth":
+    """The certified truth of a case at the given parameters, each as text, a number or several:
+    `truth_of("pendulum", theta0="1/3")`. A float stands for its exact value.
     """
-    return case(name).at(**given).truth()
+    return case(name).at(**{key: text_of(value) for key, value in given.items()}).truth()

@@ -2,13 +2,14 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from refdem.core.outside import one_line
 from refdem.errors import UsageError
 
 Exact = Fraction | tuple[Fraction, ...] | str | None
@@ -186,6 +187,25 @@ def _text(value: Exact) -> str:
     if exact.endswith(".0"):
         return exact[:-2]
     return exact
+
+
+def text_of(value: Any) -> str:
+    """A parameter as text: text as it is, a number as its exact value, several separated by commas.
+
+    A float is the binary64 number that it is: 0.1 is 3602879701896397/36028797018963968, and "0.1"
+    one tenth. Raises UsageError for anything else.
+    """
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Sequence | np.ndarray):
+        return ",".join(text_of(entry) for entry in value)
+    try:
+        return str(Fraction(value))
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(
+            f"a parameter is {one_line(repr(value))}; expected a finite number, a text such as"
+            ' "1/3", or several of them'
+        ) from None
 
 
 def nearest(name: str, known: Any) -> str:
