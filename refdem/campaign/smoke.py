@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from refdem.campaign.clock import bounded, counted, refuse_other_shape
 from refdem.campaign.force_probes import force_probes
 from refdem.campaign.impact_probes import impact_probes
+from refdem.campaign.neighbour_probes import neighbour_probes
 from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
@@ -63,7 +64,13 @@ def every_probe() -> tuple[Probe, ...]:
     """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
     shows in those that follow.
     """
-    return (*probes(), *force_probes(), *impact_probes(), *turning_probes())
+    return (
+        *probes(),
+        *force_probes(),
+        *neighbour_probes(),
+        *impact_probes(),
+        *turning_probes(),
+    )
 
 
 def smoke(engine: Engine) -> list[Finding]:
