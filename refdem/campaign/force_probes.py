@@ -35,6 +35,7 @@ def force_probes() -> tuple[Probe, ...]:
         _slide(),
         _drive("drive", start=0.0),
         _drive("drive that starts later", start=LATER),
+        _drive_between(),
         _dumbbell(),
         _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
         _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
@@ -191,6 +192,43 @@ def _drive(name: str, *, start: float) -> Probe:
     scene = Scene.of([body], [force])
     shows = "frequency and phase of a force, and the clock that it reads"
     return Probe(name=name, shows=shows, scene=scene, expected=expected, start=start)
+
+
+def _drive_between() -> Probe:
+    """A force A cos(w t) along an oblique axis on one of two points, and the opposite on the other.
+
+    m v' = +-A cos(w t), so that v = v0 +- A/(m w) sin(w t), and the place changes by v0 t +-
+    A/(m w^2) (1 - cos(w t)).
+    """
+    masses = np.array([2.0, 5.0])
+    signs = np.array([1.0, -1.0])
+    amplitude = 12.0
+    rate = 1.25
+    axis = np.array([0.8, -0.6, 0.0])
+    places = np.array([[1.0, -0.5, 0.0], [-0.25, 0.75, 0.0]])
+    start_velocity = np.array([[0.25, 0.5, 0.0], [-0.5, 1.0, 0.0]])
+    velocity_amplitude = (signs * amplitude / (masses * rate))[:, None] * axis
+
+    def expected(t: Array) -> Expected:
+        clock = t[:, None, None]
+        changed = velocity_amplitude * np.sin(rate * clock)
+        moved = velocity_amplitude / rate * (1 - np.cos(rate * clock))
+        return {
+            "position": places + clock * start_velocity + moved,
+            "velocity": start_velocity + changed,
+        }
+
+    bodies = [
+        Body(mass=float(mass), position=_vector(place), velocity=_vector(speed))
+        for mass, place, speed in zip(masses, places, start_velocity, strict=True)
+    ]
+    force = Force(a=0, b=1, amplitude=amplitude, frequency=rate, axis=_vector(axis))
+    return Probe(
+        name="drive between two",
+        shows="a force on two bodies, which is opposite on the second",
+        scene=Scene.of(bodies, [force]),
+        expected=expected,
+    )
 
 
 def _dumbbell() -> Probe:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from refdem.campaign.clock import bounded, counted, refuse_other_shape
 from refdem.campaign.force_probes import force_probes
+from refdem.campaign.gripping_probes import gripping_probe
 from refdem.campaign.impact_probes import impact_probes
 from refdem.campaign.neighbour_probes import neighbour_probes
 from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
@@ -68,6 +69,7 @@ def every_probe() -> tuple[Probe, ...]:
         *probes(),
         *force_probes(),
         *neighbour_probes(),
+        gripping_probe(),
         *impact_probes(),
         *turning_probes(),
     )
