@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from refdem.campaign.probes import Expected, Probe
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
@@ -26,12 +27,15 @@ LATER = 2.0
 
 
 def force_probes() -> tuple[Probe, ...]:
-    """The probes of forces: springs, friction, drives, a rod, contacts and fixed bodies."""
+    """The probes of forces: springs, dashpots, friction, drives, a rod, contacts, fixed bodies."""
     return (
         _diagonal_spring(),
+        _two_springs(),
+        _damped_pair(),
         _slide(),
         _drive("drive", start=0.0),
         _drive("drive that starts later", start=LATER),
+        _drive_between(),
         _dumbbell(),
         _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
         _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
@@ -71,6 +75,72 @@ def _diagonal_spring() -> Probe:
         name="spring in space",
         shows="a spring's length and its end in the world",
         scene=scene,
+        expected=expected,
+    )
+
+
+def _two_springs() -> Probe:
+    """A mass between two unlike springs on a diagonal, which are pressed and stretched in turn.
+
+    m s'' = -k1 (s - l1) + k2 (D - s - l2), s being the distance from the first anchor and D that of
+    the anchors: it swings about (k1 l1 + k2 (D - l2))/(k1 + k2) with w = sqrt((k1 + k2)/m) = 2 /s.
+    """
+    anchor = np.array([-1.0, 2.0, 0.0])
+    along = np.array([0.8, -0.6, 0.0])
+    lengths = (1.5, 0.5)
+    stiffnesses = (3.0, 5.0)
+    apart = 3.0
+    force_at_anchor = stiffnesses[0] * lengths[0] + stiffnesses[1] * (apart - lengths[1])
+    resting = force_at_anchor / sum(stiffnesses)
+    body = Body(mass=2.0, position=_vector(anchor + (resting + 0.75) * along))
+    ends = (anchor, anchor + apart * along)
+    springs = [
+        Spring(a=0, stiffness=stiffness, length=length, anchor_b=_vector(end))
+        for stiffness, length, end in zip(stiffnesses, lengths, ends, strict=True)
+    ]
+
+    def expected(t: Array) -> Expected:
+        return _moved(anchor, along, resting + 0.75 * np.cos(2 * t), -1.5 * np.sin(2 * t))
+
+    return Probe(
+        name="two springs",
+        shows="stiffness and length of each of several springs",
+        scene=Scene.of([body], springs),
+        expected=expected,
+    )
+
+
+def _damped_pair() -> Probe:
+    """Two points joined by a dashpot, of which one passes the other askew.
+
+    The relative velocity falls as exp(-g t), g = c/mu, with the reduced mass mu = m1 m2/(m1 + m2),
+    in all directions alike.
+    """
+    masses = np.array([2.0, 3.0])
+    rate = 2.0
+    reduced_mass = masses.prod() / masses.sum()
+    places = np.array([[1.0, -0.5, 0.0], [-0.25, 0.75, 0.0]])
+    centre_velocity = np.array([0.25, 0.5, 0.0])
+    relative = np.array([1.5, 1.0, 0.0])
+    shares = np.array([masses[1], -masses[0]]) / masses.sum()
+
+    def expected(t: Array) -> Expected:
+        decay = np.exp(-rate * t)
+        moved = np.outer((1 - decay) / rate, relative)[:, None] * shares[:, None]
+        drift = t[:, None, None] * centre_velocity
+        velocity = np.outer(decay, relative)[:, None] * shares[:, None]
+        return {"position": places + drift + moved, "velocity": centre_velocity + velocity}
+
+    speeds = expected(np.zeros(1))["velocity"][0]
+    bodies = [
+        Body(mass=float(mass), position=_vector(place), velocity=_vector(speed))
+        for mass, place, speed in zip(masses, places, speeds, strict=True)
+    ]
+    dashpot = Dashpot(a=0, b=1, damping=rate * reduced_mass)
+    return Probe(
+        name="dashpot",
+        shows="a dashpot, which resists in all directions alike",
+        scene=Scene.of(bodies, [dashpot]),
         expected=expected,
     )
 
@@ -122,6 +192,43 @@ def _drive(name: str, *, start: float) -> Probe:
     scene = Scene.of([body], [force])
     shows = "frequency and phase of a force, and the clock that it reads"
     return Probe(name=name, shows=shows, scene=scene, expected=expected, start=start)
+
+
+def _drive_between() -> Probe:
+    """A force A cos(w t) along an oblique axis on one of two points, and the opposite on the other.
+
+    m v' = +-A cos(w t), so that v = v0 +- A/(m w) sin(w t), and the place changes by v0 t +-
+    A/(m w^2) (1 - cos(w t)).
+    """
+    masses = np.array([2.0, 5.0])
+    signs = np.array([1.0, -1.0])
+    amplitude = 12.0
+    rate = 1.25
+    axis = np.array([0.8, -0.6, 0.0])
+    places = np.array([[1.0, -0.5, 0.0], [-0.25, 0.75, 0.0]])
+    start_velocity = np.array([[0.25, 0.5, 0.0], [-0.5, 1.0, 0.0]])
+    velocity_amplitude = (signs * amplitude / (masses * rate))[:, None] * axis
+
+    def expected(t: Array) -> Expected:
+        clock = t[:, None, None]
+        changed = velocity_amplitude * np.sin(rate * clock)
+        moved = velocity_amplitude / rate * (1 - np.cos(rate * clock))
+        return {
+            "position": places + clock * start_velocity + moved,
+            "velocity": start_velocity + changed,
+        }
+
+    bodies = [
+        Body(mass=float(mass), position=_vector(place), velocity=_vector(speed))
+        for mass, place, speed in zip(masses, places, start_velocity, strict=True)
+    ]
+    force = Force(a=0, b=1, amplitude=amplitude, frequency=rate, axis=_vector(axis))
+    return Probe(
+        name="drive between two",
+        shows="a force on two bodies, which is opposite on the second",
+        scene=Scene.of(bodies, [force]),
+        expected=expected,
+    )
 
 
 def _dumbbell() -> Probe:

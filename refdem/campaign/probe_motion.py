@@ -1,5 +1,5 @@
-"""The motion of a few rigid bodies under gravity and linear springs, for probes that have no
-formula.
+"""The motion of a few rigid bodies under gravity, linear springs and dashpots, for probes that
+have no formula.
 
 m dv/dt = F, dr/dt = v, dL/dt = T, dq/dt = (0, omega) q / 2 with omega = R J^-1 R^T L: all in space
 axes, by classical Runge-Kutta (Goldstein, Classical Mechanics, chapters 4 and 5). Shares no code
@@ -9,11 +9,15 @@ Euler's equations in body axes, J dw/dt = T - g w x J w with g = 1, have the sam
 engine takes another g, dL/dt = T + (1 - g) omega x L in space axes.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.scene import Scene
+from refdem.scene.element import Link
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -91,30 +95,62 @@ def _rate(scene: Scene, state: State, gyroscopic: float) -> State:
     torque = np.zeros_like(position)
     for gravity in scene.all(UniformGravity):
         force += mass * np.array(gravity.g)
-    for spring in scene.all(Spring):
-        _pull(spring, position, attitude, force, torque)
     omega = _omega(scene, attitude, momentum)
+    for spring in scene.all(Spring):
+        ends = _ends(spring, position, attitude)
+        _add(spring, ends, _pull(spring, ends), force, torque)
+    for dashpot in scene.all(Dashpot):
+        ends = _ends(dashpot, position, attitude)
+        _add(dashpot, ends, _resistance(dashpot, ends, velocity, omega), force, torque)
     attitude_rate = product(np.pad(omega, ((0, 0), (1, 0))), attitude) / 2
     momentum_rate = torque + (1.0 - gyroscopic) * np.cross(omega, momentum)
     return velocity, force / mass, attitude_rate, momentum_rate
 
 
-def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque: Array) -> None:
-    """Adds a linear spring's force at its anchors, and the torque of each about the centre."""
-    arm_a = rotated(attitude[spring.a], np.array(spring.anchor_a))
-    end_a = position[spring.a] + arm_a
-    joins_two = spring.b >= 0
-    end_b = np.array(spring.anchor_b)
+@dataclass(frozen=True)
+class _Ends:
+    """Anchors of a link in space: arms from the centres of a and b [m], and the branch from a's
+    anchor to b's [m]; (3,) each. The arm of an anchor in the world is 0.
+    """
+
+    arm_a: Array
+    arm_b: Array
+    branch: Array
+
+
+def _ends(link: Link, position: Array, attitude: Array) -> _Ends:
+    """The anchors of a link for these positions (N, 3) and attitudes (N, 4)."""
+    arm_a = rotated(attitude[link.a], np.array(link.anchor_a))
+    end_b = np.array(link.anchor_b)
     arm_b = np.zeros(3)
-    if joins_two:
-        arm_b = rotated(attitude[spring.b], end_b)
-        end_b = position[spring.b] + arm_b
-    branch = end_b - end_a
-    distance = float(np.linalg.norm(branch))
-    # F = k (d - length) along the line from a to b.
-    pull = spring.stiffness * (distance - spring.length) * branch / distance
-    force[spring.a] += pull
-    torque[spring.a] += np.cross(arm_a, pull)
-    if joins_two:
-        force[spring.b] -= pull
-        torque[spring.b] -= np.cross(arm_b, pull)
+    if link.b >= 0:
+        arm_b = rotated(attitude[link.b], end_b)
+        end_b = position[link.b] + arm_b
+    return _Ends(arm_a, arm_b, end_b - position[link.a] - arm_a)
+
+
+def _pull(spring: Spring, ends: _Ends) -> Array:
+    """The force (3,) [N] of a linear spring on a: k (d - length) along the line from a to b."""
+    distance = float(np.linalg.norm(ends.branch))
+    force: Array = spring.stiffness * (distance - spring.length) * ends.branch / distance
+    return force
+
+
+def _resistance(dashpot: Dashpot, ends: _Ends, velocity: Array, omega: Array) -> Array:
+    """The force (3,) [N] of a dashpot on a: -c times the velocity of a's anchor against b's."""
+    relative = velocity[dashpot.a] + np.cross(omega[dashpot.a], ends.arm_a)
+    if dashpot.b >= 0:
+        relative = relative - velocity[dashpot.b] - np.cross(omega[dashpot.b], ends.arm_b)
+    force: Array = -dashpot.damping * relative
+    return force
+
+
+def _add(link: Link, ends: _Ends, on_a: Array, force: Array, torque: Array) -> None:
+    """Adds the force `on_a` (3,) [N] of a link at its anchors, and its torques about the centres,
+    to `force` and `torque` (N, 3).
+    """
+    force[link.a] += on_a
+    torque[link.a] += np.cross(ends.arm_a, on_a)
+    if link.b >= 0:
+        force[link.b] -= on_a
+        torque[link.b] -= np.cross(ends.arm_b, on_a)

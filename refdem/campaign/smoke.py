@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from refdem.campaign.clock import bounded, counted, refuse_other_shape
 from refdem.campaign.force_probes import force_probes
+from refdem.campaign.gripping_probes import gripping_probe
 from refdem.campaign.impact_probes import impact_probes
+from refdem.campaign.neighbour_probes import neighbour_probes
 from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
@@ -63,7 +65,14 @@ def every_probe() -> tuple[Probe, ...]:
     """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
     shows in those that follow.
     """
-    return (*probes(), *force_probes(), *impact_probes(), *turning_probes())
+    return (
+        *probes(),
+        *force_probes(),
+        *neighbour_probes(),
+        gripping_probe(),
+        *impact_probes(),
+        *turning_probes(),
+    )
 
 
 def smoke(engine: Engine) -> list[Finding]:

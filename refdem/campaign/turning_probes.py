@@ -14,6 +14,7 @@ from refdem.mechanics.quaternion import product
 from refdem.scene import Body, Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -51,7 +52,7 @@ FLAT_LEVER = (0.5, -0.25, 0.0)
 
 
 def turning_probes() -> tuple[Probe, ...]:
-    """The probes of bodies that turn: thrown, pulled by springs, and on a ball joint."""
+    """The probes of bodies that turn: thrown, on springs and dashpots, and on a ball joint."""
     return (*_tumbles(), *_pulled(), *_swung())
 
 
@@ -96,7 +97,7 @@ def _tumbles() -> tuple[Probe, ...]:
 
 
 def _pulled() -> tuple[Probe, ...]:
-    """Springs that are fixed to bodies off their centres."""
+    """Springs and dashpots that are fixed to bodies off their centres."""
     anchored = "anchors off the centre, in body axes, and their torque"
     to_wall = Spring(a=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.5, 1.0, 2.0))
     flat_to_wall = Spring(
@@ -105,6 +106,8 @@ def _pulled() -> tuple[Probe, ...]:
     between = Spring(
         a=1, b=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.25, 0.5, 1.0)
     )
+    damped = Dashpot(a=1, b=0, damping=4.0, anchor_a=LEVER, anchor_b=(-0.25, 0.5, 1.0))
+    flat_damped = Dashpot(a=0, damping=4.0, anchor_a=FLAT_LEVER, anchor_b=(-0.5, 1.0, 0.0))
     at_centres = Spring(a=1, b=0, stiffness=8.0, length=0.5)
     points = [
         Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)
@@ -115,6 +118,8 @@ def _pulled() -> tuple[Probe, ...]:
         _integrated("spring off the centre in a plane", anchored, [FLAT], [flat_to_wall]),
         _integrated("spring off the centre", anchored, [TUMBLING], [to_wall]),
         _integrated("spring between two bodies", anchored, [TUMBLING, OTHER], [between]),
+        _integrated("dashpot off the centre in a plane", anchored, [FLAT], [flat_damped]),
+        _integrated("dashpot between two bodies", anchored, [TUMBLING, OTHER], [damped]),
     )
 
 

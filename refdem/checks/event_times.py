@@ -14,6 +14,7 @@ from refdem.checks._crossings import (
     shift,
 )
 from refdem.checks._impacts import listed
+from refdem.checks._shown_events import ShownEvent, can_show, shown_events, untold
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -44,7 +45,12 @@ class EventTimes(Check):
     where g'' bends g back: the time t is bounded by |g'| t - |g''| t^2/2 = E. An event with g'^2 <=
     2 |g''| E grazes and need not happen at all. E is the smaller of what the claims allow and of
     what the run is observed to be off by; with the latter, the error of locating a zero between two
-    steps is added. Runs that report no events are not judged.
+    steps is added.
+
+    A kind of event that a run does not report is judged only where the method claims to tell every
+    event of that kind (`Method.tells`): one that reports some kinds, or those of some contacts, may
+    know no others. Contacts and releases that the samples of such a run show are then counted,
+    which needs no truth.
     """
 
     name = "event-times"
@@ -58,6 +64,8 @@ class EventTimes(Check):
         """Points that slide on a belt and shapes in contact that separate, where truth has event
         times.
         """
+        if subject.method.tells and can_show(subject):
+            return None
         if not has_crossings(subject.instance.scene):
             return "no event times are certified for such scenes"
         if (
@@ -73,11 +81,25 @@ class EventTimes(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding for each kind of event that the run reports."""
-        reported: dict[str, list[Event]] = {}
+        """One finding for each kind of event that the run reports, or that its method claims to."""
+        reported: dict[str, list[Event]] = {kind: [] for kind in sorted(subject.method.tells)}
         run = runs[subject.finest].trajectory
         for event in run.events:
             reported.setdefault(event.kind, []).append(event)
+        findings = self._against_truth(subject, run, reported)
+        if can_show(subject):
+            for kind in sorted(subject.method.tells):
+                shown = shown_events(subject, run, kind)
+                if shown:
+                    findings.append(self._against_samples(subject, shown, reported[kind]))
+        return findings
+
+    def _against_truth(
+        self, subject: Subject, run: Trajectory, reported: Mapping[str, list[Event]]
+    ) -> list[Finding]:
+        """One finding for each reported or claimed kind of event whose times truth may certify."""
+        if not has_crossings(subject.instance.scene):
+            return []
         truth = certified(subject)
         if truth is None:
             return [
@@ -89,6 +111,34 @@ class EventTimes(Check):
             for kind in KINDS
             if kind in reported and kind in predictions.events
         ]
+
+    def _against_samples(
+        self, subject: Subject, shown: list[ShownEvent], events: list[Event]
+    ) -> Finding:
+        """The finding on the events of one kind, one at least, that the samples of the run show."""
+        kind = shown[0].kind
+        if subject.method.control == "step":
+            late = 2 * subject.levels[-1]
+        else:
+            late = subject.instance.problem.interval
+        missing = untold(shown, events, late)
+        if missing is None:
+            statement = f"Every {kind} that the samples show is told ({len(shown)} of them)"
+        else:
+            bodies = " and ".join(str(body) for body in missing.bodies)
+            statement = (
+                f"The samples show a {kind} of body {bodies} before t = {missing.by:.6g} s, number"
+                f" {missing.number} of these, which is not told"
+            )
+        return judged(
+            check=self.name,
+            quantity=f"{kind}-shown",
+            value=float(missing is not None),
+            bound=0.0,
+            unit="1",
+            basis=f"the method claims to tell every {kind}, between bodies and at walls",
+            statement=statement,
+        )
 
     def _finding(
         self, subject: Subject, kind: str, events: list[Event], predictions: "Predicted"

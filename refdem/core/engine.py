@@ -36,6 +36,8 @@ class Method:
     show divided by the step.
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step that sees them.
+    tells: kinds of events, contact or release, of which the method tells every one, between bodies
+    and at walls; a run without them is then held to truth as well.
     answers: the kind of questions that the method is for.
     threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
     as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
@@ -66,6 +68,7 @@ class Method:
     differenced_velocities: bool = False
     summed_clock: bool = False
     locates_events: bool = False
+    tells: frozenset[str] = frozenset()
     deterministic: bool = True
     threads: bool = False
     as_shipped: bool = False

@@ -216,6 +216,21 @@ def fixed_falls(request, columns):
     return {"t": columns["t"], **honest(changed.to_json(), problem.interval, len(problem.times))}
 
 
+def one_length(request, columns):
+    """What an adapter hands back that gives every spring the length of the first one."""
+    problem = request.problem
+    scene = problem.scene
+    springs = scene.all(Spring)
+    elements = tuple(
+        msgspec.structs.replace(element, length=springs[0].length)
+        if isinstance(element, Spring)
+        else element
+        for element in scene.elements
+    )
+    changed = Scene(scene.bodies, elements)
+    return {"t": columns["t"], **honest(changed.to_json(), problem.interval, len(problem.times))}
+
+
 def moments_reordered(*axes):
     """A lie: moments of inertia come in another order."""
 
@@ -252,6 +267,7 @@ def delayed(request, columns):
 
 LIES = {
     "a clock that starts at zero": (changed("t", lambda t: t - t[0]), "later: clock", ""),
+    "springs of one length": (one_length, "two springs: position", ""),
     "a fixed body that moves": (fixed_falls, "hanging from a fixed body: position", ""),
     "gravity upwards": (changed("velocity", np.abs), "fall in space: velocity", ""),
     "millimetres": (

@@ -12,6 +12,7 @@ import pytest
 
 from refdem.campaign.in_process import truth_of
 from refdem.checks._crossings import Crossing, crossings, shift
+from refdem.checks._shown_events import shown_events
 from refdem.checks.event_times import CHECK, interpolated
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
@@ -161,6 +162,60 @@ def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
     )
     assert {kind: finding.outcome for kind, finding in seen.items()} == {"release": "pass"}
     assert found(subject, lambda events: ()) == {}
+
+
+AT_WALL = {"member": "co-6"}
+TELLS = frozenset({"contact", "release"})
+
+
+def telling(subject):
+    """The subject with a method that claims to tell every contact and release."""
+    return replace(subject, method=replace(subject.method, tells=TELLS))
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "given"),
+    [("two-spheres", "velocity-verlet", DAMPED), ("impact-benchmarks", "rk4", AT_WALL)],
+)
+def test_an_event_that_is_claimed_to_be_told_is_missed_in_a_run_without_any(case, method, given):
+    subject = trial_of(case, method, **given)
+    whole = found(telling(subject))
+    assert {kind: finding.outcome for kind, finding in whole.items()} == {
+        "contact": "undecided",
+        "release": "pass",
+        "release-shown": "pass",
+    }
+    silent = found(telling(subject), lambda events: ())
+    assert silent["release"].outcome == "fail"
+    assert "(0 reported, 1 expected" in silent["release"].sentence
+    # A contact at the first sample may be left out.
+    assert silent["contact"].outcome == "undecided"
+    assert found(subject, lambda events: ()) == {}
+
+
+@pytest.mark.parametrize("kind", sorted(TELLS))
+def test_an_event_that_the_samples_show_must_be_told_where_truth_has_no_event_times(kind):
+    subject = trial_of("impact-benchmarks", "velocity-verlet", member="dem-01")
+    assert CHECK.applies(subject) == "no event times are certified for such scenes"
+    run = run_of(subject)
+    shown = [
+        Event(shown.by, shown.kind, shown.bodies[0])
+        for of_kind in sorted(TELLS)
+        for shown in shown_events(subject, run, of_kind)
+    ]
+    assert {event.kind for event in shown} == TELLS
+    claiming = telling(subject)
+    told = found(claiming, lambda events: shown)
+    assert {name: finding.outcome for name, finding in told.items()} == {
+        "contact-shown": "pass",
+        "release-shown": "pass",
+    }
+    last = [event for event in shown if event.kind == kind][-1]
+    spoiled = found(claiming, lambda events: [event for event in shown if event != last])
+    (other,) = TELLS - {kind}
+    assert spoiled[f"{kind}-shown"].outcome == "fail"
+    assert "of body 0 before t = " in spoiled[f"{kind}-shown"].sentence
+    assert spoiled[f"{other}-shown"].outcome == "pass"
 
 
 def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():

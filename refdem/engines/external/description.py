@@ -11,6 +11,7 @@ from refdem.core.outside import one_line
 from refdem.engines.external.features import FEATURES
 
 Picture = Literal["shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed"]
+Told = Literal["contact", "release"]
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
 
 Feature = Annotated[str, Meta(extra_json_schema={"enum": sorted(FEATURES)})]
@@ -55,6 +56,13 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     locates_events: Annotated[
         bool, said("events are told at their own times, not at the end of the step that sees them")
     ] = False
+    tells: Annotated[
+        list[Told],
+        said(
+            "kinds of events of which it tells every one, between bodies and at walls, so that one"
+            " that is missing is seen in a run without any, too"
+        ),
+    ] = []
     complete_state: Annotated[
         bool, said("a run can go on from positions, velocities, attitudes and omegas alone")
     ] = True
@@ -73,6 +81,7 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """
         fields = msgspec.structs.asdict(self)
         fields["conserves"] = frozenset(self.conserves)
+        fields["tells"] = frozenset(self.tells)
         fields["summary"] = one_line(self.summary)
         fields["constant_reason"] = one_line(self.constant_reason)
         fields["complete_state"] = self.complete_state and engine.velocity_time == "synchronous"

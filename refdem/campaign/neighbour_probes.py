@@ -1,0 +1,140 @@
+"""Probes of which spheres a program looks at: those that start apart and meet later, that touch
+several others at once, or that come late in a long list.
+
+Programs keep lists of neighbours, and renew them as spheres move. All contacts are undamped and
+head-on, so that each has a closed form.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.campaign.probes import Expected, Probe
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+
+Array = NDArray[np.float64]
+
+STIFFNESS = 800.0
+"""[N/m], of contacts: they last a tenth of a second or two."""
+AROUND = 5
+"""Spheres around one, with gaps between them."""
+BETWEEN = 80
+"""Bodies listed between two that meet: more than the 64 bits of a word."""
+
+
+def neighbour_probes() -> tuple[Probe, ...]:
+    """The probes of lists of neighbours."""
+    return (_meeting("meeting later", between=0), _surrounded(), _meeting("many", between=BETWEEN))
+
+
+def _bounce(t: Array, rate: float, speed: float, start: float) -> tuple[Array, Array]:
+    """Closing velocity (T,) [m/s] and the distance closed (T,) [m] since t = 0, of a pair that
+    closes with `speed` [m/s] and touches at `start` [s].
+
+    The overlap is sin(w (t - start)) speed/w with w = `rate` [1/s] for half a period, after which
+    the pair parts with the same speed.
+    """
+    phase = np.clip(rate * (t - start), 0.0, np.pi)
+    before = np.minimum(t, start)
+    after = np.maximum(t - start - np.pi / rate, 0.0)
+    return speed * np.cos(phase), speed * (before + np.sin(phase) / rate - after)
+
+
+def _meeting(name: str, *, between: int) -> Probe:
+    """Two unlike spheres that start apart, the first and the last in the list, and meet head-on.
+
+    The gap is wider than half the larger radius, and each sphere moves by less than that until they
+    meet. The bodies between them in the list are at rest and far away. The contact has w =
+    sqrt(k/mu) with the reduced mass mu = m1 m2/(m1 + m2).
+    """
+    masses = np.array([2.0, 3.0])
+    radii = (0.5, 0.25)
+    gap = 0.375
+    speed = 1.0
+    along = np.array([0.6, 0.8, 0.0])
+    place = np.array([-1.0, 0.5, 0.0])
+    starts = np.stack([place, place + (sum(radii) + gap) * along])
+    rate = float(np.sqrt(STIFFNESS * masses.sum() / masses.prod()))
+    # Both move at the same speed before they meet. The centre of mass keeps its velocity.
+    shares = masses[::-1] / masses.sum() * [1.0, -1.0]
+    centre_velocity = (masses[0] - masses[1]) / masses.sum() * speed / 2
+    rows, columns = np.divmod(np.arange(between), 10)
+    far = np.column_stack([4.0 + 1.25 * rows, 1.25 * columns - 5.0, 0.0 * rows])
+
+    def expected(t: Array) -> Expected:
+        closing, closed = _bounce(t, rate, speed, gap / speed)
+        moved = t[:, None] * centre_velocity + closed[:, None] * shares
+        velocity = centre_velocity + closing[:, None] * shares
+        return {
+            "position": _with_others(starts + moved[..., None] * along, far),
+            "velocity": _with_others(velocity[..., None] * along, 0 * far),
+        }
+
+    others = [(2.0, 0.5)] * between
+    sizes = [(masses[0], radii[0]), *others, (masses[1], radii[1])]
+    return _of_spheres(
+        name, "which spheres are looked at as neighbours, and when that is renewed", sizes, expected
+    )
+
+
+def _with_others(pair: Array, others: Array) -> Array:
+    """Rows (T, 2 + N, 3): the first of a pair (T, 2, 3), then N others (N, 3), then its second."""
+    constant = np.broadcast_to(others, (len(pair), *others.shape))
+    return np.concatenate([pair[:, :1], constant, pair[:, 1:]], axis=1)
+
+
+def _surrounded() -> Probe:
+    """Equal spheres that come at one time from evenly spaced directions in a plane to a sphere at
+    rest, which stays at rest.
+
+    Each one moves as at a wall, w = sqrt(k/m).
+    """
+    mass = 2.0
+    radii = (0.5, 0.25)
+    gap = 0.25
+    speed = 1.0
+    centre = np.array([1.0, -0.5, 0.0])
+    rate = float(np.sqrt(STIFFNESS / mass))
+    angles = 0.25 + 2 * np.pi / AROUND * np.arange(AROUND)
+    outwards = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+
+    def expected(t: Array) -> Expected:
+        closing, closed = _bounce(t, rate, speed, gap / speed)
+        distance = sum(radii) + gap - closed
+        ring = centre + distance[:, None, None] * outwards
+        ring_velocity = -closing[:, None, None] * outwards
+        at_rest = np.zeros((len(t), 1, 3))
+        return {
+            "position": np.concatenate([at_rest + centre, ring], axis=1),
+            "velocity": np.concatenate([at_rest, ring_velocity], axis=1),
+        }
+
+    sizes = [(3.0, radii[0]), *[(mass, radii[1])] * AROUND]
+    return _of_spheres(
+        "surrounded", "a sphere in several contacts at once, and every one of them", sizes, expected
+    )
+
+
+def _of_spheres(
+    name: str,
+    shows: str,
+    sizes: list[tuple[float, float]],
+    expected: Callable[[Array], Expected],
+) -> Probe:
+    """The probe of spheres of these masses [kg] and radii [m] that start as `expected` does."""
+    start = expected(np.zeros(1))
+    bodies = [
+        Body(
+            mass=mass,
+            position=tuple(position.tolist()),
+            velocity=tuple(velocity.tolist()),
+            shape=Sphere(radius=radius),
+        )
+        for (mass, radius), position, velocity in zip(
+            sizes, start["position"][0], start["velocity"][0], strict=True
+        )
+    ]
+    scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
+    return Probe(name=name, shows=shows, scene=scene, expected=expected)
