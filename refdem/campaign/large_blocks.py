@@ -6,8 +6,10 @@ import sys
 M_TRIM_THRESHOLD = -1
 M_MMAP_THRESHOLD = -3
 """Parameters of mallopt(3), from <malloc.h>."""
-LARGE = 4 * 2**20
-"""Bytes from which a block is one of its own: below are arrays that checks make by the thousand."""
+LARGE = 2**24
+"""Bytes from which a block is one of its own: a page of a new block costs time, so that it is above
+the arrays of most checks.
+"""
 TOP = 2**24
 """Bytes that stay free at the end of the heap, so that it need not grow again at once."""
 

@@ -15,11 +15,11 @@ def resident():
 
 give_back_large_blocks()
 # By itself glibc puts blocks of up to this size on its heap from now on.
-np.ones(3 * 2**20)
+np.ones(7 * 2**19)
 before = resident()
 large, small = [], []
-for _ in range(8):
-    large.append(np.ones(2**20))
+for _ in range(4):
+    large.append(np.ones(3 * 2**20))
     small.append(np.ones(2**12))
 large.clear()
 print(resident() - before)
